@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
@@ -59,8 +59,11 @@ Axis = Annotated[
 
 
 def is_axis(field: FieldInfo) -> bool:
-    """Return whether the type of a configuration key is an `Axis`; `field` is the key's field."""
-    return any(getattr(mark, "func", None) is expand for mark in field.metadata)
+    """Return whether a key's type is an `Axis`, or an `Axis` or null; `field` is its field."""
+    marks = [*field.metadata]
+    for kind in get_args(field.annotation):
+        marks += getattr(kind, "__metadata__", ())
+    return any(getattr(mark, "func", None) is expand for mark in marks)
 
 
 def _numbers(entry: Mapping[Any, Any]) -> list[float]:

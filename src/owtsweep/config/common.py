@@ -50,6 +50,12 @@ class Config(Section):
     #: The sections that a tuning file sets. With several tunings in one run, each tuning has these
     #: sections of its own (`owtsweep.config.tunings`). Empty for a study without tunings.
     tuned: ClassVar[tuple[str, ...]] = ()
+    #: Dotted keys outside the section `grid` that are axes of the grid. As those of `grid`, they
+    #: may change without making another run.
+    swept: ClassVar[tuple[str, ...]] = ()
+    #: Config groups that set one section each, whose options may also be files of the user's:
+    #: `structure=./mine.yaml` (`owtsweep.config.section_files`).
+    from_files: ClassVar[tuple[str, ...]] = ()
 
     study: str = key("which study it is")
     experiment: str = key("begins the name of the run folder", default="study")

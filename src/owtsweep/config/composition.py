@@ -13,6 +13,7 @@ from owtsweep.config import tunings
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
+from owtsweep.config.section_files import place_section_files
 from owtsweep.config.stored import DEEPEST, read, resolved
 from owtsweep.config.tuning_files import place_files
 from owtsweep.errors import InputError, require, shorten
@@ -163,7 +164,7 @@ def compose_plain(
 
     If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
     the results are joined (`owtsweep.config.tunings.join`). A tuning may be a file of the user's
-    (`owtsweep.config.tuning_files`).
+    (`owtsweep.config.tuning_files`), and so may a section (`owtsweep.config.section_files`).
 
     Parameters
     ----------
@@ -180,8 +181,11 @@ def compose_plain(
         If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
         stored, or several tunings cannot be joined; the message is one line.
     """
-    with place_files(overrides, tree.model.tuned) as (placed, folders):
-        words = [*_search_path(config_dir, placed, folders), *placed]
+    with (
+        place_section_files(overrides, tree.model) as (sections, first),
+        place_files(sections, tree.model.tuned) as (placed, second),
+    ):
+        words = [*_search_path(config_dir, placed, [*first, *second]), *placed]
         return _compose_tunings(tree, words, overrides)
 
 

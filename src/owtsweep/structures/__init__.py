@@ -7,4 +7,7 @@ Heights are in m above mean sea level, positive upwards.
 from owtsweep.structures.description import Structure, read_structure
 from owtsweep.structures.modes import Modes, compute_modes
 
+#: Raised when a number that this room computes changes.
+NUMERICS_VERSION = 0
+
 __all__ = ["Modes", "Structure", "compute_modes", "read_structure"]

@@ -51,10 +51,16 @@ def block_key(study: Study, block: Block) -> str:
 def run_hash(config: Config) -> str:
     """Return the hash that identifies a run: 10 hexadecimal digits.
 
-    The hash covers the configuration without the keys of `NOT_IDENTIFYING`. So a larger grid,
-    another scheme, more workers or another folder do not change the hash.
+    The hash covers the configuration without the keys of `NOT_IDENTIFYING` and of `Config.swept`.
+    So a larger grid, another scheme, more workers or another folder do not change the hash.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_IDENTIFYING}
+    for path in config.swept:
+        *sections, name = path.split(".")
+        inner = identity
+        for section in sections:
+            inner = inner.get(section, {})
+        inner.pop(name, None)
     return _digest(identity, HASH_BYTES, what="config")
 
 

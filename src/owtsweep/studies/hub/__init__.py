@@ -54,16 +54,20 @@ class HubStudy:
         return HubConfig
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return the conditions, which are the axes of the grid: natural period and amplitude."""
-        from owtsweep.studies.hub.conditions import CONDITIONS
+        """Return the conditions, which are the axes of the grid.
 
-        return CONDITIONS
+        They are natural period and amplitude; with motion=plant, they are those of the plant.
+        """
+        from owtsweep.studies.hub.conditions import get_conditions
+
+        return get_conditions(config)
 
     def engine(self, config: HubConfig) -> Engine:
         """Return a new engine of the kind that the key `engine` of the configuration names."""
-        from owtsweep.studies.hub.engines import ENGINES
+        from owtsweep.studies.hub.engines import ENGINES, PlantEngine
+        from owtsweep.studies.hub.plant import is_plant
 
-        return ENGINES[config.engine]()
+        return PlantEngine() if is_plant(config) else ENGINES[config.engine]()
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
@@ -108,7 +112,9 @@ class HubStudy:
             Texts by name to store inside the figures' files. The text `folder` names the run.
         """
         from owtsweep.studies.hub.fidelity.report import write_report
+        from owtsweep.studies.hub.plant import require_spectrum
 
+        require_spectrum(config, "`fidelity`")
         return write_report(config, rows, folder, metadata)
 
     def write_spectrum(
@@ -122,15 +128,19 @@ class HubStudy:
         """
         from owtsweep.studies.hub.compiling import compile_kernels
         from owtsweep.studies.hub.figures.spectrum_tables import write
+        from owtsweep.studies.hub.plant import require_spectrum
 
+        require_spectrum(config, "`spectrum`")
         compute = config.compute
         compile_kernels("gains", "recorded", vectors=compute.vectors, cores=compute.workers)
         return write(config, folder, metadata)
 
     def count_trials(self, config: HubConfig) -> int:
         """Return how many trials the command `tune` will make, for all schemes together."""
+        from owtsweep.studies.hub.plant import require_spectrum
         from owtsweep.studies.hub.tuning.tuned import list_tunable
 
+        require_spectrum(config, "`tune`")
         return len(list_tunable(config)) * config.tune.trials
 
     def prepare_tuning(self, config: HubConfig) -> None:

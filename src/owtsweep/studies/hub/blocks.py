@@ -1,6 +1,7 @@
 """Runs blocks, the units of work of the hub study that `planning` makes.
 
-A block holds the cases of one scheme at one natural period for up to eight replicates.
+A block holds the cases of one scheme under one combination of conditions, e.g. at one natural
+period, for up to eight replicates.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.batch import Sums, sum_errors
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
+from owtsweep.studies.hub.conditions import list_condition_names
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
-from owtsweep.studies.hub.records import Records, make_records
+from owtsweep.studies.hub.records import Records, make_records_at
 from owtsweep.studies.hub.schemes import list_entries, resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
 from owtsweep.sweep.study import Block
@@ -56,7 +58,8 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     Motion and noise are made once for all blocks, of all tunings.
     """
     first = blocks[0].content
-    records = make_records(config, first["natural_period"], first["replicates"])
+    conditions = {name: first[name] for name in list_condition_names(config)}
+    records = make_records_at(config, conditions, first["replicates"])
     for _, of_tuning in groupby(blocks, lambda block: block.tunings[:1]):
         chosen = list(of_tuning)
         yield from _run_one_tuning(chosen[0].choose(config), chosen, records)
@@ -107,7 +110,7 @@ def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
     """
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]
-    whole = pd.DataFrame({name: _joined([p[name] for p in pieces]) for name in measures.COLUMNS})
+    whole = pd.DataFrame({name: _joined([p[name] for p in pieces]) for name in pieces[0]})
     stops = np.cumsum([sum(len(piece["value"]) for piece in part) for part in tables]).tolist()
     result = [whole.iloc[first:stop] for first, stop in pairwise([0, *stops])]
     for frame in result:
@@ -226,18 +229,18 @@ def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
 def _from_sums(
     sums: Sums, scheme: str, records: Records, amplitude: float | None
 ) -> Iterator[measures.Columns]:
-    period, replicates = records.natural_period, records.replicates
+    conditions, replicates = records.conditions, records.replicates
     finite = np.all(np.isfinite(sums.products), axis=(0, 1, 2))
     if finite.all():
-        yield measures.table(period, replicates, scheme, measures.from_sums(sums), amplitude)
+        yield measures.table(conditions, replicates, scheme, measures.from_sums(sums), amplitude)
         return
     for index, replicate in enumerate(replicates):
         if finite[index]:
             measured = measures.from_sums(sums, [index])
-            yield measures.table(period, [replicate], scheme, measured, amplitude)
+            yield measures.table(conditions, [replicate], scheme, measured, amplitude)
         else:
             reason = "the estimate is not finite"
-            yield measures.failed(period, replicate, scheme, reason, amplitude)
+            yield measures.failed(conditions, replicate, scheme, reason, amplitude)
 
 
 def _by_loop(
@@ -247,7 +250,7 @@ def _by_loop(
     settled: int,
     amplitude: float | None,
 ) -> Iterator[measures.Columns]:
-    period = records.natural_period
+    conditions = records.conditions
     for part in records.parts():
         for index, replicate in enumerate(part.replicates):
             try:
@@ -255,11 +258,13 @@ def _by_loop(
                     measured = _looped(config, scheme, part, settled, amplitude, index)
                 if not np.all(np.isfinite(measured.products)):
                     raise ValueError("squares of the errors are too large, or no numbers")
-                rows = measures.table(period, [replicate], scheme.name, measured, amplitude)
+                rows = measures.table(conditions, [replicate], scheme.name, measured, amplitude)
             except KeyboardInterrupt:
                 raise
             except BaseException as error:  # a user's scheme may raise anything
-                rows = measures.failed(period, replicate, scheme.name, as_text(error), amplitude)
+                rows = measures.failed(
+                    conditions, replicate, scheme.name, as_text(error), amplitude
+                )
             yield rows
 
 

@@ -14,6 +14,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.plant import check_plant, is_plant
 from owtsweep.studies.hub.schemes import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import (
     check_buffers,
@@ -45,7 +46,10 @@ def check(config: HubConfig) -> None:
     check_grid(config)
     _check_sensors(config)
     _check_record(config)
-    _check_spectrum(config)
+    check_plant(config)
+    if not is_plant(config):
+        _check_band(config)
+        _check_spectrum(config)
     schemes = resolve_all(config.schemes, config)
     for scheme in schemes:
         _check_sections(config, scheme)
@@ -183,7 +187,10 @@ def _check_record(config: HubConfig) -> None:
         f"record.duration: {config.record.duration:g} s is no longer than measures.settling_time "
         f"{config.measures.settling_time:g} s; lengthen the record",
     )
-    band = config.band
+
+
+def _check_band(config: HubConfig) -> None:
+    band, imu = config.band, config.sensors.imu
     require(
         band[0] < band[1],
         f"band: the edges [{band[0]:g}, {band[1]:g}] Hz are reversed or equal; use "

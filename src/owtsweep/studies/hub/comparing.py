@@ -5,16 +5,19 @@ from __future__ import annotations
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Candidate
 from owtsweep.studies.hub import scheme_names
-from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, get_grid
+from owtsweep.studies.hub.conditions import BOUNDARY, get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
 from owtsweep.studies.hub.expected import answers
 from owtsweep.studies.hub.origin import list_origin
+from owtsweep.studies.hub.plant import describe_content, is_plant
 
 #: The keys on which a record's motion depends, besides natural period and replicate. Changing
 #: sigma, delay, rate, bias or tuning changes neither the motion's phases nor the draws of the
 #: noise.
 PAIRING = ("seed", "record", "spectrum", "band", "normalise")
+#: These keys with motion=plant, besides the plant itself.
+PAIRING_OF_PLANT = ("seed", "record")
 
 
 def describe_run(run: Candidate) -> Aspects:
@@ -26,14 +29,17 @@ def describe_run(run: Candidate) -> Aspects:
     config: HubConfig = run.config
     window = config.measures.window
     samples = ENGINES[config.engine]().samples
+    pairing = {key: getattr(config, key) for key in PAIRING}
+    if is_plant(config):
+        pairing = {key: getattr(config, key) for key in PAIRING_OF_PLANT} | describe_content(config)
     return Aspects(
-        conditions=CONDITIONS,
+        conditions=get_conditions(config),
         grid=get_grid(config),
         schemes=scheme_names(config),
         criterion=config.measures.criterion,
         window=window,
-        pairing={key: getattr(config, key) for key in PAIRING},
-        boundary=BOUNDARY,
+        pairing=pairing,
+        boundary=None if is_plant(config) else BOUNDARY,
         origin=list_origin(config),
         best_of=None
         if samples

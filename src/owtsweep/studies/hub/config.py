@@ -12,11 +12,13 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from owtsweep.config import Config, Finite, Positive, changed, key, require
+from owtsweep.structures import Structure
 from owtsweep.studies.hub.sections import (
     FilterTuning,
     Grid,
     Hme,
     Measures,
+    MotionConfig,
     Record,
     SensorConfig,
     SpectrumConfig,
@@ -40,6 +42,10 @@ class HubConfig(Config):
         "tuning", "tune", "baselines", "measures.window", "measures.criterion",
     }  # fmt: skip
     tuned: ClassVar[tuple[str, ...]] = TUNED
+    swept: ClassVar[tuple[str, ...]] = (
+        "motion.hs", "motion.tp", "motion.blades", "motion.friction_angle",
+    )  # fmt: skip
+    from_files: ClassVar[tuple[str, ...]] = ("structure",)
 
     engine: Literal["batch", "reference", "expected"] = key(
         "batch: compiled; reference: the algorithms as written, slow; expected: the mean over all "
@@ -51,6 +57,10 @@ class HubConfig(Config):
     )
     grid: Grid = key("the axes of the sweep")
     record: Record = key("a record of motion and measurements")
+    motion: MotionConfig = key("where the motion comes from", default=MotionConfig(), younger=True)
+    structure: Structure | None = key(
+        "the structure that moves; with motion=plant only", default=None, younger=True
+    )
     spectrum: SpectrumConfig = key("the spectrum of the motion")
     normalise: Literal["peak", "rms"] = key(
         "what is 1 m before the amplitude is applied: the largest displacement or its standard "
@@ -124,7 +134,7 @@ class HubConfig(Config):
         """Return in a line the tuning, the truth, and the number of records with their seed."""
         from owtsweep.studies.hub.origin import describe_origin
 
-        return f"Tuning {self.tuning_name}. {describe_origin(self)}"
+        return f"Tuning {self.tuning_name}. {' '.join(describe_origin(self).split())}"
 
     def describe_code(self) -> Any:
         """Return what a run stores of its schemes: a list with one mapping per scheme.

@@ -5,16 +5,28 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
 from owtsweep.results.winners import tell_winners
 from owtsweep.studies.hub import baseline_names, blocks, criteria, figures, planning, prediction
-from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
+from owtsweep.studies.hub.conditions import (
+    NATURAL_PERIOD,
+    get_map_conditions,
+    list_maps,
+    make_cube,
+)
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
+from owtsweep.studies.hub.plant import (
+    FRICTION_ANGLE,
+    SEA_CONDITIONS,
+    describe_plant,
+    is_plant,
+    list_breaking,
+)
 from owtsweep.studies.hub.schemes import list_entries, resolve_all
 from owtsweep.studies.hub.winners import find_winners
 from owtsweep.sweep.study import Square
@@ -61,9 +73,12 @@ class _Engine:
 
         criterion, window = config.measures.criterion, config.measures.window
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
-        shown = grid(table, names, CONDITIONS, criterion, window, notes=notes)
+        conditions = get_map_conditions(config)
+        shown = grid(table, names, conditions, criterion, window, notes=notes)
         told = [Text(tell_winners(table))] if len(table) else []
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
+        if is_plant(config):
+            origin.insert(1, describe_plant(config))
         return Group(*(Text(line, style="bold") for line in origin), shown, *told)
 
     def overview(self, config: HubConfig) -> str:
@@ -81,8 +96,12 @@ class _Engine:
         """List the figure that shows the maps of all tunings side by side."""
         from owtsweep.studies.hub.figures import maps_by_tuning
 
+        config: Any = next(iter(results.values())).config
         return {
-            maps_by_tuning.NAME: save_figure(partial(maps_by_tuning.draw, results), metadata),
+            f"{maps_by_tuning.NAME}{end}": save_figure(
+                partial(maps_by_tuning.draw, results, at), metadata
+            )
+            for end, at in list_maps(config).items()
         }
 
 
@@ -138,6 +157,27 @@ class RecordsEngine(_Engine):
         window = config.measures.window
         best = find_best_schemes(cube, window, criteria(config), baseline_names(config))
         return {"summary": summarise(cube), "best_scheme": best}
+
+
+class PlantEngine(RecordsEngine):
+    """The engine for motion=plant: records of a structure under waves, each run as it is."""
+
+    row_types: ClassVar[Mapping[str, type]] = {
+        **{name: kind for name, kind in _Engine.row_types.items() if name != NATURAL_PERIOD.name},
+        **{condition.name: float for condition in SEA_CONDITIONS if condition != FRICTION_ANGLE},
+    }
+    drawings = staticmethod(figures.drawings_of_plant)
+
+    def sort_columns(self) -> list[str]:
+        """Return the columns that identify a row."""
+        names = [condition.name for condition in SEA_CONDITIONS]
+        return [*names, "scheme", "measure", "window", "replicate"]
+
+    def backend(self, config: HubConfig) -> str:
+        """Return the joblib backend, as without a plant; warn of sea states that would break."""
+        for told in list_breaking(config):
+            logger.warning("%s: waves this steep break; linear waves say too much of them", told)
+        return super().backend(config)
 
 
 class ExpectedEngine(_Engine):

@@ -8,12 +8,15 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
+from owtsweep.results.conditions import Value
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.conditions import describe_values, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
-from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.plant import is_plant, make_plant
+from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.hub.sensors import simulate_bias
 
@@ -23,6 +26,8 @@ NATURAL_PERIOD = 3.8
 #: in them. At a natural period of 4 s, HME1 is better from 0.3 m on (section 5.3); 0.5 m is the
 #: grid's next amplitude.
 AMPLITUDE = 0.5
+#: Sea state of the paper's time histories, figures 9-14 (its section 2).
+SEA = {"hs": 2.0, "tp": 6.0}
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,8 @@ class Histories:
     Attributes
     ----------
     natural_period, amplitude
-        Natural period (s) and amplitude (m) of the motion.
+        Natural period (s) and amplitude (m) of the motion; of the plant they are those of the first
+        mode and the largest displacement.
     time
         Times of the steps, s, shape (steps,).
     position, velocity, acceleration, bias
@@ -73,6 +79,8 @@ class Histories:
         Scheme -> its estimates.
     left_out
         Scheme -> why the scheme could not run; a scheme without a kernel is not listed.
+    sea
+        The plant's conditions in words; "" with motion=spectrum.
     """
 
     natural_period: float
@@ -90,6 +98,7 @@ class Histories:
     integrated_velocity: Array
     estimated: dict[str, SchemeHistory]
     left_out: dict[str, str]
+    sea: str = ""
 
 
 def natural_period_of(config: HubConfig) -> float:
@@ -103,20 +112,47 @@ def natural_period_of(config: HubConfig) -> float:
     return NATURAL_PERIOD
 
 
+def choose_sea(config: HubConfig) -> dict[str, Value]:
+    """Return the plant's conditions of the time histories: the sea state nearest to `SEA`.
+
+    Blades and friction angle are the first of the configuration. The result is condition -> value.
+    """
+    grid = get_grid(config)
+    nearest = {
+        name: min(grid[name], key=lambda value: abs(float(value) - wanted))
+        for name, wanted in SEA.items()
+    }
+    return {name: values[0] for name, values in grid.items()} | nearest
+
+
+def _make_record(config: HubConfig) -> tuple[Records, float, float, str]:
+    """Return replicate 0, its natural period (s), the factor on its motion, and its sea in words.
+
+    With a spectrum, the factor is `AMPLITUDE`, and there is no sea.
+    """
+    if not is_plant(config):
+        period = natural_period_of(config)
+        return make_records(config, period, [0]), period, AMPLITUDE, ""
+    conditions = choose_sea(config)
+    period = 1.0 / float(make_plant(config, conditions).vibration.frequency[0])
+    records, sea = make_records_at(config, conditions, [0]), describe_values(config, conditions)
+    return records, period, 1.0, sea
+
+
 def simulate_histories(config: HubConfig) -> Histories:
     """Simulate one record, run the configured schemes on it, and return the time histories.
 
-    The record is replicate 0 at `AMPLITUDE` and the period of `natural_period_of`. Schemes without
-    a kernel are skipped. Schemes that refuse the tuning are listed in `left_out`.
+    The record is replicate 0 at `AMPLITUDE` and the period of `natural_period_of`; with
+    motion=plant it is that of the sea state nearest to `SEA`. Schemes without a kernel are skipped.
+    Schemes that refuse the tuning are listed in `left_out`.
     """
-    period = natural_period_of(config)
-    records = make_records(config, period, [0])
+    records, period, factor, sea = _make_record(config)
     sensors, motion = records.sensors, records.motion[0]
     signal = [
-        AMPLITUDE * np.outer(series, records.direction)
+        factor * np.outer(series, records.direction)
         for series in (motion.position, motion.velocity, motion.acceleration)
     ]
-    force, fixes = batch.Lanes(records).at(AMPLITUDE)
+    force, fixes = batch.Lanes(records).at(factor)
     T = sensors.step
     measured = force + np.array(sensors.gravity)
     integrated_velocity = signal[1][0] + _shift_by_one(np.cumsum(T * measured, axis=0))
@@ -136,7 +172,8 @@ def simulate_histories(config: HubConfig) -> Histories:
         estimated[scheme.name] = _estimate(chain, sensors, force, fixes)
     return Histories(
         natural_period=period,
-        amplitude=AMPLITUDE,
+        amplitude=float(factor * np.abs(motion.position).max()) if sea else AMPLITUDE,
+        sea=sea,
         time=T * np.arange(records.steps),
         position=signal[0],
         velocity=signal[1],

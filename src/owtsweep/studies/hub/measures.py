@@ -6,8 +6,8 @@ time.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import PLANAR_MOTION
 from owtsweep.evaluation.measures import Errors, Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.results.conditions import Value
 from owtsweep.studies.hub.batch import Sums
 
 #: The measures that the kernels sum, in their order.
@@ -26,7 +27,8 @@ WINDOWS = ("full", "settled")
 
 #: Name of a column -> its values: numbers or strings.
 Columns = dict[str, Array | NDArray[np.int64] | list[str]]
-#: The columns of a shard (a stored file of rows), in order.
+#: The columns of a shard (a stored file of rows) with motion=spectrum, in order. With motion=plant
+#: the plant's conditions take the place of the natural period.
 COLUMNS = (
     "natural_period", "replicate", "scheme", "measure", "window", "amplitude", "motion", "cross",
     "noise", "value", "n_samples", "status", "reason",
@@ -141,7 +143,7 @@ def from_trajectories(
 
 
 def table(
-    natural_period: float,
+    conditions: Mapping[str, Value],
     replicates: Sequence[int],
     scheme: str,
     measured: Measured,
@@ -153,8 +155,8 @@ def table(
 
     Parameters
     ----------
-    natural_period
-        Natural period, s.
+    conditions
+        Condition -> value, without the amplitude.
     replicates
         Numbers of the records in `measured`.
     scheme
@@ -173,7 +175,7 @@ def table(
     if amplitude is not None:
         at, value, products = np.full(rows, amplitude), products[2], np.full((3, rows), np.nan)
     return {
-        "natural_period": np.full(rows, natural_period),
+        **{name: _repeat(value, rows) for name, value in conditions.items()},
         "replicate": np.repeat(np.array(replicates, dtype=np.int64), len(measures)),
         "scheme": [scheme] * rows,
         "measure": measures * records,
@@ -189,13 +191,22 @@ def table(
     }
 
 
+def _repeat(value: Value, rows: int) -> Any:
+    return [value] * rows if isinstance(value, str) else np.full(rows, value)
+
+
 def failed(
-    natural_period: float, replicate: int, scheme: str, reason: str, amplitude: float | None
+    conditions: Mapping[str, Value],
+    replicate: int,
+    scheme: str,
+    reason: str,
+    amplitude: float | None,
 ) -> Columns:
     """Make the single row that says why one scheme failed in one record, as column -> values.
 
-    `natural_period` is in s. `amplitude` is in m; it is None if the row stands for all amplitudes.
+    `conditions` are as for `table`. `amplitude` is in m; it is None if the row stands for all
+    amplitudes.
     """
     nothing = Measured([""], [""], np.full((1, 3, 1), np.nan), [0])
-    row = table(natural_period, [replicate], scheme, nothing, amplitude)
+    row = table(conditions, [replicate], scheme, nothing, amplitude)
     return {**row, "status": ["failed"], "reason": [reason]}

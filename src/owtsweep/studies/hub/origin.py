@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from owtsweep.studies.hub.plant import describe_plant, is_plant
+
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
 
@@ -26,13 +28,19 @@ def describe_draws(config: HubConfig) -> str:
 
 
 def describe_origin(config: HubConfig) -> str:
-    """Return in one line the truth, and the number of records per cell with their seed."""
-    return f"Truth: {describe_truth(config)}; {describe_draws(config)}"
+    """Return the truth, and the number of records per cell with their seed.
+
+    It is one line; with motion=plant, a line about the plant comes first.
+    """
+    return f"Truth: {_describe_motion(config)}{describe_truth(config)}; {describe_draws(config)}"
 
 
 def describe_one_record(config: HubConfig) -> str:
-    """Return in one line the truth and the seed, for a figure that shows a single record."""
-    return f"Truth: {describe_truth(config)}; seed {config.seed}"
+    """Return the truth and the seed, for a figure that shows a single record.
+
+    It is one line; with motion=plant, a line about the plant comes first.
+    """
+    return f"Truth: {_describe_motion(config)}{describe_truth(config)}; seed {config.seed}"
 
 
 def list_origin(config: HubConfig) -> dict[str, str]:
@@ -46,6 +54,12 @@ def list_origin(config: HubConfig) -> dict[str, str]:
         "IMU bias": f"{imu.bias_initial:g} m/s²",
         "bias walk": f"{imu.bias_walk:g} m/s²/√s",
     }
+    if is_plant(config):
+        told["motion"] = describe_plant(config)
     if config.engine == "expected":
         return told | {"records per cell": "infinitely many (expected value)"}
     return told | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
+
+
+def _describe_motion(config: HubConfig) -> str:
+    return f"{describe_plant(config)};\n" if is_plant(config) else ""

@@ -1,17 +1,21 @@
 """Plans blocks, the units of work of the hub study, and says what each block's numbers depend on.
 
-A block holds the cases of one scheme at one natural period for up to eight replicates.
+A block holds the cases of one scheme under one combination of conditions, e.g. at one natural
+period, for up to eight replicates.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from typing import Any
 
 from owtsweep.config import Section, as_mapping, require
+from owtsweep.results.conditions import Value
+from owtsweep.studies.hub.conditions import describe_values, list_record_conditions
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.plant import describe_content, is_plant
 from owtsweep.studies.hub.schemes import list_entries, resolve_all
 from owtsweep.studies.hub.schemes.stored import StoredScheme
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
@@ -24,7 +28,9 @@ def plan(config: HubConfig) -> list[Block]:
 
     There is one block per natural period, set of up to eight replicates, and scheme. A block covers
     all amplitudes if the scheme runs motion and noise separately (evaluation=superposed and a
-    linear scheme). Otherwise there is one block per amplitude.
+    linear scheme). Otherwise there is one block per amplitude. With motion=plant, there is one
+    block per combination of the plant's conditions, set of replicates and scheme; its amplitude is
+    1, the motion as it is.
     """
     shared = shared_content(config)
     entries = list_entries(config)
@@ -35,24 +41,37 @@ def plan(config: HubConfig) -> list[Block]:
         for entry, scheme in zip(entries, schemes, strict=True)
     ]
     blocks = []
-    for period in sorted(config.grid.natural_period):
+    for conditions in list_record_conditions(config):
         for first in range(0, config.grid.replicates, REPLICATES_PER_BLOCK):
             last = min(first + REPLICATES_PER_BLOCK, config.grid.replicates)
             replicates = list(range(first, last))
             numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
-            group = f"{period:g} s, {numbers}"
+            group = f"{_name(config, conditions)}, {numbers}"
             for (part, anew), scheme in zip(by_scheme, schemes, strict=True):
-                amplitudes = [None] if superposes(config, scheme) else config.grid.amplitude
-                for amplitude in amplitudes:
-                    content = {**part, "natural_period": float(period), "replicates": replicates}
+                for amplitude in _amplitudes(config, scheme):
+                    content = {**part, **conditions, "replicates": replicates}
                     label = f"{scheme.name}, {group}"
                     if amplitude is not None:
                         content["amplitude"] = float(amplitude)
-                        label += f", {amplitude:g} m"
+                        label += "" if is_plant(config) else f", {amplitude:g} m"
                     per_row = len(config.grid.amplitude) if amplitude is None else 1
                     cases = len(replicates) * per_row
                     blocks.append(Block(group, label, content, cases, per_row, anew))
     return blocks
+
+
+def _name(config: HubConfig, conditions: dict[str, Value]) -> str:
+    """Return the conditions of a record's motion in words."""
+    if is_plant(config):
+        return describe_values(config, conditions)
+    return f"{conditions['natural_period']:g} s"
+
+
+def _amplitudes(config: HubConfig, scheme: Scheme) -> Sequence[float | None]:
+    """Return the amplitudes at which a scheme is run; None stands for all of them at once."""
+    if is_plant(config):
+        return [1.0]
+    return [None] if superposes(config, scheme) else config.grid.amplitude
 
 
 def superposes(config: HubConfig, scheme: Scheme) -> bool:
@@ -66,10 +85,11 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
     The values of the grid and the tuning of the schemes are not among them.
     """
     whole = as_mapping(config)
-    keys = (
-        "seed", "engine", "record", "spectrum", "normalise", "band", "wave_direction", "sensors",
-    )  # fmt: skip
-    content = {key: whole[key] for key in keys}
+    content = {key: whole[key] for key in ("seed", "engine", "record", "wave_direction", "sensors")}
+    if is_plant(config):
+        content |= describe_content(config)
+    else:
+        content |= {key: whole[key] for key in ("spectrum", "normalise", "band")}
     content["settling_time"] = config.measures.settling_time
     content["extremes"] = config.measures.extremes
     return content

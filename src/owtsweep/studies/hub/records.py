@@ -1,44 +1,54 @@
-"""Makes records: motion and sensor noise at one natural period, for a few replicates.
+"""Makes records: motion and sensor noise under some conditions, for a few replicates.
 
 In a given replicate of a given natural period, the phases of the motion and the noise are the same
-for all schemes and amplitudes.
+for all schemes and amplitudes. With motion=plant, they are the same for all sea states and
+structures.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import Spectrum, spectrum
+from owtsweep.motion.plant import PlantMotion
+from owtsweep.motion.source import Motion, Source
+from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import SpectralSource
+from owtsweep.results.conditions import Value
 from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.plant import is_plant, make_plant
+from owtsweep.studies.hub.sections import STRUCTURE
 
 STUDY = "hub"
 #: Greatest number of bytes of motion that a worker holds at a time. If a block's replicates need
 #: more, they run in several parts. Eight records of up to 6600 s at 100 Hz fit.
 MEMORY_SHARE = 128_000_000
-#: Bytes per step: position, velocity and acceleration, eight bytes each.
-BYTES_PER_STEP = 24
+#: Bytes per step: position, velocity and acceleration, eight bytes each; of the plant also the
+#: slope and what an IMU feels.
+BYTES_PER_STEP, BYTES_OF_PLANT = 24, 40
 
 
 @dataclass(frozen=True)
 class Records:
-    """The records of some replicates: motion of unit amplitude, and sensor noise.
+    """The records of some replicates: motion of unit amplitude (or the plant's), and sensor noise.
 
     Attributes
     ----------
     config
         The configuration of the study.
-    natural_period, spectrum
-        Natural period (s) and spectrum of the motion.
+    conditions
+        The conditions of the motion, condition -> value, without the amplitude.
+    in_streams
+        Values of those conditions that are in the keys of random streams.
+    source
+        The source of the motion.
     sensors
         What estimators may know about the sensors.
     replicates
@@ -48,8 +58,9 @@ class Records:
     """
 
     config: HubConfig
-    natural_period: float
-    spectrum: Spectrum
+    conditions: Mapping[str, Value]
+    in_streams: tuple[float, ...]
+    source: Source
     sensors: Sensors
     replicates: tuple[int, ...]
     direction: Array
@@ -66,7 +77,8 @@ class Records:
         at first use; deleting it frees the memory. If all replicates fit at once, yield `self`.
         """
         count = len(self.replicates)
-        each = max(MEMORY_SHARE // (BYTES_PER_STEP * self.steps), 1)
+        each_step = BYTES_OF_PLANT if is_plant(self.config) else BYTES_PER_STEP
+        each = max(MEMORY_SHARE // (each_step * self.steps), 1)
         if each >= count:
             yield self
             return
@@ -75,19 +87,21 @@ class Records:
 
     @cached_property
     def motion(self) -> tuple[Motion, ...]:
-        """The motions, one per replicate, scaled to an amplitude of 1 m."""
-        low, high = self.config.band
-        source = SpectralSource(self.spectrum, (low, high), self.config.normalise)
-        sensors = self.sensors
-        return tuple(
-            sensing.lean(
-                source.realise(
-                    self.stream(index), steps=self.steps, step=sensors.step, history=sensors.delay
-                ),
-                sensors,
-            )
-            for index in range(len(self.replicates))
+        """The motions, one per replicate: of an amplitude of 1 m, or as the plant moves."""
+        return tuple(self._realise(index) for index in range(len(self.replicates)))
+
+    def _realise(self, index: int) -> Motion:
+        """Draw the motion of a replicate, with what a leaning IMU feels of it."""
+        motion = self.source.realise(
+            self.stream(index),
+            steps=self.steps,
+            step=self.sensors.step,
+            history=self.sensors.delay,
         )
+        if self.config.sensors.imu.tilt == STRUCTURE:
+            assert isinstance(motion, PlantMotion)  # checked with the configuration
+            return sensing.lean_as(motion, motion.slope)
+        return sensing.lean(motion, self.sensors)
 
     @cached_property
     def noise(self) -> tuple[sensing.Measurements, ...]:
@@ -125,22 +139,52 @@ class Records:
         `index` is the place of the replicate in `replicates`. The names are those that
         `ForceNoise`, `fix_noise` and the motion ask for, e.g. "gnss".
         """
-        return partial(
-            stream, self.config.seed, STUDY, (self.natural_period,), self.replicates[index]
-        )
+        return partial(stream, self.config.seed, STUDY, self.in_streams, self.replicates[index])
 
 
 def make_records(config: HubConfig, natural_period: float, replicates: Sequence[int]) -> Records:
-    """Return the records of one natural period (s) and some replicates.
+    """Return the records of a spectrum at one natural period (s), for some replicates.
 
     Motion and noise are made at first use.
     """
-    angle = np.deg2rad(config.wave_direction)
+    low, high = config.band
+    shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
     return Records(
         config=config,
-        natural_period=natural_period,
-        spectrum=spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth),
+        conditions={"natural_period": natural_period},
+        in_streams=(natural_period,),
+        source=SpectralSource(shape, (low, high), config.normalise),
         sensors=sensing.sensors(config.sensors),
         replicates=tuple(replicates),
-        direction=np.array([np.cos(angle), np.sin(angle)]),
+        direction=_direction(config),
     )
+
+
+def make_records_at(
+    config: HubConfig, conditions: Mapping[str, Value], replicates: Sequence[int]
+) -> Records:
+    """Return the records under some conditions (condition -> value), for some replicates.
+
+    The conditions are all but the amplitude. Motion and noise are made at first use. With
+    motion=plant and sensors.imu.tilt=structure, the tilt that estimators may know is the slope of
+    the first mode, rad/m.
+    """
+    if not is_plant(config):
+        return make_records(config, float(conditions["natural_period"]), replicates)
+    source, sensors = make_plant(config, conditions), sensing.sensors(config.sensors)
+    if config.sensors.imu.tilt == STRUCTURE:
+        sensors = replace(sensors, tilt=float(source.vibration.slope[0]))
+    return Records(
+        config=config,
+        conditions=dict(conditions),
+        in_streams=(),
+        source=source,
+        sensors=sensors,
+        replicates=tuple(replicates),
+        direction=_direction(config),
+    )
+
+
+def _direction(config: HubConfig) -> Array:
+    angle = np.deg2rad(config.wave_direction)
+    return np.array([np.cos(angle), np.sin(angle)])

@@ -5,10 +5,35 @@ Units are SI, but angles (yaw) are in degrees.
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
+from owtsweep.config.section import require_magnitude
+from owtsweep.structures.description import ANGLES
 from owtsweep.studies.hub.contract import GRAVITY
+
+#: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.
+STRUCTURE = "structure"
+
+
+def _read_tilt(value: Any) -> float | str:
+    """Return a tilt in rad/m, or the word `structure`."""
+    if value == STRUCTURE:
+        return STRUCTURE
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{value!r} is neither a number nor the word {STRUCTURE}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{number:g} rad/m must be a finite number")
+    return require_magnitude(number)
+
+
+#: A tilt in rad/m, or the word `structure`.
+Tilt = Annotated[float | str, BeforeValidator(_read_tilt)]
 
 
 class Grid(Section):
@@ -17,6 +42,35 @@ class Grid(Section):
     natural_period: Axis[Positive] = key("natural periods of the turbine", unit="s")
     amplitude: Axis[Positive] = key("largest displacement of a record (normalise: peak)", unit="m")
     replicates: int = key("records per cell of the grid", ge=1, le=1_000_000)
+
+
+class MotionConfig(Section):
+    """Where the motion comes from: a spectrum, or a structure under waves (the plant).
+
+    All keys but `kind` belong to the plant; sea states and blades are null without a plant.
+    """
+
+    kind: Literal["spectrum", "plant"] = key(
+        "spectrum: the spectrum of the key `spectrum`; plant: the structure of the key `structure` "
+        "under waves (choose by motion=plant)",
+        default="spectrum",
+    )
+    hs: Axis[Positive] | None = key(
+        "significant wave heights of the sea states", unit="m", default=None
+    )
+    tp: Axis[Positive] | None = key("peak periods of the sea states", unit="s", default=None)
+    blades: Axis[Annotated[int, Field(ge=0, le=3)]] | None = key("mounted blades", default=None)
+    friction_angle: Axis[Annotated[float, Field(ge=ANGLES[0], le=ANGLES[1])]] | None = key(
+        "angles of internal friction, each set in every layer of the soil; null: the structure's "
+        "own layers",
+        unit="deg",
+        default=None,
+    )
+    gamma: float = key("peak enhancement factor of the JONSWAP spectrum", default=3.3, ge=1, le=10)
+    modes: int = key("modes of the structure that answer", default=4, ge=1)
+    damping: float | None = key(
+        "damping ratio of every mode; null: the structure's own", default=None, gt=0.0, lt=1.0
+    )
 
 
 class Record(Section):
@@ -51,9 +105,10 @@ class Imu(Section):
     rate: Positive = key("samples per second", unit="Hz")
     bias_initial: Finite = key("bias at the start of a record, per axis", unit="m/s^2")
     bias_walk: NotNegative = key("intensity of the bias' random walk", unit="m/s^2/sqrt(s)")
-    tilt: Finite = key(
+    tilt: Tilt = key(
         "lean of the IMU per displacement; above zero: it leans the way that it moves, so the "
-        "specific force is a - g tilt d",
+        "specific force is a - g tilt d; `structure`: as the structure leans, mode by mode "
+        "(motion=plant only)",
         unit="rad/m",
         default=0.0,
         younger=True,

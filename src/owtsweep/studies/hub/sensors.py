@@ -16,7 +16,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.sensing.noise import WhiteNoise, WienerBias
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.contract import GRAVITY, Sensors
 from owtsweep.studies.hub.sections import SensorConfig
 
 
@@ -32,7 +32,10 @@ class Measurements(NamedTuple):
 
 
 def sensors(config: SensorConfig) -> Sensors:
-    """Compute from the configuration what an estimator may know about the sensors."""
+    """Compute from the configuration what an estimator may know about the sensors.
+
+    The tilt is 0 if it is the structure's own, which these keys do not know.
+    """
     step = 1.0 / config.imu.rate
     deviations = 1.0 if config.accuracy == "sigma" else 3.0
     return Sensors(
@@ -44,7 +47,7 @@ def sensors(config: SensorConfig) -> Sensors:
         bias_walk=config.imu.bias_walk,
         yaw=float(np.deg2rad(config.yaw)),
         gravity=(float(config.gravity[0]), float(config.gravity[1])),
-        tilt=config.imu.tilt,
+        tilt=0.0 if isinstance(config.imu.tilt, str) else config.imu.tilt,
     )
 
 
@@ -64,6 +67,11 @@ def lean(motion: Motion, sensors: Sensors) -> Motion:
     if sensors.tilt == 0.0:
         return motion
     return replace(motion, felt=motion.acceleration - sensors.lean * motion.position)
+
+
+def lean_as(motion: Motion, slope: Array) -> Motion:
+    """Return a motion with what an IMU feels of it that leans by `slope`, rad, shape (steps,)."""
+    return replace(motion, felt=motion.acceleration - GRAVITY * slope)
 
 
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:

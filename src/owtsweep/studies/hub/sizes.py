@@ -6,9 +6,11 @@ Settings that make sense stay far below the bounds.
 
 from __future__ import annotations
 
+from math import prod
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
+from owtsweep.studies.hub.plant import get_sea_grid, is_plant
 from owtsweep.studies.hub.schemes import list_entries
 
 if TYPE_CHECKING:
@@ -32,27 +34,39 @@ def check_grid(config: HubConfig) -> None:
     The bounds are `MOST_BLOCKS` blocks, and `MOST_BYTES` bytes for rows and tables.
     """
     grid, schemes = config.grid, len(list_entries(config))
-    periods, amplitudes = len(grid.natural_period), len(grid.amplitude)
+    periods, amplitudes = _count_conditions(config)
+    key, words = "grid", "natural periods, amplitudes"
+    counted = f"{periods} natural periods x {amplitudes} amplitudes"
+    if is_plant(config):
+        key, words = "motion", "sea states, blades, friction angles"
+        counted = f"{periods} combinations of sea states, blades and friction angles"
     records = 1 if config.engine == "expected" else grid.replicates
     each = amplitudes if config.evaluation == "direct" else 1
     blocks = schemes * periods * each * -(-records // REPLICATES_PER_BLOCK)
     require(
         config.engine == "expected" or blocks <= MOST_BLOCKS,
-        f"grid: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
-        "fewer natural periods, amplitudes or replicates",
+        f"{key}: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
+        f"fewer {words} or replicates",
     )
     needed = count_table_bytes(config)
     require(
         needed <= MOST_BYTES,
-        f"grid: {periods} natural periods x {amplitudes} amplitudes x {records} replicates need "
-        f"some {needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; give fewer of them",
+        f"{key}: {counted} x {records} replicates need some {needed / 1e9:.3g} GB, more than "
+        f"{MOST_BYTES / 1e9:g} GB; give fewer of them",
     )
+
+
+def _count_conditions(config: HubConfig) -> tuple[int, int]:
+    """Return the number of combinations of a record's conditions, and the number of amplitudes."""
+    if is_plant(config):
+        return prod(len(values) for values in get_sea_grid(config.motion).values()), 1
+    return len(config.grid.natural_period), len(config.grid.amplitude)
 
 
 def count_table_bytes(config: HubConfig) -> int:
     """Return how many bytes the tables of a configuration need while they are made."""
     grid, schemes = config.grid, len(config.schemes)
-    periods, amplitudes = len(grid.natural_period), len(grid.amplitude)
+    periods, amplitudes = _count_conditions(config)
     records = 1 if config.engine == "expected" else grid.replicates
     each = amplitudes if config.evaluation == "direct" else 1
     # bytes: the values of one scheme at one period, the rows of all records, the tables' lines

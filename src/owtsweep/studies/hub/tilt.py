@@ -1,4 +1,4 @@
-"""Warns of an IMU that leans so much that no filter can bridge the time between two fixes."""
+"""The true tilt of the IMU as filters are told it, and a warning of one that none can follow."""
 
 from __future__ import annotations
 
@@ -27,13 +27,38 @@ def warn_of_growth(plain: Mapping[str, Any]) -> None:
     """
     try:
         sensors = typed(SensorConfig, plain.get("sensors"))
+        tilt = read_tilt(plain, sensors)
     except InputError:
         return  # typing the whole configuration names the fault
     alone = 1.0 / sensors.gnss.rate + sensors.gnss.delay
-    growth = sqrt(max(GRAVITY * sensors.imu.tilt, 0.0)) * alone
+    growth = sqrt(max(GRAVITY * tilt, 0.0)) * alone
     if growth > LARGEST_GROWTH:
         logger.warning(
             "sensors.imu.tilt: %g rad/m lets an error grow exp(%.1f) times in the %g s without a "
             "fix; no filter follows that, so give a smaller tilt or faster fixes",
-            sensors.imu.tilt, growth, alone,
+            tilt, growth, alone,
         )  # fmt: skip
+
+
+def read_tilt(plain: Mapping[str, Any], sensors: SensorConfig) -> float:
+    """Return the one tilt (rad/m) by which filters are told how the IMU leans.
+
+    An IMU that leans as the structure does (`sensors.imu.tilt=structure`) has a tilt for each mode;
+    filters are told that of the first mode, with the first number of mounted blades. `plain` is the
+    configuration as plain data, `sensors` its section of that name.
+
+    Raises
+    ------
+    InputError
+        If the structure cannot be computed.
+    """
+    if isinstance(sensors.imu.tilt, float):
+        return sensors.imu.tilt
+    from owtsweep.structures import Structure, compute_modes
+
+    structure = typed(Structure, plain.get("structure"))
+    structure.check()
+    match plain.get("motion"):
+        case {"blades": [int(blades), *_]}:
+            return float(compute_modes(structure, 1, blades).slope[0])
+    return float(compute_modes(structure, 1).slope[0])

@@ -145,6 +145,10 @@ class ReplayConfig(HubConfig):
     def check(self) -> None:
         """Raise `InputError` if values cannot work together, e.g. both edges of replay.band."""
         require(not self.tunings, "tuning: a replay takes one tuning; run it once with each")
+        require(
+            self.motion.kind == "spectrum",
+            "motion: a replay takes its motion from the record; leave out motion=plant",
+        )
         super().check()
         require(
             not self.baselines,

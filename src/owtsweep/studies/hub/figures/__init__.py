@@ -10,7 +10,14 @@ from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.hub import baseline_names, scheme_names
-from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, make_cube
+from owtsweep.studies.hub.conditions import (
+    CRITERIA,
+    describe_values,
+    get_map_conditions,
+    list_maps,
+    make_cube,
+    select,
+)
 from owtsweep.studies.hub.origin import describe_one_record, describe_origin
 from owtsweep.studies.hub.winners import find_winners
 
@@ -18,6 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from owtsweep.results.conditions import Value
     from owtsweep.studies.hub.config import HubConfig
 
 #: A function that draws a figure.
@@ -84,6 +92,28 @@ def drawings(
     }
 
 
+def drawings_of_plant(
+    config: HubConfig,
+    tables: Mapping[str, pd.DataFrame],
+    rows: pd.DataFrame,
+    metadata: Mapping[str, str] | None = None,
+) -> dict[str, Drawing]:
+    """List all figures of a run with motion=plant: maps, and time histories of one record.
+
+    There are the maps of each combination of those conditions that are not axes of the map.
+    Parameters are those of `drawings`.
+    """
+    records, same = config.grid.replicates, find_coinciding(make_cube(config, rows), CRITERIA)
+    found: dict[str, Draw] = {}
+    for end, at in list_maps(config).items():
+        best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records, at=at)
+        found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
+    return {
+        **save_each(found, describe_origin(config), metadata),
+        **save_each(_time_histories(config), describe_one_record(config), metadata),
+    }
+
+
 def save_each(
     figures: Mapping[str, Draw], origin: str, metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
@@ -123,8 +153,11 @@ def draw_cells(
     coinciding: Sequence[Sequence[str]],
     *,
     replicates: int | None = None,
+    at: Mapping[str, Value] | None = None,
 ) -> Figure:
     """Draw the map of the best schemes with one coloured cell per natural period and amplitude.
+
+    With motion=plant, the axes are two of the plant's conditions.
 
     Parameters
     ----------
@@ -138,19 +171,22 @@ def draw_cells(
         Groups of schemes with equal results. The map shows each group under the last of its names.
     replicates
         Planned number of records per cell, for the title; None leaves the number out.
+    at
+        Values of the conditions that are not axes of the map, condition -> value.
     """
     from owtsweep.figures import best_scheme_map
 
     window = config.measures.window
     best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
+    told = f", {describe_values(config, at)}" if at else ""
     return best_scheme_map.draw(
-        best,
+        select(best, at or {}),
         names,
-        CONDITIONS,
+        get_map_conditions(config)[:2],
         criterion=criterion,
         window=window,
         tuning=config.tuning_name,
-        quantity=f"{criterion} MSE (x + y)",
+        quantity=f"{criterion} MSE (x + y){told}",
         coinciding=coinciding,
         replicates=replicates,
         failures=int((rows["status"] == FAILED).sum()),
@@ -192,7 +228,19 @@ def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> di
     The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
     are groups of schemes with equal results, for a footnote.
     """
-    from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
+    from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum
+
+    return {
+        "figure_03_record": partial(record_and_spectrum.draw_record, config),
+        "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
+        **_time_histories(config),
+        "error_spectra": partial(error_spectra.draw, config, coinciding=coinciding),
+    }
+
+
+def _time_histories(config: HubConfig) -> dict[str, Draw]:
+    """List the figures of one record over time: name -> function that draws the figure."""
+    from owtsweep.studies.hub.figures import time_histories
     from owtsweep.studies.hub.histories import simulate_histories
 
     simulated = cache(lambda: simulate_histories(config))
@@ -200,9 +248,4 @@ def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> di
     def history(quantity: str, zoom: bool) -> Figure:
         return time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning_name)
 
-    return {
-        "figure_03_record": partial(record_and_spectrum.draw_record, config),
-        "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
-        **{name: partial(history, *shown) for name, shown in TIME_HISTORIES.items()},
-        "error_spectra": partial(error_spectra.draw, config, coinciding=coinciding),
-    }
+    return {name: partial(history, *shown) for name, shown in TIME_HISTORIES.items()}

@@ -17,11 +17,12 @@ from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import HANDLERS, Shades
 from owtsweep.results.winners import tell_winners
 from owtsweep.studies.hub import baseline_names, scheme_names
-from owtsweep.studies.hub.conditions import CONDITIONS
+from owtsweep.studies.hub.conditions import describe_values, get_map_conditions, select
 from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
+    from owtsweep.results.conditions import Value
     from owtsweep.sweep.results import Results
 
 NAME = "best_scheme_maps"
@@ -31,8 +32,10 @@ COLUMN, ROW, BESIDE = (0.75, 1.1), (0.3, 0.5), 1.0
 MOST_LABELS = 300
 
 
-def draw(results: Mapping[str, Results]) -> Figure:
+def draw(results: Mapping[str, Results], at: Mapping[str, Value] | None = None) -> Figure:
     """Draw one map per tuning, with a sentence below each title; `results` is by tuning.
+
+    `at` holds the values of the conditions that are not axes of the maps, condition -> value.
 
     Raises
     ------
@@ -45,14 +48,16 @@ def draw(results: Mapping[str, Results]) -> Figure:
         tuning: find_winners(config, result.tables["best_scheme"], criterion, window)
         for tuning, result in results.items()
     }
-    shown = {tuning: winners.table for tuning, winners in found.items()}
+    at = at or {}
+    shown = {tuning: select(winners.table, at) for tuning, winners in found.items()}
     for tuning, cells in shown.items():
         if cells.empty:
             raise InputError(
                 f"tuning {tuning}: no cell is judged by {criterion} MSE in window {window!r}"
             )
     names = [*scheme_names(config), *baseline_names(config)]
-    planes = {tuning: Plane.of(cells, CONDITIONS) for tuning, cells in shown.items()}
+    axes_of_maps = get_map_conditions(config)[:2]
+    planes = {tuning: Plane.of(cells, axes_of_maps) for tuning, cells in shown.items()}
     columns = max(len(plane.columns) for plane in planes.values())
     lines = max(len(plane.lines) for plane in planes.values())
     width = BESIDE + columns * float(np.clip(6.0 / columns, *COLUMN))
@@ -75,6 +80,7 @@ def draw(results: Mapping[str, Results]) -> Figure:
         handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
     )
     title = f"Best scheme by {criterion} MSE, {style.describe_window(window)}"
+    title += f", {describe_values(config, at)}" if at else ""
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
     style.footnote(figure, " ".join([EXPLANATION, *notes]))

@@ -67,10 +67,19 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     panels = [_values(histories, quantity, axis, names, view) for axis in range(2)]
     return time_histories.draw(
         [*panels, _errors(histories, quantity, names, view if zoom else None)],
-        title=f"{time_histories.describe(quantity)} estimate{_name_part(histories, view)}\n"
-        f"natural period {histories.natural_period:g} s, amplitude {histories.amplitude:g} m, "
-        f"tuning: {tuning}",
+        title=f"{time_histories.describe(quantity)} estimate{_name_part(histories, view)}"
+        f"{_describe_motion(histories, tuning)}",
         footnote=_explanations(histories, quantity, names),
+    )
+
+
+def _describe_motion(histories: Histories, tuning: str) -> str:
+    period, amplitude = histories.natural_period, histories.amplitude
+    if not histories.sea:
+        return f"\nnatural period {period:g} s, amplitude {amplitude:g} m, tuning: {tuning}"
+    return (
+        f", tuning: {tuning}\n{histories.sea}: natural period {period:.2f} s, largest displacement "
+        f"{amplitude:.2f} m"
     )
 
 
@@ -223,6 +232,8 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
         f"The paper does not give the amplitude of its histories; {histories.amplitude:g} m is our"
         " choice (its text has HME1 ahead of HME2 there, and at 4 s only above 0.3 m)."
     ]
+    if histories.sea:
+        sentences = ["The displacement is along the waves; x is north, y east."]
     if quantity == "position":
         sentences.append(f"A fix tells the position of {histories.delay:g} s before it arrives.")
     if quantity in ("position", "velocity"):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,7 @@ from owtsweep.config import typed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.config import TUNED
 from owtsweep.studies.hub.sections import SensorConfig
+from owtsweep.studies.hub.tilt import read_tilt
 
 logger = logging.getLogger(__name__)
 
@@ -111,7 +113,8 @@ def fill_in(plain: dict[str, Any]) -> dict[str, Any]:
         pass  # typing the whole configuration names the fault
     else:
         facts, bias_walk = take_facts(sensors), sensors.imu.bias_walk
-        tilt = sensors.imu.tilt
+        with suppress(InputError):  # as above
+            tilt = read_tilt(plain, sensors)
         _warn(facts, bias_walk)
     numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
     numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter is told the truth
