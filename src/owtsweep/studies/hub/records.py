@@ -80,7 +80,7 @@ class Records:
         source = SpectralSource(self.spectrum, (low, high), self.config.normalise)
         sensors = self.sensors
         return tuple(
-            sensing.lean(
+            sensing.feel(
                 source.realise(
                     self.stream(index), steps=self.steps, step=sensors.step, history=sensors.delay
                 ),

@@ -96,6 +96,11 @@ class ReplayConfig(HubConfig):
             "baselines: a replay has one of its own, last_fix; to see NONE, HOLD or DELTA too, "
             "name them in schemes",
         )
+        require(
+            self.sensors.imu.high_pass is None and self.sensors.gnss.scale == 1.0,
+            "sensors.imu.high_pass, sensors.gnss.scale: a replay does not simulate these faults; "
+            "use null and 1",
+        )
         band = self.replay.band
         require(
             band is None or band[0] < band[1],
