@@ -125,6 +125,11 @@ def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
         "evaluation: engine=expected runs no record, so it cannot run amplitudes directly; use "
         "evaluation=superposed, or engine=batch",
     )
+    require(
+        config.sensors.imu.high_pass is None,
+        "sensors.imu.high_pass: engine=expected cannot shift the phase of the force, as an AC "
+        "coupling does; use engine=batch",
+    )
     for scheme in schemes:
         require(
             scheme.linear and hasattr(scheme, "kernel"),
@@ -147,6 +152,12 @@ def _check_sensors(config: HubConfig) -> None:
         raise InputError(
             f"sensors.gnss.rate: {gnss.rate:g} Hz does not divide the IMU's {imu.rate:g} Hz; use "
             f"{low:.10g} or {high:.10g}"
+        )
+    if imu.high_pass is not None:
+        require(
+            imu.high_pass < imu.rate / 2.0,
+            f"sensors.imu.high_pass: {imu.high_pass:g} Hz is not below half of the IMU's rate, "
+            f"{imu.rate / 2.0:g} Hz; use e.g. 0.01, or null for none",
         )
     check_fix_interval(round(ratio))
     _check_steps("sensors.gnss.delay", gnss.delay, imu.rate)

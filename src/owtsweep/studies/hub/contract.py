@@ -36,6 +36,10 @@ class Sensors:
         Horizontal part of gravity, north and east, m/s^2.
     tilt
         Lean of the IMU per displacement, rad/m. The paper neglects it (section 3, assumption 2).
+    high_pass
+        Corner of the IMU's AC coupling, Hz, or None. Estimators of the package do not use it.
+    fix_scale
+        Position in a fix per true position. Estimators of the package do not use it.
     """
 
     step: float
@@ -47,6 +51,8 @@ class Sensors:
     yaw: float
     gravity: tuple[float, float]
     tilt: float = 0.0
+    high_pass: float | None = None
+    fix_scale: float = 1.0
 
     @property
     def lean(self) -> float:

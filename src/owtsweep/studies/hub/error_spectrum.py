@@ -20,6 +20,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.sensors import force_per_displacement
 from owtsweep.studies.hub.settled import KEPT_CYCLES, cycle_of, limit, longest, settled
 
 Complex = NDArray[np.complex128]
@@ -150,10 +151,10 @@ def _error_phasors(
     wave = np.exp(1j * omega * (sensors.step * np.arange(total)[:, None]))
     fix_steps = np.arange(0, total, sensors.fix_interval)[:, None] - sensors.delay
     fixes = np.exp(1j * omega * (sensors.step * fix_steps))
-    force = _lanes(-(omega**2 + sensors.lean) * wave)
+    force = _lanes(force_per_displacement(omega, sensors) * wave)
 
     answer = np.empty((2, total - steps, len(frequency)), dtype=complex)
-    for k0, n, memory in estimates.chunks(chain, force, _lanes(fixes)):
+    for k0, n, memory in estimates.chunks(chain, force, _lanes(sensors.fix_scale * fixes)):
         skip = max(steps - k0, 0)
         if skip >= n:
             continue

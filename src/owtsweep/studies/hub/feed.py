@@ -77,6 +77,7 @@ class Lanes:
         motion = np.stack([m.specific_force for m in motions], axis=1)
         count = len(noises[0].fixes)
         fixes = np.stack([m.position_at(-s.delay, s.fix_interval, count) for m in motions], axis=1)
+        fixes = s.fix_scale * fixes
         noise_force = np.concatenate([n.specific_force @ s.rotation.T for n in noises], axis=1)
         noise_fixes = np.concatenate([n.fixes for n in noises], axis=1)
         return (
@@ -121,7 +122,7 @@ class Feed:
         motion = np.zeros((count, WIDTH))
         noise = np.zeros((2, count, WIDTH))
         for lane, index in enumerate(self.indices):
-            motion[:, lane] = self.records.motion[index].position_at(
+            motion[:, lane] = sensors.fix_scale * self.records.motion[index].position_at(
                 -sensors.delay, sensors.fix_interval, count
             )
             noise[:, :, lane] = self.records.fix_noise(index).T

@@ -100,8 +100,10 @@ class Records:
         )
         if self.config.sensors.imu.tilt == STRUCTURE:
             assert isinstance(motion, PlantMotion)  # checked with the configuration
-            return sensing.lean_as(motion, motion.slope)
-        return sensing.lean(motion, self.sensors)
+            leaning = sensing.lean_as(motion, motion.slope)
+        else:
+            leaning = sensing.lean(motion, self.sensors)
+        return sensing.couple(leaning, self.sensors)
 
     @cached_property
     def noise(self) -> tuple[sensing.Measurements, ...]:

@@ -96,6 +96,11 @@ class Gnss(Section):
     sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
     rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
     delay: NotNegative = key("age of a fix when it arrives; whole IMU steps", unit="s")
+    scale: Positive = key(
+        "scale error: a fix is the position times this number, plus noise; 1: none",
+        default=1.0,
+        younger=True,
+    )
 
 
 class Imu(Section):
@@ -111,6 +116,13 @@ class Imu(Section):
         "(motion=plant only)",
         unit="rad/m",
         default=0.0,
+        younger=True,
+    )
+    high_pass: Positive | None = key(
+        "corner of an AC coupling, a first-order high-pass of what the IMU feels of the motion "
+        "(its noise and bias do not pass it); null: none",
+        unit="Hz",
+        default=None,
         younger=True,
     )
 

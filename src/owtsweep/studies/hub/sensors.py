@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
@@ -48,6 +49,8 @@ def sensors(config: SensorConfig) -> Sensors:
         yaw=float(np.deg2rad(config.yaw)),
         gravity=(float(config.gravity[0]), float(config.gravity[1])),
         tilt=0.0 if isinstance(config.imu.tilt, str) else config.imu.tilt,
+        high_pass=config.imu.high_pass,
+        fix_scale=config.gnss.scale,
     )
 
 
@@ -74,11 +77,61 @@ def lean_as(motion: Motion, slope: Array) -> Motion:
     return replace(motion, felt=motion.acceleration - GRAVITY * slope)
 
 
+def couple(motion: Motion, sensors: Sensors) -> Motion:
+    """Return a motion with what an AC-coupled IMU feels of it.
+
+    Without an AC coupling the motion is returned unchanged.
+    """
+    if sensors.high_pass is None:
+        return motion
+    # The coupling has settled before the record begins. What it has taken off by then is the slow
+    # part of the force; for a motion that is fast against the corner that is w v - w^2 d.
+    corner = 2.0 * np.pi * sensors.high_pass
+    start = corner * (motion.velocity[0] - corner * motion.position[0])
+    return replace(motion, felt=pass_high(motion.specific_force, corner, motion.step, start))
+
+
+def pass_high(force: Array, corner: float, step: float, start: float) -> Array:
+    """Pass a series through a first-order high-pass; return the series without its slow part.
+
+    Parameters
+    ----------
+    force
+        The series, shape (steps,), m/s^2.
+    corner
+        Angular frequency of the corner, rad/s.
+    step
+        Sampling interval of the series, s.
+    start
+        Slow part of the series at the first step, m/s^2.
+    """
+    from scipy.signal import lfilter
+
+    # the bilinear transform of corner / (s + corner), which is the slow part
+    ratio = 0.5 * corner * step
+    gain, memory = ratio / (1.0 + ratio), (1.0 - ratio) / (1.0 + ratio)
+    state = start - gain * force[0]
+    slow, _ = lfilter([gain, gain], [1.0, -memory], force, zi=[state])
+    return np.asarray(force - slow)
+
+
+def force_per_displacement(omega: Array, sensors: Sensors) -> NDArray[np.complex128]:
+    """Return what an IMU feels of a sinusoidal motion, per displacement, s^-2, shape (n,).
+
+    `omega` are the angular frequencies, rad/s, shape (n,). A number of the result multiplies
+    e^{iwt}: the acceleration -w^2 and the lean, both through the AC coupling.
+    """
+    force = -(omega**2 + sensors.lean).astype(complex)
+    if sensors.high_pass is not None:
+        force *= 1j * omega / (1j * omega + 2.0 * np.pi * sensors.high_pass)
+    return force
+
+
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     """Compute the part of the measurements that is due to motion, without gravity and noise.
 
     Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
-    The specific force holds the IMU's lean too, if the motion says what it is (`lean`).
+    The specific force holds the IMU's lean and AC coupling too, if the motion says so (`feel`).
 
     Parameters
     ----------
@@ -90,7 +143,7 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     force = motion.specific_force[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
     delayed = motion.position_at(-sensors.delay, sensors.fix_interval, count)
-    return Measurements(force, delayed[:, None] * direction)
+    return Measurements(force, sensors.fix_scale * delayed[:, None] * direction)
 
 
 class ForceNoise:

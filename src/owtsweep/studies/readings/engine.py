@@ -132,8 +132,10 @@ def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
         for truth, group in table.groupby("truth", sort=True):
             panel.plot(group[name], group.score, ".", markersize=4, alpha=0.6, label=str(truth))
         winner = table.nsmallest(1, "score")
+        numeric = pd.api.types.is_float_dtype(table[name])
         panel.plot(winner[name], winner.score, "k*", markersize=10, label="best")
-        if pd.api.types.is_float_dtype(table[name]) and table[name].max() > 20 * table[name].min():
+        lowest_value, highest_value = table[name].agg(["min", "max"]) if numeric else (0.0, 0.0)
+        if 0.0 < 20.0 * lowest_value < highest_value:
             panel.set_xscale("log")
         unit = unit_of(HubConfig, name.split("+")[0])
         panel.set_xlabel(name.replace("+", " +\n") + (f" ({unit})" if unit else ""), fontsize=7)

@@ -194,9 +194,10 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
     base = with_values(config, {**target["values"], **content["truth"]})
     replicates = range(content["replicates"])  # every trial is judged on the same records
     if target["kind"] == "settled":
-        judge, lanes = _score_settled, make_lanes(base, replicates, base.grid.natural_period)
+        judge, periods = _score_settled, {"periods": base.grid.natural_period}
     else:
-        judge, lanes = _score_published, make_lanes(base, replicates)
+        judge, periods = _score_published, {}
+    lanes = make_lanes(base, replicates, **periods)
     study = optuna.create_study(sampler=_make_sampler(target, content["sampler_seed"]))
     study.enqueue_trial(dict(target["start"]))
     search = f"{content['target_name']}/{content['truth_name']}/{content['sampler_seed']}"
@@ -217,7 +218,10 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
         }
         try:
             values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
-            row |= judge(with_values(base, values), target["schemes"], lanes)
+            tried = with_values(base, values)
+            anew = tried.sensors != base.sensors  # what the sensors are is a parameter
+            records = make_lanes(tried, replicates, **periods) if anew else lanes
+            row |= judge(tried, target["schemes"], records)
             if not np.isfinite(row["score"]):
                 row["score"] = DIVERGED
         except (InputError, ArithmeticError, np.linalg.LinAlgError) as error:

@@ -155,6 +155,11 @@ class ReplayConfig(HubConfig):
             "baselines: a replay always judges NONE, HOLD and DELTA; leave the key out, or name "
             "them in schemes to see their estimates too",
         )
+        require(
+            self.sensors.imu.high_pass is None and self.sensors.gnss.scale == 1.0,
+            "sensors.imu.high_pass, sensors.gnss.scale: a replay does not simulate these faults; "
+            "use null and 1",
+        )
         band = self.replay.band
         require(
             band is None or band[0] < band[1],

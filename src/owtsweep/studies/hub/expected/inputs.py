@@ -14,6 +14,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.sensors import force_per_displacement
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,9 @@ def motion(frequency: Array, sensors: Sensors) -> Probe:
     `frequency` are the sinusoids' frequencies, Hz, shape (n,).
     """
     omega = 2.0 * np.pi * frequency
-    return Probe(omega * sensors.step, -(omega**2) - sensors.lean, np.ones(len(omega)), truth=True)
+    force = force_per_displacement(omega, sensors).real  # checks.py refuses an AC coupling
+    fix = np.full(len(omega), sensors.fix_scale)
+    return Probe(omega * sensors.step, force, fix, truth=True)
 
 
 def forces(number: Array, steps: int) -> Probe:
