@@ -45,7 +45,7 @@ def test_an_ac_coupling_answers_as_its_transfer_function() -> None:
     omega, corner = 2.0 * np.pi * 0.25, 2.0 * np.pi * 0.01
     wave = np.exp(1j * (omega * sensors.step * np.arange(len(motion.position)) + 0.7))
     exact = (-(omega**2) * wave / (1.0 + corner / (1j * omega))).real
-    felt = sensing.feel(motion, sensors).specific_force
+    felt = sensing.couple(motion, sensors).specific_force
     # from the first step on: the coupling has settled before the record
     assert np.max(np.abs(felt - exact)) < 2.0 * (corner / omega) ** 3 * omega**2
     assert np.max(np.abs(motion.acceleration - exact)) > 0.03 * omega**2
@@ -56,7 +56,7 @@ def test_the_error_spectrum_has_the_faults_of_the_sensors() -> None:
     sensors = sensing.sensors(config.sensors)
     chain = resolve("HME1").kernel(sensors, config)  # type: ignore[attr-defined]
     motion = swing(0.37, sensors.step, seconds=600.0, delay=sensors.delay)
-    measured = sensing.observe(sensing.feel(motion, sensors), ALONG, sensors)
+    measured = sensing.observe(sensing.couple(motion, sensors), ALONG, sensors)
     position, _, _ = estimates.trajectories(chain, sensors, measured.specific_force, measured.fixes)
     last = slice(-round(100.0 / sensors.step), None)  # whole periods of motion and fixes
     error = np.mean((position[:, 0] - motion.position)[last] ** 2) / 0.5
@@ -75,7 +75,7 @@ def test_all_ways_to_a_record_hold_the_faults() -> None:
     records = make_records(configure("sensors.yaw=0", *FAULTY), 4.0, [0])
     (motion,) = records.motion
     sensors = records.sensors
-    felt = sensing.feel(motion, sensors).specific_force
+    felt = sensing.couple(motion, sensors).specific_force
     assert not np.allclose(motion.specific_force, motion.acceleration, atol=1e-3)
     assert len(felt) == len(motion.acceleration)
     fixes = 0.9 * motion.position_at(-sensors.delay, sensors.fix_interval, 60)
