@@ -59,7 +59,7 @@ def test_the_answer_names_scheme_and_sea():
     )
     outside = points.assign(best_mine=["", "HME1", "HME1", "", "HME1", "HME1"])
     told = tell_best(outside, "mine")
-    assert "HME1 in 100 %" in told
+    assert "HME1 in 67 %" in told
     assert "33 % lie outside the map" in told
 
 

@@ -114,7 +114,7 @@ def tell_best(points: pd.DataFrame, tuning: str, size: str = "amplitude") -> str
         The column of the size of the motion, "amplitude" or "rms".
     """
     best = points[f"best_{tuning}"]
-    shares = best[best != OUTSIDE].value_counts(normalize=True, sort=True)
+    shares = best[best != OUTSIDE].value_counts() / len(best)
     told = [
         f"{name} in {100.0 * share:.0f} % ({_tell_range(points.loc[best == name, size])})"
         for name, share in shares.items()
