@@ -19,6 +19,7 @@ from PIL import Image  # comes with matplotlib
 from PIL.PngImagePlugin import PngInfo
 
 import owtsweep
+import plant
 from agreement import PROVENANCE, compare_folders, largest_difference
 from owtsweep.cli import main
 from owtsweep.figures import style
@@ -48,6 +49,7 @@ KEPT = {
     "paper": ALL,
     "matched": ALL,
     "matched_on_paper": (*TABLES, "figures/figure_18*.png"),
+    "plant": ("*.csv", "*.png", "*.md"),
     **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
 
@@ -112,7 +114,7 @@ class Reproduction:
         self.differing += [f"{name}/{file}" for file in differences]
 
     def make_all(self) -> None:
-        """Make the search, the runs, the ablations, and the figure of two maps side by side."""
+        """Make the search, the runs, the ablations, the two maps side by side, and the plant."""
         self.sweep("readings", "experiment=readings")
         self.keep("readings")
         for name, overrides in RUNS.items():
@@ -128,6 +130,9 @@ class Reproduction:
         figure = two_maps.draw(paper, matched)
         png, _ = style.save(figure, self.results, "two_maps", metadata)
         self.keep_picture(png)
+        (self.results / "plant").mkdir(exist_ok=True)
+        plant.make_all(self.results / "default", self.results / "plant")
+        self.keep("plant")
 
 
 def run_command(*words: str) -> None:

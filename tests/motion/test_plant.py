@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from owtsweep.motion.plant import Plant, PlantMotion
+from owtsweep.motion.plant import Plant, PlantMotion, respond
 from owtsweep.streams import stream
 from owtsweep.structures import read_structure
 from owtsweep.waves import Sea
@@ -74,7 +74,7 @@ def test_modes_answer_as_a_time_integration_says():
     period = 400.0
     load = np.zeros((1, int(2.0 * period) + 1), dtype=complex)
     load[0, [60, 103]] = 2e4, 1e4j  # .15 Hz, and .2575 Hz near the resonance
-    answer = plant._answer(load, period)[0]
+    answer = respond(modes, np.array([STRUCTURE.hub]), load, period)[0]  # shapes are 1 there
     own = 2.0 * np.pi * modes.frequency[0]
 
     def force(t: float) -> float:
@@ -95,3 +95,29 @@ def test_modes_answer_as_a_time_integration_says():
     times = np.linspace(0.0, 50.0, 101)
     solution = solve_ivp(rates, (0.0, 50.0), begin, t_eval=times, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(solution.y[0], [steady(t) for t in times], atol=1e-6)
+
+
+def test_the_energy_of_a_free_decay_goes_into_the_damping():
+    modes = Plant(STRUCTURE, Sea(2.0, 6.0), modes=1).vibration
+    period, count = 400.0, 40_000
+    impulse = np.full((1, count // 2), 2.0 / period, dtype=complex)  # 1 N s at the hub at t = 0
+    answer = respond(modes, np.array([STRUCTURE.hub]), impulse, period)[0]
+    own, mass, time = 2.0 * np.pi * modes.frequency[0], modes.mass[0], np.arange(count) * 0.01
+    speed = 2j * np.pi * np.arange(len(answer)) / period
+
+    def sample(lines: np.ndarray) -> np.ndarray:
+        return np.fft.irfft(lines * (0.5 * count), count)
+
+    x = sample(answer) + 1.0 / (period * mass * own**2)  # with the mean, which is no motion
+    v = sample(answer * speed)
+    energy = 0.5 * mass * (v**2 + own**2 * x**2)
+    lost = 2.0 * modes.damping * own * mass * np.cumsum(v**2) * 0.01
+    part = (time > 2.0) & (time < 200.0)
+    balance = energy[part] + lost[part]
+    np.testing.assert_allclose(balance, balance[0], rtol=2e-3)
+    cycles = 10 * 2.0 * np.pi / (own * np.sqrt(1.0 - modes.damping**2))
+    later = np.interp(2.0 + cycles, time, energy) / energy[200]
+    assert later == pytest.approx(np.exp(-2.0 * modes.damping * own * cycles), rel=2e-3)
+    assert energy[200] == pytest.approx(
+        0.5 / mass * np.exp(-2.0 * modes.damping * own * 2.0), rel=2.0 * modes.damping
+    )

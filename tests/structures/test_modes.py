@@ -89,6 +89,22 @@ def test_table_3_of_ren():
         assert modes.slope[0] == pytest.approx(0.0138, rel=0.02)  # rad/m
 
 
+def test_nrels_turbine_on_the_monopile_of_oc3():
+    """NREL's BModes input of this structure, clamped, has .276 (fore-aft) and .274 Hz."""
+    oc3 = read_structure(CONF / "oc3_monopile.yaml")
+    found = [compute_modes(oc3, 1, blades).frequency[0] for blades in (0, 3)]
+    assert found[0] == pytest.approx(0.304, rel=0.03)  # a prototype, no blades
+    assert found[1] == pytest.approx(0.275, rel=0.03)
+
+
+def test_nrels_turbine_on_land():
+    """Jonkman et al. (2009), Table 9-1: first tower mode, fore-aft, .324 Hz by FAST."""
+    oc3 = read_structure(CONF / "oc3_monopile.yaml")
+    tower = read_structure(CONF / "ren2019.yaml").tubes[-1]
+    land = oc3.model_copy(update={"mudline": 0.0, "tubes": [tower], "water": None})
+    assert compute_modes(land, 1, 3).frequency[0] == pytest.approx(0.324, rel=0.05)
+
+
 def test_masses_are_those_of_table_2():
     structure = read_structure(CONF / "ren2019.yaml")
     for tube, tonnes in zip(structure.tubes, (571.0, 347.5), strict=True):

@@ -1,4 +1,4 @@
-"""The command `figures`: draw all figures of a run."""
+"""The command `figures`: draw all figures of a run, or its map with a structure's envelope."""
 
 from __future__ import annotations
 
@@ -9,18 +9,30 @@ from owtsweep.cli.program import DONE
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Draw all figures of the run `options.run` into its subfolder figures/, and return 0.
+    """Draw figures of the run `options.run` into its subfolder figures/, and return 0.
 
+    Draw all figures; or, if `options.envelope` names a structure, the map with its envelope alone.
     `options` are the parsed arguments of the command; `argv` is not used.
     """
     from owtsweep.api import load
     from owtsweep.errors import printable
     from owtsweep.io.files import refuse_in_one_line
-    from owtsweep.io.steps import show_steps
+    from owtsweep.io.steps import show_steps, tell_step
 
     opened = load(options.run)
     folder = opened.place / "figures"
+    sentences: list[str] = []
     with refuse_in_one_line(folder), show_steps():
-        files = opened.draw()
+        if options.envelope is None:
+            files = opened.draw()
+        else:
+            from owtsweep.structures import find_structure
+            from owtsweep.studies.hub.figures.envelope import save_envelope
+
+            structure = find_structure(options.envelope)
+            tell_step(f"motion of {structure.name} in many sea states")
+            files, sentences = save_envelope(opened, structure, folder)
+    for sentence in sentences:
+        print(sentence)
     print(f"{len(files)} files: {printable(str(folder))}/")
     return DONE

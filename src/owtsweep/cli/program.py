@@ -89,6 +89,12 @@ def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
 
+def _add_figures(parser: Parser) -> None:
+    _add_run(parser)
+    told = "only the map, with where a structure is on it: a name in conf/structure or a YAML file"
+    parser.add_argument("--envelope", metavar="STRUCTURE", help=told)
+
+
 def _add_runs(parser: Parser) -> None:
     parser.add_argument(
         "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
@@ -132,7 +138,7 @@ COMMANDS = {
     "figures": (
         "Draw all figures and tables of a run into its folder figures/.",
         "figures results/study-0a1b2c3d4e",
-        _add_run,
+        _add_figures,
     ),
     "fidelity": (
         "Hold a run against the published numbers and statements; writes RUN/fidelity/.",

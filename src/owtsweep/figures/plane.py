@@ -105,17 +105,14 @@ class Plane:
         is linear or logarithmic. A value beyond the map is placed at the edge of the map. For NaN
         the result is NaN. If the map has one line, y is 0 for all numbers.
         """
-        lines = np.asarray(self.lines, dtype=float)
-        numbers = np.arange(len(lines), dtype=float)
-        if len(lines) == 1:
-            return np.where(np.isnan(values), np.nan, 0.0)
-        if self.upwards is not None and self.upwards.scale == "log":
-            values, lines = np.log(np.maximum(values, 1e-12)), np.log(lines)
-        steps = np.diff(lines)
-        ends = lines[0] - EDGE * steps[0], lines[-1] + EDGE * steps[-1]
-        padded = np.concatenate([ends[:1], lines, ends[1:]])
-        heights = np.concatenate([[-EDGE], numbers, [numbers[-1] + EDGE]])
-        return np.asarray(np.interp(values, padded, heights))
+        return _place_between(values, self.lines, self.upwards.scale if self.upwards else "")
+
+    def column_of(self, values: Array) -> Array:
+        """Return the x coordinates on the map for values of the condition on the horizontal axis.
+
+        The rules are those of `height_of`.
+        """
+        return _place_between(values, self.columns, self.across.scale)
 
     def label_axes(self, axes: Axes) -> None:
         """Set limits, ticks and labels of both axes of `axes`, in which the map is drawn."""
@@ -125,3 +122,22 @@ class Plane:
         axes.set_yticks(range(len(self.lines)), [show_value(value) for value in self.lines])
         axes.set_xlabel(self.across.title)
         axes.set_ylabel(self.upwards.title if self.upwards else "")
+
+
+def _place_between(values: Array, centres: Sequence[Value], scale: str) -> Array:
+    """Return coordinates of values between the centres of cells, which lie at 0, 1, 2, ...
+
+    `scale` is that of the condition, "log" or another. A value beyond the map is placed at its
+    edge. For NaN the result is NaN.
+    """
+    if len(centres) == 1:
+        return np.where(np.isnan(values), np.nan, 0.0)
+    places = np.asarray(centres, dtype=float)
+    numbers = np.arange(len(places), dtype=float)
+    if scale == "log":
+        values, places = np.log(np.maximum(values, 1e-12)), np.log(places)
+    steps = np.diff(places)
+    ends = places[0] - EDGE * steps[0], places[-1] + EDGE * steps[-1]
+    padded = np.concatenate([ends[:1], places, ends[1:]])
+    heights = np.concatenate([[-EDGE], numbers, [numbers[-1] + EDGE]])
+    return np.asarray(np.interp(values, padded, heights))

@@ -119,7 +119,8 @@ class Plant:
             depth=-self.structure.mudline,
             gravity=self.structure.gravity,
         )
-        answer = self._answer(self._modal_loads(waves), period)
+        heights, forces = compute_forces(self.structure, waves)
+        answer = respond(self.vibration, heights, forces, period)
         hub = answer.sum(axis=0)
         slope = self.vibration.slope @ answer
         speed = 2j * np.pi * np.arange(len(hub)) / period
@@ -138,35 +139,73 @@ class Plant:
             sample(slope)[0],
         )
 
-    def _modal_loads(self, waves: Waves) -> NDArray[np.complex128]:
-        """Compute complex amplitudes of the modes' loads, N, shape (modes, lines from 0 on)."""
-        bins = int(HIGHEST * waves.period) + 1
-        loads = np.zeros((self.modes, bins), dtype=complex)
-        water = self.structure.water
-        assert water is not None  # checked at the start
-        count = 2 * int(np.ceil(0.5 * DRAG_RATE * waves.period))
-        lines = np.zeros(count // 2 + 1, dtype=complex)
-        heights, lengths = _depth_rule(waves.depth)
-        for height, length, shape in zip(heights, lengths, self.vibration.at(heights), strict=True):
-            tube = next(t for t in self.structure.tubes if t.bottom <= height <= t.top)
-            diameter = float(tube.outer(np.array(height)))
-            cylinder = Cylinder(diameter, water.density, water.drag)
-            lines[:] = 0.0
-            lines[waves.numbers] = waves.velocity(height)
-            velocity = np.fft.irfft(lines * (0.5 * count), count)
-            force = np.fft.rfft(drag_force(velocity, cylinder))[:bins] * (2.0 / count)
-            force[waves.numbers] += inertia_force(waves, cylinder, height)
-            loads += length * shape[:, None] * force
-        loads[:, 0] = 0.0  # the mean of the drag is a static deflection, not motion
-        return loads
 
-    def _answer(self, loads: NDArray[np.complex128], period: float) -> NDArray[np.complex128]:
-        """Compute the complex amplitudes of the modes' hub displacements, m, by their loads, N."""
-        modes = self.vibration
-        omega = 2.0 * np.pi * np.arange(loads.shape[1]) / period
-        own = 2.0 * np.pi * modes.frequency[:, None]
-        impedance = modes.mass[:, None] * (own**2 - omega**2 + 2j * modes.damping * own * omega)
-        return np.asarray(loads / impedance)
+def compute_forces(structure: Structure, waves: Waves) -> tuple[Array, NDArray[np.complex128]]:
+    """Compute the forces of waves on a structure at rest, at some heights from sea bed to surface.
+
+    The forces depend on tubes and water alone: soil and blades change none of them.
+
+    Parameters
+    ----------
+    structure
+        The structure, which stands in water.
+    waves
+        A realisation of a sea.
+
+    Returns
+    -------
+    heights, forces
+        Heights in m, shape (heights,), and complex amplitudes of the forces in N, shape
+        (heights, lines from 0 on), line m at the frequency m / waves.period.
+    """
+    water = structure.water
+    assert water is not None  # a Plant has checked it
+    bins = int(HIGHEST * waves.period) + 1
+    count = 2 * int(np.ceil(0.5 * DRAG_RATE * waves.period))
+    lines = np.zeros(count // 2 + 1, dtype=complex)
+    heights, lengths = _depth_rule(waves.depth)
+    forces = np.empty((len(heights), bins), dtype=complex)
+    for row, (height, length) in enumerate(zip(heights, lengths, strict=True)):
+        tube = next(t for t in structure.tubes if t.bottom <= height <= t.top)
+        diameter = float(tube.outer(np.array(height)))
+        cylinder = Cylinder(diameter, water.density, water.drag)
+        lines[:] = 0.0
+        lines[waves.numbers] = waves.velocity(height)
+        velocity = np.fft.irfft(lines * (0.5 * count), count)
+        force = np.fft.rfft(drag_force(velocity, cylinder))[:bins] * (2.0 / count)
+        force[waves.numbers] += inertia_force(waves, cylinder, height)
+        forces[row] = length * force
+    return heights, forces
+
+
+def respond(
+    modes: Modes, heights: Array, forces: NDArray[np.complex128], period: float
+) -> NDArray[np.complex128]:
+    """Compute how the modes move the hub under forces, as the steady answer.
+
+    Parameters
+    ----------
+    modes
+        The modes of the structure.
+    heights, forces
+        Heights in m, shape (heights,), and complex amplitudes of the forces in N there, shape
+        (heights, lines from 0 on).
+    period
+        Time in s after which the forces repeat.
+
+    Returns
+    -------
+    array
+        Complex amplitudes of the hub's displacement in each mode, m, shape (modes, lines).
+    """
+    loads = np.zeros((len(modes.frequency), forces.shape[1]), dtype=complex)
+    for shape, force in zip(modes.at(heights), forces, strict=True):
+        loads += shape[:, None] * force
+    loads[:, 0] = 0.0  # the mean of the drag is a static deflection, not motion
+    omega = 2.0 * np.pi * np.arange(loads.shape[1]) / period
+    own = 2.0 * np.pi * modes.frequency[:, None]
+    impedance = modes.mass[:, None] * (own**2 - omega**2 + 2j * modes.damping * own * omega)
+    return np.asarray(loads / impedance)
 
 
 def _depth_rule(depth: float) -> tuple[Array, Array]:

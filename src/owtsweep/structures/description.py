@@ -14,7 +14,16 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import Finite, NotNegative, Positive, Section, key, require, typed
+from owtsweep.config import (
+    Finite,
+    NotNegative,
+    Positive,
+    Section,
+    conf_directory,
+    key,
+    require,
+    typed,
+)
 from owtsweep.config.stored import read_stored
 
 #: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
@@ -228,3 +237,22 @@ def read_structure(path: str | Path) -> Structure:
     structure = typed(Structure, plain)
     structure.check()
     return structure
+
+
+def find_structure(name: str) -> Structure:
+    """Read a structure by its name in conf/structure, or by the path of a YAML file.
+
+    Raises
+    ------
+    InputError
+        If there is neither, or the file does not describe a structure that stands.
+    """
+    folder = conf_directory() / "structure"
+    if name.endswith((".yaml", ".yml")):
+        return read_structure(name)
+    names = sorted(path.stem for path in folder.glob("*.yaml"))
+    require(
+        name in names,
+        f"structure: there is no {name!r}; use {', '.join(names)}, or a file that ends in .yaml",
+    )
+    return read_structure(folder / f"{name}.yaml")

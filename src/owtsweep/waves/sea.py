@@ -16,6 +16,10 @@ from owtsweep.errors import InputError, require
 BAND = (0.02, 1.0)
 #: Steepness H_s / (g T_p^2 / 2 pi) above which a sea breaks (DNV-RP-C205, section 3.5.4: 1/7).
 STEEPEST = 1.0 / 7.0
+#: Peak periods (s), and the largest of these steepnesses that sea states have there; between the
+#: periods it is interpolated (DNV-RP-C205, steepness criteria of sea states; API RP 2MET: 1/16 to
+#: 1/20 in severe seas). Steeper seas lose their height by breaking.
+STEEPEST_SEAS = (8.0, 15.0), (1.0 / 15.0, 1.0 / 25.0)
 #: Most steps of Newton's method for the dispersion relation, and the change at which it ends.
 NEWTON_STEPS, NEWTON_CHANGE = 50, 1e-14
 
@@ -56,6 +60,11 @@ class Sea:
     def breaks(self) -> bool:
         """Whether the sea is steeper than waves can be (`STEEPEST`)."""
         return self.steepness() > STEEPEST
+
+    @property
+    def is_found(self) -> bool:
+        """Whether sea states as steep as this one are found (`STEEPEST_SEAS`)."""
+        return bool(self.steepness() <= np.interp(self.tp, *STEEPEST_SEAS))
 
     def density(self, frequency: Array) -> Array:
         """Compute the spectral density of the surface elevation, m^2/Hz, at frequencies in Hz."""

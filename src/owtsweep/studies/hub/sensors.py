@@ -131,7 +131,8 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     """Compute the part of the measurements that is due to motion, without gravity and noise.
 
     Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
-    The specific force holds the IMU's lean and AC coupling too, if the motion says so (`lean`, `couple`).
+    The specific force holds the IMU's lean and AC coupling too, if the motion says so (`lean`,
+    `couple`).
 
     Parameters
     ----------

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Polygon
+from matplotlib.patheffects import Normal, Stroke
 
+from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells
@@ -32,10 +37,42 @@ COLUMN, ROW, BESIDE = (0.75, 1.1), (0.3, 0.5), 1.0
 MOST_LABELS = 300
 
 
-def draw(results: Mapping[str, Results], at: Mapping[str, Value] | None = None) -> Figure:
-    """Draw one map per tuning, with a sentence below each title; `results` is by tuning.
+@dataclass(frozen=True)
+class Region:
+    """A region of natural periods and amplitudes to outline on a map.
 
-    `at` holds the values of the conditions that are not axes of the maps, condition -> value.
+    Attributes
+    ----------
+    natural_period
+        Natural periods (s), increasing, shape (n,).
+    low, high
+        Lower and upper edge of the region there (m), shape (n,).
+    label, text
+        The entry of the legend, and the sentences for the footnote.
+    """
+
+    natural_period: Array
+    low: Array
+    high: Array
+    label: str
+    text: str
+
+
+def draw(
+    results: Mapping[str, Results],
+    at: Mapping[str, Value] | None = None,
+    region: Region | None = None,
+) -> Figure:
+    """Draw one map per tuning, with a sentence below each title.
+
+    Parameters
+    ----------
+    results
+        The results by tuning.
+    at
+        Condition -> value, for the conditions that are not axes of the maps; None for none.
+    region
+        A region to outline on every map; None for none.
 
     Raises
     ------
@@ -69,13 +106,17 @@ def draw(results: Mapping[str, Results], at: Mapping[str, Value] | None = None) 
         draw_cells(axes, cells.to_dict("records"), names, planes[tuning], labels=labels)
         letters = int(12 * max(width, 4.8))
         told = "\n".join(textwrap.wrap(tell_winners(cells), letters))
+        if region is not None:
+            _outline(axes, planes[tuning], region)
         axes.set_title(f"Tuning {tuning}\n{told}", loc="left", fontsize=10)
     named = {str(name) for cells in shown.values() for name in cells["best"]}
-    handles = [
+    handles: list[Patch] = [
         Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
         for name in names
         if name in named
     ]
+    if region is not None:
+        handles.append(Polygon([(0.0, 0.0)], label=region.label, **_OUTLINE))
     figure.legend(
         handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
     )
@@ -83,8 +124,24 @@ def draw(results: Mapping[str, Results], at: Mapping[str, Value] | None = None) 
     title += f", {describe_values(config, at)}" if at else ""
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
-    style.footnote(figure, " ".join([EXPLANATION, *notes]))
+    outlined = [region.text] if region is not None else []
+    style.footnote(figure, " ".join([*outlined, EXPLANATION, *notes]))
     return figure
+
+
+#: Yellow, as the envelope is in the paper. There is no fill: it would change the cells' colours.
+_OUTLINE: dict[str, Any] = {
+    "fill": False, "edgecolor": "#FFDD00", "linewidth": 2.4,
+    "path_effects": [Stroke(linewidth=4.8, foreground="black"), Normal()],
+}  # fmt: skip
+
+
+def _outline(axes: Axes, plane: Plane, region: Region) -> None:
+    """Outline a region on a map."""
+    across = plane.column_of(region.natural_period)
+    low, high = plane.height_of(region.low), plane.height_of(region.high)
+    corners = np.concatenate([np.stack([across, low], 1), np.stack([across, high], 1)[::-1]])
+    axes.add_patch(Polygon(corners, zorder=6, **_OUTLINE))
 
 
 EXPLANATION = (
