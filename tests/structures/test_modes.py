@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.optimize import brentq
 
@@ -87,6 +88,13 @@ def test_table_3_of_ren():
         modes = compute_modes(structure, 4, blades)
         assert modes.frequency[0] == pytest.approx(printed, rel=within)
         assert modes.slope[0] == pytest.approx(0.0138, rel=0.02)  # rad/m
+
+
+def test_the_kept_table_3_is_what_the_structure_has():
+    kept = pd.read_csv(CONF.parents[1] / "results" / "reference" / "plant" / "table_3.csv")
+    structure = read_structure(CONF / "ren2019.yaml")
+    found = [compute_modes(structure, 1, blades).frequency[0] for blades in kept["blades"]]
+    np.testing.assert_allclose(kept["reproduced"], found, rtol=1e-6)
 
 
 def test_nrels_turbine_on_the_monopile_of_oc3():
