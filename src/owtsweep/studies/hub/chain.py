@@ -25,7 +25,13 @@ from owtsweep.estimation.smoother import smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon
-from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
+from owtsweep.studies.hub.kernels.layout import (
+    NO_LEAN,
+    FilterArrays,
+    HorizonArrays,
+    LeanTerms,
+    PredictorArrays,
+)
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
 from owtsweep.vectors import choose
 
@@ -298,14 +304,35 @@ def chain(
 
 NO_HORIZON = HorizonArrays(
     active=False, maps=np.zeros((1, 3, 1)), horizon=1, interval=1, first=0, arrival=False,
-    inputs=0, step=0.0,
+    inputs=0, step=0.0, growth=np.zeros((1, 2, 3)), lean=NO_LEAN,
 )  # fmt: skip
 
 
 def _predictor_arrays(model: Discrete | None, steps: int, step: float) -> PredictorArrays:
     if model is None or steps == 0:
-        return PredictorArrays(0, step, 0.0, 0.0, 0.0, 0.0)
+        return PredictorArrays(0, step, 0.0, 0.0, 0.0, 0.0, 0.0)
     A = powers(model.A, steps)[steps]
-    return PredictorArrays(
-        steps=steps, step=step, half=float(model.B[0, 0]), pv=A[0, 1], pb=A[0, 2], vb=A[1, 2]
+    half = float(model.B[0, 0])
+    arrays = PredictorArrays(
+        steps=steps, step=step, half=half, pv=A[0, 1], pb=A[0, 2], vb=A[1, 2],
+        old_p=half + steps * step * step,
+    )  # fmt: skip
+    if model.A[1, 0] == 0.0:
+        return arrays
+    left = A @ model.B[:, 0]
+    one = model.A
+    return arrays._replace(
+        old_p=left[0],
+        old_v=left[1] - step,
+        pp=A[0, 0] - 1.0,
+        vp=A[1, 0],
+        vv=A[1, 1] - 1.0,
+        lean=LeanTerms(
+            pp=one[0, 0] - 1.0,
+            pv=one[0, 1] - step,
+            pu=0.0,  # `half` has it
+            vp=one[1, 0],
+            vv=one[1, 1] - 1.0,
+            vu=float(model.B[1, 0]) - step,
+        ),
     )

@@ -124,8 +124,10 @@ class HubConfig(Config):
     @classmethod
     def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
         """Return the keys with numbers in place of `auto`, from the sensors by rule."""
+        from owtsweep.studies.hub.tilt import warn_of_growth
         from owtsweep.studies.hub.tuning.rules import fill_in
 
+        warn_of_growth(plain)
         return fill_in(plain)
 
     def describe_origin(self) -> str:

@@ -51,7 +51,7 @@ def fix_chain(sensors: Sensors, line: Line) -> Chain:
         ),
         # with steps of no length, the predictor adds up no specific force
         predictor=PredictorArrays(
-            steps=ahead, step=0.0, half=0.0, pv=ahead * step, pb=0.0, vb=0.0
+            steps=ahead, step=0.0, half=0.0, pv=ahead * step, pb=0.0, vb=0.0, old_p=0.0
         ),
         mhe=NO_HORIZON,
         axis=AxisFilter(

@@ -11,7 +11,7 @@ from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.estimation.mhe import WindowWeights, window_map, window_maps
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.kernels.layout import HorizonArrays
+from owtsweep.studies.hub.kernels.layout import NO_LEAN, HorizonArrays, LeanTerms
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
 from owtsweep.studies.hub.sections import Mhe
 
@@ -49,6 +49,8 @@ class Horizon:
     bounds
         Largest allowed magnitudes (3,) of position and velocity, per axis in NED, and of the bias
         b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
+    lean
+        What the model believes of the IMU's lean, s^-2.
     """
 
     interval: int
@@ -60,6 +62,7 @@ class Horizon:
     weights: WindowWeights
     initial_covariance: Array
     bounds: Array
+    lean: float
 
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
         """Make the kernels' form of the MHE: one matrix per position fix, until matrices repeat.
@@ -98,6 +101,8 @@ class Horizon:
             arrival=self.arrival,
             inputs=INPUTS.index(self.inputs),
             step=sensors.step,
+            growth=growth_over(self.lean, sensors, M),
+            lean=lean_terms(self.lean, sensors.step),
         )
 
     def uses_filter(self, fix: int) -> bool:
@@ -124,11 +129,14 @@ class Horizon:
         return np.asarray(P[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)])
 
 
-def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
-    """Turn the tuning of the moving horizon estimator (MHE) into numbers for given sensors."""
+def horizon(tuning: Mhe, sensors: Sensors, lean: float = 0.0) -> Horizon:
+    """Turn the tuning of the moving horizon estimator (MHE) into numbers for given sensors.
+
+    `lean` is what the model believes of the IMU's lean, in s^-2 (see `sigma_2`).
+    """
     q_f = sensors.force_sigma**2 * sensors.step if tuning.q_a is None else tuning.q_a
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
-    model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY)), sensors.fix_step)
+    model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY), lean), sensors.fix_step)
     link = model.Q if tuning.weights == "full" else np.diag(np.diagonal(model.Q))
     arrival = tuning.arrival in ("mkf", "fixed")
     return Horizon(
@@ -145,13 +153,48 @@ def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
         ),
         initial_covariance=np.diag(tuning.p0),
         bounds=np.array(tuning.bounds),
+        lean=lean,
     )
 
 
-def transition_over(seconds: float) -> Array:
+def transition_over(seconds: float, lean: float = 0.0) -> Array:
     """Return the transition matrix (3, 3) of position, velocity and bias over a time (s).
 
     Source: A_df in Eq. (11g) of Ren et al. (2019). This function returns the exact matrix; the
-    paper has I + t_f A.
+    paper has I + t_f A. `lean` is the IMU's lean in s^-2 (see `sigma_2`).
     """
-    return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])
+    if lean == 0.0:
+        return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])
+    return discretise(sigma_2(0.0, 0.0, lean), seconds).A
+
+
+def growth_over(lean: float, sensors: Sensors, steps: int) -> Array:
+    """Return what a state adds to position and velocity, beside itself, k steps later.
+
+    The result has the shape (steps, 2, 3): k, what is added to (position, velocity), and by which
+    state (position, velocity, bias). `lean` is the IMU's lean in s^-2 (see `sigma_2`).
+    """
+    result = np.empty((steps, 2, 3))
+    for k in range(steps):
+        t = k * sensors.step
+        if lean == 0.0:
+            result[k] = [[0.0, t, 0.5 * t * t], [0.0, 0.0, t]]
+        else:
+            result[k] = (transition_over(t, lean) - np.eye(3))[:2]
+    return result
+
+
+def lean_terms(lean: float, step: float) -> LeanTerms:
+    """Return what a lean, in s^-2, changes in one step (s) of integrating an input twice."""
+    if lean == 0.0:
+        return NO_LEAN
+    model = discretise(sigma_2(0.0, 0.0, lean), step)
+    A, B = model.A, model.B[:, 0]
+    return LeanTerms(
+        pp=A[0, 0] - 1.0,
+        pv=A[0, 1] - step,
+        pu=B[0] - 0.5 * step * step,
+        vp=A[1, 0],
+        vv=A[1, 1] - 1.0,
+        vu=B[1] - step,
+    )

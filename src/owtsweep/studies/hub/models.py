@@ -50,15 +50,19 @@ def sigma_1(q_a: float, q_b: float) -> Model:
     return Model(A=A, B=np.zeros((4, 1)), Q=np.diag([0.0, 0.0, q_a, q_b]))
 
 
-def sigma_2(q_f: float, q_b: float) -> Model:
+def sigma_2(q_f: float, q_b: float, lean: float = 0.0) -> Model:
     """Return the model Sigma_2 of one axis, Eq. (8a) of Ren et al. (2019).
 
     The states are position, velocity and bias; the input is the specific force u = R f. q_f, in
     (m/s^2)^2/Hz, is the density of the accelerometer's noise. q_b, in (m/s^2)^2/s, is the density
     of the bias' walk. The returned Q is the paper's E Q E'.
+
+    With `lean`, in s^-2, the IMU leans as it moves: f = a - lean p, so v' = u + b + lean p. The
+    paper has no lean (section 3, assumption 2).
     """
     A = np.zeros((3, 3))
     A[0, 1] = A[1, 2] = 1.0
+    A[1, 0] = lean
     return Model(A=A, B=np.array([[0.0], [1.0], [0.0]]), Q=np.diag([0.0, q_f, q_b]))
 
 
@@ -106,9 +110,9 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
     force_variance = variance(tuning.r_imu, sensors.force_sigma, sensors)
     if tuning.model == "sigma1":
         model = discretise(sigma_1(tuning.q_a, q_b), sensors.step, tuning.discretisation)
-        force_row = FORCE
+        force_row = FORCE - tuning.lean * POSITION
     else:
-        continuous = sigma_2(force_variance * sensors.step, q_b)
+        continuous = sigma_2(force_variance * sensors.step, q_b, tuning.lean)
         model = four_states(discretise(continuous, sensors.step, tuning.discretisation))
         force_row = np.zeros(4)
     return AxisFilter(
@@ -127,4 +131,4 @@ def input_model(tuning: FilterTuning, sensors: Sensors) -> Discrete:
     noise.
     """
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
-    return discretise(sigma_2(0.0, q_b), sensors.step, tuning.discretisation)
+    return discretise(sigma_2(0.0, q_b, tuning.lean), sensors.step, tuning.discretisation)

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, Field
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.section import require_magnitude
 from owtsweep.structures.description import ANGLES
+from owtsweep.studies.hub.contract import GRAVITY
 
 #: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.
 STRUCTURE = "structure"
@@ -161,6 +162,13 @@ class FilterTuning(Section):
     q_b: NotNegative | None = key(
         "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
     )
+    tilt: Finite = key(
+        "lean of the IMU per displacement that the filter believes in; auto (in a tuning file): "
+        "sensors.imu.tilt",
+        unit="rad/m",
+        default=0.0,
+        younger=True,
+    )
     r_gnss: Variance = key("variance of a fix")
     r_imu: Variance = key("variance of a sample")
     p0: list[Positive] = key(
@@ -169,6 +177,11 @@ class FilterTuning(Section):
         min_length=4,
         max_length=4,
     )
+
+    @property
+    def lean(self) -> float:
+        """The specific force by leaning, g tilt, in m/s^2 per metre of displacement."""
+        return GRAVITY * self.tilt
 
 
 class Constraints(Section):

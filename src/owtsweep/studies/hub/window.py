@@ -86,7 +86,7 @@ def solve(
         z=np.where(have[:, None], fixes, 0.0).T,
         inputs=effects.reshape(-1, 6).T,
         A=np.kron(weights.transition, _I),
-        A_f=np.kron(transition_over(since_fix * sensors.step), _I),
+        A_f=np.kron(transition_over(since_fix * sensors.step, mhe.lean), _I),
         link=np.kron(square_root_information(weights.link_covariance), _I),
         fix=np.where(have, 1.0 / np.sqrt(weights.fix_variance), 0.0),
         x0=x0,

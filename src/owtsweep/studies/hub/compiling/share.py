@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.studies.hub.kernels.layout import (
+    NO_LEAN,
     WIDTH,
     ChainArrays,
     Fed,
@@ -46,8 +47,10 @@ def examples(evaluation: str) -> dict[str, tuple[Any, ...]]:
     rows = (np.zeros((1, WIDTH)),)
     chain = ChainArrays(
         FilterArrays(np.zeros((4, 4)), row, row, D, np.ones(1, np.bool_), C, D, 1, 0, 1, 1),
-        PredictorArrays(0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        HorizonArrays(False, np.zeros((1, 3, 1)), 1, 1, 0, False, 0, 0.0),
+        PredictorArrays(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        HorizonArrays(
+            False, np.zeros((1, 3, 1)), 1, 1, 0, False, 0, 0.0, np.zeros((1, 2, 3)), NO_LEAN
+        ),
     )
     memory = Memory(new_registers(groups, 1, 1), new_scratch(groups, 1, 1), new_output(groups, 1))
     fed = Fed(rows * groups, 0, rows * groups)

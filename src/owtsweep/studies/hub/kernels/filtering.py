@@ -81,10 +81,12 @@ def filter_steps(steps, fed, positions, chain, memory, width, late):
     x, scratch, output = memory.registers.x, memory.scratch, memory.output
     arrays, predictor = chain.filter, chain.predictor
     pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
+    pp, vp, vv = predictor.pp, predictor.vp, predictor.vv
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
+    a00, a10, a11 = A[0, 0] - 1.0, A[1, 0], A[1, 1] - 1.0  # zero unless the IMU leans
     b0, b1 = B[0], B[1]
-    h2, h3 = h[2], h[3]
+    h0, h2, h3 = h[0], h[2], h[3]
     rows, cycle, window = K.shape[0], arrays.cycle, arrays.window
     x0, x1, x2, x3 = load(x, 0), load(x, 1), load(x, 2), load(x, 3)
     before = load(force, source + first - 1)
@@ -98,10 +100,10 @@ def filter_steps(steps, fed, positions, chain, memory, width, late):
         prefetch(late, source + i + AHEAD)
         if window == 0:
             prefetch(force, source + i + AHEAD)
-        m0 = x0 + (b0 * before + a01 * x1 + a02 * x2 + a03 * x3)
-        m1 = x1 + (b1 * before + a12 * x2 + a13 * x3)
+        m0 = x0 + (b0 * before + a01 * x1 + a02 * x2 + a03 * x3 + a00 * x0)
+        m1 = x1 + (b1 * before + a12 * x2 + a13 * x3 + a11 * x1 + a10 * x0)
         m2 = a22 * x2
-        r = now - h3 * x3 - h2 * m2
+        r = now - h3 * x3 - h2 * m2 - h0 * m0
         x0, x1, x2, x3 = corrected(m0, m1, m2, x3, K, row, 1, r)
         if element(applied, row):
             s = load(fixes, q) - m0
@@ -120,8 +122,8 @@ def filter_steps(steps, fed, positions, chain, memory, width, late):
                 store(X, at + 2, x3)
                 store(X, at + 3, x2)
             else:
-                store(X, at, x0 + pv * x1 + pb * x3)
-                store(X, at + 1, x1 + vb * x3)
+                store(X, at, x0 + pv * x1 + pb * x3 + pp * x0)
+                store(X, at + 1, x1 + vb * x3 + vp * x0 + vv * x1)
             if window > 0:
                 store(r_rows, window + i, r)
         before = now

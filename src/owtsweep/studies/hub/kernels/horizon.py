@@ -105,7 +105,7 @@ def horizon_steps(steps, fed, q, chain, memory):
     fixes, registers, positions = fed.fixes, memory.registers, memory.scratch.positions
     T = mhe.step
     half = 0.5 * T * T
-    running, node = registers.running, registers.node
+    running, node, growth, lean = registers.running, registers.node, mhe.growth, mhe.lean
     interval, inputs, solved = mhe.interval, mhe.inputs, q >= mhe.first
     n0, n1, n2 = load(node, 0), load(node, 1), load(node, 2)
     p, v, gathered, mean = load(running, 0), load(running, 1), load(running, 2), load(running, 3)
@@ -119,8 +119,8 @@ def horizon_steps(steps, fed, q, chain, memory):
     for i in range(first, stop):
         if phase == 0:
             if solved:
-                tf = since_fix * T
-                held = n0 + tf * n1 + 0.5 * tf * tf * n2 + p
+                g = growth[since_fix, 0]
+                held = n0 + g[1] * n1 + g[2] * n2 + p + g[0] * n0
             elif since_fix == 0:
                 held = load(fixes, q)
             store(positions, tick, held)
@@ -135,8 +135,9 @@ def horizon_steps(steps, fed, q, chain, memory):
                     mean = u
                 gathered = zero(running)
             u = mean
-        p = p + (T * v + half * u)
-        v = v + T * u
+        leaning = lean.vp * p + lean.vv * v + lean.vu * u
+        p = p + (T * v + half * u) + (lean.pp * p + lean.pv * v + lean.pu * u)
+        v = v + T * u + leaning
         since_fix += 1
         phase += 1
         if phase == interval:

@@ -69,8 +69,9 @@ def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
         store(X, at + 2, load(X, at + 2) + s3)
         store(X, at + 3, load(X, at + 3) + s2)
     else:
-        store(X, at, load(X, at) + s0 + predictor.pv * s1 + predictor.pb * s3)
-        store(X, at + 1, load(X, at + 1) + s1 + predictor.vb * s3)
+        p = predictor
+        store(X, at, load(X, at) + s0 + p.pv * s1 + p.pb * s3 + p.pp * s0)
+        store(X, at + 1, load(X, at + 1) + s1 + p.vb * s3 + p.vp * s0 + p.vv * s1)
 
 
 @njit
@@ -170,12 +171,13 @@ def begin_prediction(k0, first, force, base, predictor, scratch):
     """
     dv, dp = load(scratch.inputs, 0), load(scratch.inputs, 1)
     if first == 0:
-        n, T, half = predictor.steps, predictor.step, predictor.half
+        n, T, half, lean = predictor.steps, predictor.step, predictor.half, predictor.lean
         dv, dp = zero(force), zero(force)
         for row in range(k0 - n - base, k0 - base):
             u = load(force, row)
-            dp = dp + T * dv + half * u
-            dv = dv + T * u
+            leaning = lean.vp * dp + lean.vv * dv + lean.vu * u
+            dp = dp + T * dv + half * u + (lean.pp * dp + lean.pv * dv)
+            dv = dv + T * u + leaning
     return dv, dp
 
 
@@ -189,11 +191,12 @@ def predict(i, at, dv, dp, force, predictor, X):
     newest input, row `at` of the force, is included and the oldest input left out. dv and dp are
     computed anew in every chunk (a stretch of a record), so that rounding errors do not accumulate.
     """
-    n, T, half = predictor.steps, predictor.step, predictor.half
+    n, T, half, lean = predictor.steps, predictor.step, predictor.half, predictor.lean
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
     new, old = load(force, at), load(force, at - n)
-    dp = dp + (T * dv + half * new - (half + n * T * T) * old)
-    dv = dv + T * (new - old)
+    leaning = lean.vp * dp + lean.vv * dv + lean.vu * new - predictor.old_v * old
+    dp = dp + (T * dv + half * new - predictor.old_p * old) + (lean.pp * dp + lean.pv * dv)
+    dv = dv + T * (new - old) + leaning
     return x, w, dv, dp
 
 

@@ -56,12 +56,34 @@ class FilterArrays(NamedTuple):
     fix_interval: int
 
 
+class LeanTerms(NamedTuple):
+    """What an IMU that leans as it moves adds in one step of integrating its specific force.
+
+    In one step the position also grows by `pp` times itself, `pv` times the velocity and `pu` times
+    the input; the velocity grows by `vp` times the position, `vv` times itself and `vu` times the
+    input. All are zero without a lean.
+    """
+
+    pp: float
+    pv: float
+    pu: float
+    vp: float
+    vv: float
+    vu: float
+
+
+NO_LEAN = LeanTerms(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 class PredictorArrays(NamedTuple):
     """A prediction without measurements over `steps` steps of `step` seconds.
 
     The states are position, velocity, bias. `half` is step^2 / 2, the change of position in one
     step per unit of input. Over all steps, a unit of velocity adds `pv` to the position, and a unit
-    of bias adds `pb` to the position and `vb` to the velocity.
+    of bias adds `pb` to the position and `vb` to the velocity. An IMU that leans (`lean`) also has
+    a unit of position add `pp` to the position and `vp` to the velocity, and a unit of velocity add
+    `vv` to the velocity; an input that is older than all steps has left `old_p` in the position and
+    `old_v`, beside `step`, in the velocity.
     """
 
     steps: int
@@ -70,6 +92,12 @@ class PredictorArrays(NamedTuple):
     pv: float
     pb: float
     vb: float
+    old_p: float
+    old_v: float = 0.0
+    pp: float = 0.0
+    vp: float = 0.0
+    vv: float = 0.0
+    lean: LeanTerms = NO_LEAN
 
 
 class HorizonArrays(NamedTuple):
@@ -94,6 +122,11 @@ class HorizonArrays(NamedTuple):
         Which IMU samples are taken: ALL, AVERAGED or SAMPLED.
     step
         Sampling interval of the IMU, s.
+    growth
+        What a state at the last fix adds to position and velocity, beside itself, k steps later;
+        shape (steps between fixes, 2, 3), see `hub.horizon.growth_over`.
+    lean
+        What an IMU that leans adds in one step.
     """
 
     active: bool
@@ -104,6 +137,8 @@ class HorizonArrays(NamedTuple):
     arrival: bool
     inputs: int
     step: float
+    growth: Array
+    lean: LeanTerms
 
 
 class ChainArrays(NamedTuple):

@@ -215,12 +215,12 @@ def horizon_position(f, h, m):
         return True
     if m.counter[STEP] % h.interval != 0:
         return True
-    t = since * h.step
+    g = h.growth[since]
     last = m.nodes[n + 1]
     for axis in range(2):
         p, v, b = m.node[0, axis], m.node[1, axis], m.node[2, axis]
-        last[0, axis] = p + t * v + 0.5 * t * t * b + m.running[0, axis]
-        last[1, axis] = v + t * b + m.running[1, axis]
+        last[0, axis] = p + g[0, 1] * v + g[0, 2] * b + m.running[0, axis] + g[0, 0] * p
+        last[1, axis] = v + g[1, 2] * b + m.running[1, axis] + (g[1, 0] * p + g[1, 1] * v)
         last[2, axis] = b
         m.given[axis] = last[0, axis]
     if h.constrained:
@@ -250,7 +250,7 @@ def after_filter(f, h, m):
                 m.states[n, i, axis] = m.x[PICK[i], axis]
             for j in range(3):
                 m.covariances[n, i, j] = m.P[PICK[i], PICK[j]]
-    T = h.step
+    T, lean = h.step, h.lean
     tick = m.counter[STEP] % h.interval == 0
     for axis in range(2):
         u = m.force[m.counter[ROW] - f.delay, axis]
@@ -260,5 +260,6 @@ def after_filter(f, h, m):
                 m.held[axis] = m.recent[axis] / h.interval if h.inputs == AVERAGED else u
                 m.recent[axis] = 0.0
             u = m.held[axis]
-        m.running[0, axis] += T * m.running[1, axis] + 0.5 * T * T * u
-        m.running[1, axis] += T * u
+        p, v = m.running[0, axis], m.running[1, axis]
+        m.running[0, axis] += T * v + 0.5 * T * T * u + (lean.pp * p + lean.pv * v + lean.pu * u)
+        m.running[1, axis] += T * u + (lean.vp * p + lean.vv * v + lean.vu * u)

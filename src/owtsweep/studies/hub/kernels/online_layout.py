@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.studies.hub.kernels.layout import LeanTerms
 
 #: Indices in `OnlineRegisters.counter`: present step, present row of the registers, number of links
 #: in the MHE's window, whether the window's data determine its states. COUNTERS is their number.
@@ -110,6 +111,8 @@ class HorizonSettings(NamedTuple):
     constrained, bounds
         Whether there are constraints, and the bounds (3,) of |p|, |v| and |b^b|, the bias in the
         IMU's frame; a quantity without a bound has the bound infinity.
+    growth, lean
+        As in `HorizonArrays`.
     """
 
     active: bool
@@ -124,6 +127,8 @@ class HorizonSettings(NamedTuple):
     prior: Array
     constrained: bool
     bounds: Array
+    growth: Array
+    lean: LeanTerms
 
 
 class OnlineRegisters(NamedTuple):

@@ -75,8 +75,8 @@ def output(f, m, state, covariance):
         for j in range(row - f.delay - window, row):
             u = m.force[j, axis]
             p, v = (
-                p + A[0, 1] * v + A[0, 2] * b + B[0] * u,
-                v + A[1, 2] * b + B[1] * u,
+                p + A[0, 1] * v + A[0, 2] * b + B[0] * u + (A[0, 0] - 1.0) * p,
+                v + A[1, 2] * b + B[1] * u + (A[1, 0] * p + (A[1, 1] - 1.0) * v),
             )
         state[axis], state[2 + axis] = p, v
     output_covariance(f, m, covariance)

@@ -10,7 +10,8 @@ from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.estimation.predictor import prediction_noise
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.horizon import INPUTS, Horizon
+from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
+from owtsweep.studies.hub.kernels.layout import NO_LEAN
 from owtsweep.studies.hub.kernels.online_layout import (
     COUNTERS,
     ROW,
@@ -77,7 +78,10 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
     eye = np.eye(3)
     if mhe is None:
         free = np.full(3, np.inf)
-        return HorizonSettings(False, 1, 1, 0, 0, sensors.step, eye, eye, 1.0, eye, False, free)
+        none = np.zeros((1, 2, 3))
+        return HorizonSettings(
+            False, 1, 1, 0, 0, sensors.step, eye, eye, 1.0, eye, False, free, none, NO_LEAN
+        )
     return HorizonSettings(
         active=True,
         interval=mhe.interval,
@@ -91,6 +95,8 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
         prior=np.ascontiguousarray(square_root_information(mhe.initial_covariance)),
         constrained=bool(np.any(np.isfinite(mhe.bounds))),
         bounds=mhe.bounds,
+        growth=growth_over(mhe.lean, sensors, sensors.fix_interval),
+        lean=lean_terms(mhe.lean, sensors.step),
     )
 
 

@@ -49,7 +49,7 @@ class MovingHorizonEstimator:
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
         self.mhe, self.sensors, self.gains, self.solver = mhe, sensors, gains, solver
         self.on_schedule = True
-        self.model = discretise(sigma_2(0.0, 0.0), sensors.step)
+        self.model = discretise(sigma_2(0.0, 0.0, mhe.lean), sensors.step)
         self.fixes: deque[Array | None] = deque(maxlen=mhe.length + 1)
         self.effects: deque[Array] = deque(maxlen=mhe.length)  # B u, one per GNSS interval
         self.states: dict[int, FilterStep] = {}  # register 3, by the number of the node
@@ -144,7 +144,7 @@ class HME2Estimator:
     """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019)."""
 
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
-        mhe = horizon(tuning.hme.mhe, sensors)
+        mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
         self.sensors = sensors
         self.chain = DelayedChain(tuning.hme2, choose_window(tuning), sensors, gains)
         self.mhe = MovingHorizonEstimator(mhe, sensors, gains, tuning.hme.mhe.solver)
@@ -214,7 +214,7 @@ class HME2:
             sensors,
             window=choose_window(tuning),
             delay=sensors.delay,
-            mhe=horizon(tuning.hme.mhe, sensors),
+            mhe=horizon(tuning.hme.mhe, sensors, tuning.hme2.lean),
             solver=tuning.hme.mhe.solver,
         )
 
@@ -232,7 +232,7 @@ class HME2:
             input_delay=sensors.delay,
             window=choose_window(tuning),
             predict=input_model(tuning.hme2, sensors),
-            horizon=horizon(tuning.hme.mhe, sensors),
+            horizon=horizon(tuning.hme.mhe, sensors, tuning.hme2.lean),
             steps=steps,
         )
 

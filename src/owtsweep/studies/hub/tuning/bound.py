@@ -44,7 +44,7 @@ def bound_of_axis(sensors: Sensors) -> tuple[float, float]:
     from scipy.linalg import solve_discrete_are
 
     q_b = max(sensors.bias_walk**2, LEAST_BIAS_DENSITY)
-    model = discretise(sigma_2(0.0, q_b), sensors.step)
+    model = discretise(sigma_2(0.0, q_b, sensors.lean), sensors.step)
     noise = model.Q + sensors.force_sigma**2 * model.B @ model.B.T
     A, Q = _over(model.A, noise, sensors.fix_interval)
     H = np.array([[1.0, 0.0, 0.0]])

@@ -15,6 +15,7 @@ from owtsweep.config import typed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.config import TUNED
 from owtsweep.studies.hub.sections import SensorConfig
+from owtsweep.studies.hub.tilt import find_tilt
 
 logger = logging.getLogger(__name__)
 
@@ -43,6 +44,8 @@ class Facts:
     imu_rate: float
 
 
+#: The sections that hold a filter.
+FILTERS = ("ekf", "mkf", "hme1", "hme2")
 #: The sensors of `sensors=ren2019`. Their numbers for HME2 are those of the recorded search
 #: (experiment=readings), so that stored runs of `tuning=matched` keep their blocks.
 DEFAULT = Facts(gnss_sigma=0.03, gnss_rate=1.0, delay=0.2, imu_sigma=0.15, imu_rate=100.0)
@@ -102,15 +105,17 @@ def fill_in(plain: dict[str, Any]) -> dict[str, Any]:
     """
     if not any(_holds_auto(part.get(section)) for part in _parts(plain) for section in TUNED):
         return plain
-    facts, bias_walk = DEFAULT, 0.0
+    facts, bias_walk, tilt = DEFAULT, 0.0, 0.0
     try:
         sensors = typed(SensorConfig, plain.get("sensors"))
     except InputError:
         pass  # typing the whole configuration names the fault
     else:
         facts, bias_walk = take_facts(sensors), sensors.imu.bias_walk
+        tilt = find_tilt(plain, sensors.imu)
         _warn(facts, bias_walk)
     numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
+    numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter is told the truth
     filled = _fill(plain, numbers)
     if plain.get("tunings"):
         filled["tunings"] = {n: _fill(part, numbers) for n, part in plain["tunings"].items()}
