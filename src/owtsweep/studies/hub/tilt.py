@@ -1,4 +1,4 @@
-"""The true tilt of the IMU as filters are told it, and a warning of one that none can follow."""
+"""Warns of an IMU that leans so much that no filter can bridge the time between two fixes."""
 
 from __future__ import annotations
 
@@ -9,13 +9,33 @@ from typing import Any
 
 from owtsweep.config import typed
 from owtsweep.errors import InputError
+from owtsweep.structures import Structure, compute_modes
 from owtsweep.studies.hub.contract import GRAVITY
-from owtsweep.studies.hub.sections import SensorConfig
+from owtsweep.studies.hub.sections import Imu, MotionConfig, SensorConfig
 
 logger = logging.getLogger(__name__)
 
 #: Largest exponent of an error's growth between two fixes for which there is no warning.
 LARGEST_GROWTH = 3.0
+
+
+def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
+    """Return the tilt that a filter may know, rad/m; `plain` is a configuration as plain data.
+
+    If the IMU leans as the structure does, the tilt is the slope of the first mode, with the first
+    of `motion.blades` and the structure's own soil. It has four digits, so that it is the same on
+    every machine. It is 0 if there is no such structure; the configuration's checks tell that.
+    """
+    if not isinstance(imu.tilt, str):
+        return imu.tilt
+    try:
+        structure = typed(Structure, plain.get("structure"))
+        structure.check()
+        blades = typed(MotionConfig, plain.get("motion")).blades or [0]
+        slope = compute_modes(structure, 1, blades[0]).slope[0]
+    except InputError:
+        return 0.0
+    return float(f"{slope:.4g}")
 
 
 def warn_of_growth(plain: Mapping[str, Any]) -> None:
@@ -27,10 +47,10 @@ def warn_of_growth(plain: Mapping[str, Any]) -> None:
     """
     try:
         sensors = typed(SensorConfig, plain.get("sensors"))
-        tilt = read_tilt(plain, sensors)
     except InputError:
         return  # typing the whole configuration names the fault
     alone = 1.0 / sensors.gnss.rate + sensors.gnss.delay
+    tilt = find_tilt(plain, sensors.imu)
     growth = sqrt(max(GRAVITY * tilt, 0.0)) * alone
     if growth > LARGEST_GROWTH:
         logger.warning(
@@ -38,27 +58,3 @@ def warn_of_growth(plain: Mapping[str, Any]) -> None:
             "fix; no filter follows that, so give a smaller tilt or faster fixes",
             tilt, growth, alone,
         )  # fmt: skip
-
-
-def read_tilt(plain: Mapping[str, Any], sensors: SensorConfig) -> float:
-    """Return the one tilt (rad/m) by which filters are told how the IMU leans.
-
-    An IMU that leans as the structure does (`sensors.imu.tilt=structure`) has a tilt for each mode;
-    filters are told that of the first mode, with the first number of mounted blades. `plain` is the
-    configuration as plain data, `sensors` its section of that name.
-
-    Raises
-    ------
-    InputError
-        If the structure cannot be computed.
-    """
-    if isinstance(sensors.imu.tilt, float):
-        return sensors.imu.tilt
-    from owtsweep.structures import Structure, compute_modes
-
-    structure = typed(Structure, plain.get("structure"))
-    structure.check()
-    match plain.get("motion"):
-        case {"blades": [int(blades), *_]}:
-            return float(compute_modes(structure, 1, blades).slope[0])
-    return float(compute_modes(structure, 1).slope[0])

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +15,7 @@ from owtsweep.config import typed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.config import TUNED
 from owtsweep.studies.hub.sections import SensorConfig
-from owtsweep.studies.hub.tilt import read_tilt
+from owtsweep.studies.hub.tilt import find_tilt
 
 logger = logging.getLogger(__name__)
 
@@ -113,8 +112,7 @@ def fill_in(plain: dict[str, Any]) -> dict[str, Any]:
         pass  # typing the whole configuration names the fault
     else:
         facts, bias_walk = take_facts(sensors), sensors.imu.bias_walk
-        with suppress(InputError):  # as above
-            tilt = read_tilt(plain, sensors)
+        tilt = find_tilt(plain, sensors.imu)
         _warn(facts, bias_walk)
     numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
     numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter is told the truth
