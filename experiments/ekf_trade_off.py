@@ -25,6 +25,7 @@ import pandas as pd
 from scipy.signal import cont2discrete, lfilter
 
 from owtsweep.figures import style
+from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.fidelity.score import published_numbers
@@ -186,7 +187,7 @@ def main(folder):
     rows += [(f"published {name}", np.nan, *values) for name, values in points.items()]
     columns = ["filter", "parameter", "noise_floor", "motion_term"]
     table = pd.DataFrame(rows, columns=columns)
-    table.to_csv(folder / "ekf_trade_off.csv", index=False, float_format="%.6g")
+    write_table(folder, "ekf_trade_off", table)
     print(table.to_string(index=False, float_format="%.3g"))
     print(f"variance of a record whose largest displacement is 1 m: {variance:.4f} m^2")
     print(fit_leak(config))

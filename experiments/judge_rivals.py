@@ -15,6 +15,7 @@ import pandas as pd
 
 import owtsweep
 from owtsweep.config import with_values
+from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.fidelity import score as scoring
@@ -98,7 +99,7 @@ def main(run, count, file):
         row |= judge(run_schemes(config, list(about["schemes"]), count)) | found
         rows.append(row)
         print({key: value for key, value in row.items() if key not in found}, flush=True)
-    pd.DataFrame(rows).to_csv(file, index=False, float_format="%.6g")
+    write_table(file.parent, file.stem, pd.DataFrame(rows))
 
 
 if __name__ == "__main__":

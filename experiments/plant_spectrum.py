@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from owtsweep.io.tables import write_table
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.whittle import BAND, fit_lines, periodogram
 from owtsweep.streams import stream
@@ -65,5 +66,5 @@ for conditions in list_record_conditions(config):
         }
     )  # fmt: skip
 table = pd.DataFrame(rows)
-table.to_csv(path, index=False)
+write_table(path.parent, path.stem, table)
 print(table.drop(columns=["friction_angle"]).to_string(index=False, float_format="%.4g"))

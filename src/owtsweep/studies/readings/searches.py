@@ -167,7 +167,10 @@ def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]
     return {
         key: value
         for key, value in values.items()
-        if key.split(".")[0] in sections and key not in searched
+        if key.split(".")[0] in sections
+        and key not in searched
+        # a filter that believes in no tilt is one of the time before filters had the key
+        and not (key.endswith(".tilt") and value == 0.0)
     }
 
 
