@@ -42,13 +42,14 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
+    from owtsweep.studies.hub.tilt_cost import believe
     from owtsweep.studies.hub.tuning.following import follow_sensors
 
 __all__ = [
     "BASELINES", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig",
     "Lanes", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
-    "bias_of", "chain_for_runs", "chunks", "compare", "compile_kernels", "error_spectrum",
-    "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
+    "believe", "bias_of", "chain_for_runs", "chunks", "compare", "compile_kernels",
+    "error_spectrum", "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
     "has_acceleration", "lag_of", "look_constant", "make_lanes", "make_sensors", "noise_floor",
     "require_scheme", "resolve_all", "scheme_content", "scheme_products", "score",
     "simulate_bias", "state_chunks", "trajectories",
@@ -73,6 +74,7 @@ _HOMES = {
     "schemes": ["BASELINES", "require_scheme", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
+    "tilt_cost": ["believe"],
     "tuning.following": ["follow_sensors"],
 }
 #: Name here -> name in its module, where they differ.

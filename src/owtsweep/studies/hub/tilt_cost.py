@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from owtsweep.studies.hub.tuning.rules import FILTERS
 
 if TYPE_CHECKING:
     import pandas as pd
+
+C = TypeVar("C", bound=HubConfig)
 
 #: What the schemes believe of the tilt: name -> factor on the true tilt; None: the IMU is level.
 KNOWLEDGE: Mapping[str, float | None] = {
@@ -100,7 +102,7 @@ def compare_knowledge(
     return pd.DataFrame(rows)
 
 
-def believe(config: HubConfig, tilt: float) -> HubConfig:
+def believe(config: C, tilt: float) -> C:
     """Return the configuration with filters that believe in a tilt, rad/m."""
     filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
     return changed(config, **filters)

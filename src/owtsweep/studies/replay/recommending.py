@@ -29,6 +29,8 @@ def recommend(advised: pd.DataFrame) -> str:
         return ""
     own = advised[advised["source"] != "map"]
     row = (own if len(own) else advised).iloc[0].dropna().to_dict()
+    if not row.get("advises", True):
+        return ""  # the map covers too little of the record
     unit = "m/s" if row["criterion"] == "velocity" else "m"
     what = ERRORS.get(row["criterion"], f"error of {row['criterion']}")
     chosen = row.get("recommended", row["best"])

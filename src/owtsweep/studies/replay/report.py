@@ -24,6 +24,7 @@ from owtsweep.studies.replay.terminal import (
     make_error_cells,
     make_sentences,
 )
+from owtsweep.studies.replay.tilting import describe_tilt
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -123,6 +124,8 @@ def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
     ]
     if modes := describe_modes(config, line):
         facts.append(modes)
+    if tilt := describe_tilt(config, line):
+        facts.append(tilt)
     if np.isfinite(line.get("natural_period", np.nan)):
         facts.append(
             f"Eq. (1): natural period {line['natural_period']:.4g} ± "

@@ -11,6 +11,7 @@ from owtsweep.studies.replay.identification.rows import ESTIMATED
 from owtsweep.studies.replay.identification.words import count_doubted, warn_of_noise
 from owtsweep.studies.replay.modes import describe_modes
 from owtsweep.studies.replay.sentences import write_sentence
+from owtsweep.studies.replay.tilting import describe_tilt
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,6 +51,8 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
         for record in tables["records"].to_dict("records"):
             if modes := describe_modes(config, record):
                 parts.append(Text(f"motion: {modes}"))
+            if tilt := describe_tilt(config, record):
+                parts.append(Text(f"tilt: {tilt}"))
     if len(config.grid.files) <= MOST_RECORDS:
         parts += [Text(line) for line in warn_of_noise(config, tables)]
         parts += [Text(line) for line in make_sentences(tables["advice"])]
