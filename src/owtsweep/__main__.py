@@ -7,7 +7,7 @@ import threading
 import time
 from contextlib import suppress
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 #: The signals that stop a command: Ctrl-C, `kill`, and the end of the terminal (not on Windows).
 STOPS = ("SIGINT", "SIGTERM", "SIGHUP")
@@ -17,7 +17,11 @@ BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 #: started may outlive the command by as many seconds.
 GRACE = 5
 
+#: Time (s) after which a stop that Python has lost is raised again.
+AGAIN = 0.02
+
 _stopped_by = 0
+_lost = False
 
 
 def run() -> NoReturn:
@@ -31,6 +35,7 @@ def run() -> NoReturn:
     numbers = [number for number in present if signal.getsignal(number) is not signal.SIG_IGN]
     for number in numbers:
         signal.signal(number, _stop)
+    sys.unraisablehook = _raise_again
     # Silences the process that removes what a pool of processes left behind.
     sys.warnoptions.append("ignore:resource_tracker:UserWarning")
     _open_missing_streams()
@@ -91,7 +96,11 @@ def _stop(number: int, frame: FrameType | None) -> None:
     At a second signal, or if the command has not ended after `GRACE` seconds, end the process at
     once. `number` is the signal's number; `frame` is not used.
     """
-    global _stopped_by
+    global _stopped_by, _lost
+    if _lost and number == signal.SIGALRM:
+        _lost = False
+        signal.alarm(GRACE)
+        raise KeyboardInterrupt
     if _stopped_by:
         _say("stopped at once; finished blocks are kept")
         _end(128 + _stopped_by)
@@ -100,6 +109,21 @@ def _stop(number: int, frame: FrameType | None) -> None:
         signal.signal(signal.SIGALRM, _stop)
         signal.alarm(GRACE)
     raise KeyboardInterrupt
+
+
+def _raise_again(lost: Any) -> None:
+    """Let a `KeyboardInterrupt` that Python has lost be raised again; report all other exceptions.
+
+    Python drops exceptions that are raised while it runs a callback of the garbage collection. A
+    stop that comes just then would be reported as a traceback and have no effect. `lost` is what
+    `sys.unraisablehook` is given.
+    """
+    global _lost
+    if lost.exc_type is not KeyboardInterrupt or not hasattr(signal, "setitimer"):
+        sys.__unraisablehook__(lost)
+        return
+    _lost = True  # a moment later, because here the exception would be lost once more
+    signal.setitimer(signal.ITIMER_REAL, AGAIN)
 
 
 def _end_late(code: int) -> None:

@@ -14,6 +14,7 @@ from owtsweep.cli import main
 from owtsweep.studies.replay import loading
 from owtsweep.studies.replay.blocks import plan
 from owtsweep.studies.replay.running import configure, execute
+from owtsweep.studies.replay.sample import SENSORS, write_sample
 from owtsweep.sweep.runs import Run
 
 QUICK = ["schemes=[MKF]", "replay.replicates=1", "measures.settling_time=5"]
@@ -104,3 +105,16 @@ def test_keys_of_blocks_do_not_depend_on_other_files():
     mended = execute(configure(["good.csv", "short.csv"], QUICK))
     assert (mended.computed, mended.reused, mended.failed) == (2, 2, [])
     assert mended.run.folder == first.run.folder
+
+
+def test_a_contradicting_force_of_a_batch_is_left_out(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_sample(tmp_path)
+    table = pd.read_csv(SENSORS, comment="#")
+    forces = [name for name in table.columns if name.startswith("acc")]
+    table[forces] = -table[forces]
+    table.to_csv("turned.csv", index=False)
+    words = ["schemes=[MKF]", f"results={tmp_path}"]
+    replay = owtsweep.replay([tmp_path / SENSORS, tmp_path / "turned.csv"], words)
+    assert list(replay.refused()["file"]) == ["turned"]
+    assert set(replay.advice()["file"]) == {"sample_sensors"}

@@ -76,6 +76,11 @@ class Plant:
             f"structure {self.structure.name}: it does not stand in water; give structure.water "
             "and a mudline below 0",
         )
+        require(
+            self.structure.bottom <= self.structure.mudline and self.structure.hub >= 0.0,
+            f"structure {self.structure.name}: its tubes reach from {self.structure.bottom:g} to "
+            f"{self.structure.hub:g} m, but waves need one from the mudline to above the water",
+        )
 
     @cached_property
     def vibration(self) -> Modes:

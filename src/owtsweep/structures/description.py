@@ -28,6 +28,8 @@ from owtsweep.config.stored import read_stored
 
 #: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
 ANGLES = (28.0, 40.0)
+#: Greatest length of a structure, m.
+LONGEST = 1000.0
 #: Largest gap between two tubes that counts as none, m.
 TOUCH = 1e-9
 
@@ -194,6 +196,11 @@ class Structure(Section):
         """Raise `InputError` if the numbers do not describe a structure that stands."""
         for tube in self.tubes:
             tube.check()
+        require(
+            self.hub - self.bottom <= LONGEST,
+            f"structure: {self.hub - self.bottom:g} m from foot to hub is more than {LONGEST:g} m; "
+            "heights are in m",
+        )
         for lower, upper in pairwise(self.tubes):
             require(
                 abs(lower.top - upper.bottom) <= TOUCH,
@@ -249,7 +256,7 @@ def find_structure(name: str) -> Structure:
     """
     folder = conf_directory() / "structure"
     if name.endswith((".yaml", ".yml")):
-        return read_structure(name)
+        return read_structure(Path(name).expanduser())
     names = sorted(path.stem for path in folder.glob("*.yaml"))
     require(
         name in names,

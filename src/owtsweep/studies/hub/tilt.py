@@ -22,7 +22,7 @@ LARGEST_GROWTH = 3.0
 def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
     """Return the tilt that a filter may know, rad/m; `plain` is a configuration as plain data.
 
-    If the IMU leans as the structure does, the tilt is the slope of the first mode, with the first
+    If the IMU leans as the structure does, the tilt is the slope of the first mode, with the least
     of `motion.blades` and the structure's own soil. It has four digits, so that it is the same on
     every machine. It is 0 if there is no such structure; the configuration's checks tell that.
     """
@@ -31,8 +31,8 @@ def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
     try:
         structure = typed(Structure, plain.get("structure"))
         structure.check()
-        blades = typed(MotionConfig, plain.get("motion")).blades or [0]
-        slope = compute_modes(structure, 1, blades[0]).slope[0]
+        blades = min(typed(MotionConfig, plain.get("motion")).blades or [0])
+        slope = compute_modes(structure, 1, blades).slope[0]
     except InputError:
         return 0.0
     return float(f"{slope:.4g}")

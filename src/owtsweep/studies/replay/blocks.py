@@ -171,6 +171,8 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         label, name = block.content["file"], block.content["scheme"]
         try:
             record = load_record(config, files[label])
+            if config.replay.noise == "estimate":
+                estimate_noise(config, files[label])  # refuses a force that contradicts positions
         except InputError as error:  # one bad file of many
             rows = [_make_failed_row(label, name, 0, str(error))]
         else:

@@ -15,6 +15,7 @@ from owtsweep.io.tables import write_table
 from owtsweep.motion.envelope import SHARE, find_region
 from owtsweep.studies.hub.envelope import SIZES, compute_envelope, find_best, tell_best
 from owtsweep.studies.hub.figures import maps_by_tuning
+from owtsweep.studies.hub.plant import require_spectrum
 from owtsweep.sweep.results import Results
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def save_envelope(run: Run, structure: Structure, folder: Path) -> tuple[list[Pa
             f"{run.folder}: a run of the study {run.study.name!r} has no map of natural period and "
             "amplitude; use a run of the study hub"
         )
+    require_spectrum(cast("HubConfig", run.config), "the envelope on a map")
     parts = {cast("HubConfig", part.config).tuning_name: part for part in run.by_tuning().values()}
     config = cast("HubConfig", run.config)
     points = compute_envelope(config, structure)
