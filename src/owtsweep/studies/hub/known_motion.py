@@ -1,0 +1,113 @@
+"""Says what there is to know about a motion in advance: its spectrum and its variances.
+
+A bound for estimators that know the motion, and the estimators that do, take this from here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.spectra import spectrum
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.expected.peak import peak_factors
+from owtsweep.studies.hub.plant import require_spectrum
+
+#: Greatest distance of two frequencies, Hz, and the greatest as a share of the half-bandwidth.
+SPACING, SHARE_OF_PEAK = 1e-3, 0.125
+#: Frequencies reach from 0 to this multiple of the band's upper edge.
+REACH = 4.0
+
+
+@dataclass(frozen=True)
+class KnownMotion:
+    """The spectrum of a motion and the variances of its two components.
+
+    Attributes
+    ----------
+    frequency
+        Frequencies, Hz, equally spaced, shape (m,). Each is the middle of an interval; the
+        intervals reach from 0 to beyond the band.
+    density
+        Mean of the one-sided spectral density of the position in each interval, divided by the
+        variance of the position: Hz^-1, shape (m,), with an integral of 1.
+    variance
+        Variance of the position in x and y (north and east), m^2, shape (2,).
+    """
+
+    frequency: Array
+    density: Array
+    variance: Array
+
+    @property
+    def spacing(self) -> float:
+        """The distance between two frequencies, Hz."""
+        return float(self.frequency[1] - self.frequency[0])
+
+
+def find_known_motion(
+    config: HubConfig, natural_period: float, amplitude: float, *, roll_off: bool = False
+) -> KnownMotion:
+    """Find the spectrum and the variances of the study's motion, without a record of a sweep.
+
+    With normalise=rms the motion's standard deviation is the amplitude. With normalise=peak the
+    amplitude is the peak of each record, and the variance is amplitude^2 times the mean of
+    (standard deviation / peak)^2 over records that no sweep uses (`peak_factors`). The direction of
+    the waves shares the variance out to x and y.
+
+    Parameters
+    ----------
+    natural_period, amplitude
+        Natural period of the turbine, s, and amplitude of the motion, m.
+    roll_off
+        False: the spectrum is zero outside the configuration's band, as in records. True: outside
+        the band the spectrum falls with f^4 towards 0 and with f^-4 upwards.
+
+    Raises
+    ------
+    InputError
+        If the motion is that of a plant, or the printed spectrum lacks the natural period.
+    """
+    require_spectrum(config, "what is known of the motion")
+    frequency, density = _find_density(config, natural_period, roll_off)
+    share = 1.0
+    if config.normalise == "peak":
+        share = float(peak_factors(config, [natural_period])[0])
+    direction = np.deg2rad(config.wave_direction)
+    along = amplitude**2 * share
+    variance = along * np.array([np.cos(direction), np.sin(direction)]) ** 2
+    return KnownMotion(frequency, density, variance)
+
+
+def _find_density(config: HubConfig, natural_period: float, roll_off: bool) -> tuple[Array, Array]:
+    """Return frequencies (Hz) and the density with an integral of 1 (Hz^-1), shape (m,) each."""
+    shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
+    first, last = config.band
+    half_bandwidth = np.sqrt(shape.peak_frequency * shape.peak_margin)
+    spacing = min(SPACING, SHARE_OF_PEAK * half_bandwidth, (last - first) / 32.0)
+    edges = spacing * np.arange(np.ceil(REACH * last / spacing) + 1)
+    frequency = 0.5 * (edges[1:] + edges[:-1])
+    if roll_off:
+        inside = np.clip(frequency, first, last)
+        factor = np.minimum(frequency / inside, inside / frequency) ** 4
+        density = shape.density(inside) * factor
+    else:
+        covered = np.clip(edges, first, last)
+        density = shape.density(frequency) * np.diff(covered) / spacing
+    return frequency, density / (np.sum(density) * spacing)
+
+
+def find_noise_density(sensors: Sensors, frequency: Array) -> Array:
+    """Compute the density of position, m^2/Hz (m,), below which the sensors see no motion.
+
+    `frequency` is in Hz, shape (m,). The density is that of the noise of position fixes and of the
+    noise of the IMU's samples, integrated twice, combined as two measurements of one position. It
+    leaves out bias and delay, and what the IMU feels of a tilt. Divided by the variance of the
+    motion along an axis, it is the floor of `fit_shaping_filter`.
+    """
+    fix = 2.0 * sensors.position_sigma**2 * sensors.fix_step
+    force = 2.0 * sensors.force_sigma**2 * sensors.step / (2.0 * np.pi * frequency) ** 4
+    return np.asarray(1.0 / (1.0 / fix + 1.0 / force))
