@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent))
+from tools import SMALL
+
+import owtsweep
 from owtsweep import InputError
 from owtsweep.config import with_values
 from owtsweep.motion.shaping import fit_shaping_filter
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.bounds.cells import find_bounds
+from owtsweep.studies.hub.bounds.cells import add_efficiency, compute_bounds, find_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.bounds.shape import find_shape
 from owtsweep.studies.hub.bounds.window import bound_on_window
@@ -94,5 +101,45 @@ def test_a_spectrum_that_rolls_off_is_harder_to_follow(config: HubConfig) -> Non
 
 
 def test_an_ac_coupled_imu_has_no_bound() -> None:
-    with pytest.raises(InputError, match=r"imu.high_pass: bound \(b\) leaves .*=null"):
+    with pytest.raises(InputError, match=r"imu.high_pass: the bound .*=null"):
         find_bounds(compose(["sensors.imu.high_pass=0.001"]), 4.0, 1.0)  # type: ignore[arg-type]
+
+
+def test_efficiency_stands_in_the_summary_of_settled_errors(config: HubConfig) -> None:
+    small = with_values(config, {"grid.natural_period": [4.0], "grid.amplitude": [0.1, 1.0]})
+    bounds = compute_bounds(small)
+    summary = pd.DataFrame(
+        [
+            ("EKF", 4.0, 1.0, "position", "full", 0.01),
+            ("EKF", 4.0, 1.0, "position", "settled", 0.01),
+            ("EKF", 4.0, 0.1, "velocity", "settled", 0.02),
+            ("EKF", 4.0, 0.1, "vx", "settled", 0.02),
+        ],
+        columns=["scheme", "natural_period", "amplitude", "measure", "window", "mean"],
+    )
+    table = add_efficiency(summary, small)
+    assert list(table.columns) == [*summary.columns, "efficiency_a", "efficiency_b"]
+    cells = bounds.set_index(["amplitude", "measure"])
+    for letter in "ab":
+        bound = cells[f"bound_{letter}"]
+        wanted = [
+            np.nan, bound[1.0, "position"] / 0.01, bound[0.1, "velocity"] / 0.02, np.nan
+        ]  # fmt: skip
+        assert table[f"efficiency_{letter}"].to_numpy() == pytest.approx(wanted, nan_ok=True)
+
+
+@pytest.mark.usefixtures("kernels")
+@pytest.mark.parametrize("engine", ["batch", "expected"])
+def test_a_run_on_request_has_efficiencies(tmp_path: Path, engine: str) -> None:
+    words = [*SMALL, "schemes=[EKF]", f"engine={engine}", f"results={tmp_path}"]
+    run = owtsweep.run([*words, "measures.efficiency=true"])
+    summary = run.summary()
+    settled = summary[(summary["window"] == "settled") & (summary["measure"] == "position")]
+    assert np.all(settled["efficiency_b"] < settled["efficiency_a"])
+    assert np.all(settled["efficiency_b"] < 1.0)
+    assert "efficiency_a" not in owtsweep.run(words).summary()
+
+
+def test_efficiency_needs_a_spectrum() -> None:
+    with pytest.raises(InputError, match=r"measures.efficiency .* leave out motion=plant"):
+        compose(["motion=plant", "measures.efficiency=true"])

@@ -14,7 +14,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.plant import check_plant, is_plant
+from owtsweep.studies.hub.plant import check_plant, is_plant, require_spectrum
 from owtsweep.studies.hub.schemes import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import (
     check_buffers,
@@ -66,6 +66,11 @@ def check(config: HubConfig) -> None:
             config.evaluation == "direct",
             "measures.extremes: largest errors do not superpose; add evaluation=direct",
         )
+    if config.measures.efficiency:
+        from owtsweep.studies.hub.bounds.cells import check_high_pass
+
+        require_spectrum(config, "measures.efficiency")
+        check_high_pass(config)
 
 
 def _check_tune(config: HubConfig) -> None:

@@ -40,6 +40,7 @@ class HubConfig(Config):
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
         "tuning", "tune", "baselines", "measures.window", "measures.criterion",
+        "measures.efficiency",
     }  # fmt: skip
     tuned: ClassVar[tuple[str, ...]] = TUNED
     swept: ClassVar[tuple[str, ...]] = (

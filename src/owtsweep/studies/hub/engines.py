@@ -156,7 +156,7 @@ class RecordsEngine(_Engine):
         cube = make_cube(config, rows, baselines=True)
         window = config.measures.window
         best = find_best_schemes(cube, window, criteria(config), baseline_names(config))
-        return {"summary": summarise(cube), "best_scheme": best}
+        return {"summary": _add_efficiency(summarise(cube), config), "best_scheme": best}
 
 
 class PlantEngine(RecordsEngine):
@@ -189,8 +189,12 @@ class ExpectedEngine(_Engine):
     samples = False
     plan = staticmethod(engine.plan)
     run = staticmethod(engine.run)
-    tables = staticmethod(answers.tables)
     drawings = staticmethod(drawing.drawings)
+
+    def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        """Make the tables `summary` and `best_scheme` from a run's rows; return them by name."""
+        tables = answers.tables(config, rows)
+        return {**tables, "summary": _add_efficiency(tables["summary"], config)}
 
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
@@ -201,6 +205,15 @@ class ExpectedEngine(_Engine):
         from owtsweep.studies.hub.compiling import compile_kernels
 
         compile_kernels("gains", "expected", vectors=config.compute.vectors, cores=workers)
+
+
+def _add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
+    """Return a table summary with its columns of efficiency, if the configuration asks for them."""
+    if not config.measures.efficiency:
+        return summary
+    from owtsweep.studies.hub.bounds.cells import add_efficiency
+
+    return add_efficiency(summary, config)
 
 
 #: Value of the key `engine` -> class of the engine.

@@ -288,6 +288,12 @@ class Measures(Section):
     extremes: bool = key(
         "also the largest and the 95th percentile position error; needs evaluation=direct"
     )
+    efficiency: bool = key(
+        "also how near the schemes come to the bounds of the settled position and velocity MSE: "
+        "columns efficiency_a and efficiency_b of summary.csv, and a figure",
+        default=False,
+        younger=True,
+    )
 
 
 class Tuning(Section):

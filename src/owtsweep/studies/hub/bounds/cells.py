@@ -17,7 +17,7 @@ from __future__ import annotations
 from itertools import product
 from typing import TYPE_CHECKING
 
-from owtsweep.errors import InputError
+from owtsweep.errors import require
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.bounds.shape import find_shape
@@ -59,17 +59,22 @@ def find_bounds(
     InputError
         As `find_spectrum`, or if the IMU is AC-coupled.
     """
-    if config.sensors.imu.high_pass is not None:
-        raise InputError(
-            "sensors.imu.high_pass: bound (b) leaves out an AC coupling of the IMU; use "
-            "sensors.imu.high_pass=null"
-        )
+    check_high_pass(config)
     sensors = sensing.sensors(config.sensors)
     shape = find_shape(config, natural_period, roll_off=roll_off)
     known = find_known_motion(config, natural_period, amplitude, roll_off=roll_off)
     variances = [known.variance.sum()] if direction_known else known.variance
     axes = [bound_of_known_spectrum(shape, variance, sensors) for variance in variances if variance]
     return dict(zip(BOUNDED, map(sum, zip(*axes, strict=True)), strict=True))
+
+
+def check_high_pass(config: HubConfig) -> None:
+    """Raise InputError if the IMU is AC-coupled, of which bound (b) knows nothing."""
+    require(
+        config.sensors.imu.high_pass is None,
+        "sensors.imu.high_pass: the bound of measures.efficiency leaves out an AC coupling of the "
+        "IMU; use sensors.imu.high_pass=null, or measures.efficiency=false",
+    )
 
 
 def compute_bounds(config: HubConfig) -> pd.DataFrame:
