@@ -25,13 +25,14 @@ from owtsweep.studies.hub.bounds.shape import find_shape
 from owtsweep.studies.hub.bounds.window import bound_on_window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.figures import efficiency
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.tuning.bound import kalman_bounds
 
 
 @pytest.fixture(scope="module")
 def config() -> HubConfig:
-    return compose(["sensors=strong_bias", "record.duration=2000"])  # type: ignore[return-value]
+    return compose(["sensors=strong_bias", "record.duration=200"])  # type: ignore[return-value]
 
 
 @pytest.fixture(scope="module")
@@ -143,3 +144,21 @@ def test_a_run_on_request_has_efficiencies(tmp_path: Path, engine: str) -> None:
 def test_efficiency_needs_a_spectrum() -> None:
     with pytest.raises(InputError, match=r"measures.efficiency .* leave out motion=plant"):
         compose(["motion=plant", "measures.efficiency=true"])
+
+
+def test_the_figure_shows_the_efficiencies_of_the_table(config: HubConfig) -> None:
+    small = with_values(config, {"grid.natural_period": [4.0, 6.0], "grid.amplitude": [0.1, 1.0]})
+    cells = [(4.0, 0.1, 0.034), (4.0, 1.0, 0.97), (6.0, 0.1, 0.002), (6.0, 1.0, 1.04)]
+    rows = [("MKF", *cell[:2], "position", "settled", cell[2]) for cell in cells]
+    other = [
+        ("MKF", 4.0, 0.1, "velocity", "settled", 0.5),
+        ("MKF", 4.0, 0.1, "position", "full", np.nan),
+    ]
+    names = ["scheme", "natural_period", "amplitude", "measure", "window", "efficiency_b"]
+    figure = efficiency.draw(small, pd.DataFrame([*rows, *other], columns=names))
+    panel, _ = figure.axes  # one scheme has results; the other axes are the colours' legend
+    shown = {(*text.get_position(), text.get_text()) for text in panel.texts}
+    assert shown == {(0, 0, "3.4"), (0, 1, "97"), (1, 0, "<1"), (1, 1, "104")}
+    assert panel.get_title(loc="left") == "MKF"
+    darkness = [1.0 - np.mean(patch.get_facecolor()[:3]) for patch in panel.patches]
+    assert np.argsort(darkness).tolist() == [2, 0, 1, 3]

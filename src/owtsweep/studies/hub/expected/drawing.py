@@ -36,8 +36,9 @@ def drawings(
 ) -> dict[str, Drawing]:
     """Return figure name -> function that draws and saves the figure, for a study without records.
 
-    The figures are the maps of the best schemes, MSE against amplitude, and the error spectra. In
-    grids of more than `MOST_PERIODS` natural periods, MSE against amplitude is left out.
+    The figures are the maps of the best schemes, MSE against amplitude, the error spectra and, if
+    the configuration asks for it, the efficiency. In grids of more than `MOST_PERIODS` natural
+    periods, MSE against amplitude is left out.
 
     Parameters
     ----------
@@ -58,6 +59,7 @@ def drawings(
         **figures.maps(config, partial(draw_map, config, tables, rows)),
         "error_spectra": lambda: error_spectra.draw(config, coinciding=same),
         **figures.over_amplitude(config, tables["summary"], periods, same),
+        **figures.list_efficiency(config, tables["summary"]),
     }
     return figures.save_each(drawn, describe_origin(config), metadata)
 

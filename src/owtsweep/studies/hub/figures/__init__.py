@@ -79,6 +79,7 @@ def drawings(
     results = {
         **maps(config, best),
         **over_amplitude(config, summary, set(summary["natural_period"]), same),
+        **list_efficiency(config, summary),
     }
     return {
         **save_each(results, describe_origin(config), metadata),
@@ -220,6 +221,18 @@ def over_amplitude(
         number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
         figures[f"{number}mse_{period:g}s"] = partial(draw, period)
     return figures
+
+
+def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]:
+    """List the figure of efficiency, if the configuration asks for efficiency, by its name.
+
+    `summary` is the run's table "summary".
+    """
+    if not config.measures.efficiency:
+        return {}
+    from owtsweep.studies.hub.figures import efficiency
+
+    return {efficiency.NAME: partial(efficiency.draw, config, summary)}
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
