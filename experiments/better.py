@@ -1,0 +1,101 @@
+"""How near the schemes come to the bounds in each cell, and what the bounds themselves lean on.
+
+    python experiments/better.py [FOLDER] [REPLICATES] [NAME=VALUE ...]
+
+Runs experiment=better for tuning=matched (100 records per cell by default, below results/), and
+writes into FOLDER (default: results/better):
+
+- efficiency.csv: tuning, scheme, natural_period (s), amplitude (m), measure, mse, bound_a, bound_b
+  (m^2, of velocity (m/s)^2), of the settled errors, for schemes and baselines;
+- bounds.csv: per cell and measure bound_a and bound_b; bound_b on a window of 60 s instead of by
+  a recursion (window, and recursion, both for an IMU of 10 Hz with the same noise density); bound_b
+  for a spectrum that rolls off outside the band (roll_off); the bound for an estimator that knows
+  the direction of the motion too (direction_known);
+- efficiency.png and efficiency.svg, of the position's error.
+
+Further arguments are overrides of the run, e.g. grid.amplitude=[0.1,1].
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import owtsweep
+from owtsweep.figures import style
+from owtsweep.io.tables import write_table
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.bounds.cells import BOUNDED, WINDOW, compute_bounds, find_bounds
+from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
+from owtsweep.studies.hub.bounds.shape import find_shape
+from owtsweep.studies.hub.bounds.window import bound_on_window
+from owtsweep.studies.hub.figures import efficiency
+from owtsweep.studies.hub.known_motion import find_known_motion
+from owtsweep.studies.hub.origin import describe_origin
+
+CELL = ["natural_period", "amplitude", "measure"]
+COLUMNS = ["tuning", "scheme", *CELL, "mse", "bound_a", "bound_b"]
+#: Rate of the IMU (Hz) whose window is short enough to solve, and the window's length (s).
+RATE, SECONDS = 10.0, 60.0
+
+
+def make_table(run, bounds):
+    """Set the settled errors of a run beside the bounds of their cells; the columns are COLUMNS."""
+    summary = run.summary()
+    kept = summary[(summary["window"] == WINDOW) & summary["measure"].isin(BOUNDED)]
+    table = kept.rename(columns={"mean": "mse"}).merge(bounds, on=CELL, validate="many_to_one")
+    return table.assign(tuning=run.config.tuning_name)[COLUMNS]
+
+
+def check_bounds(config, bounds):
+    """Add to the table of bounds what bound (b) is by another way and for other knowledge."""
+    sensors = sensing.sensors(config.sensors)
+    every = round(1.0 / (RATE * sensors.step))
+    slow = replace(
+        sensors,
+        step=every * sensors.step,
+        fix_interval=sensors.fix_interval // every,
+        delay=sensors.delay // every,
+        force_sigma=sensors.force_sigma / np.sqrt(every),
+    )
+    rows = []
+    for period, amplitude in bounds[CELL[:2]].drop_duplicates().itertuples(index=False):
+        known = find_known_motion(config, period, amplitude)
+        shape = find_shape(config, period)
+        window = sum(np.array(bound_on_window(known, v, slow, SECONDS)) for v in known.variance)
+        recursion = sum(np.array(bound_of_known_spectrum(shape, v, slow)) for v in known.variance)
+        roll_off = find_bounds(config, period, amplitude, roll_off=True)
+        direction = find_bounds(config, period, amplitude, direction_known=True)
+        for number, measure in enumerate(BOUNDED):
+            further = window[number], recursion[number], roll_off[measure], direction[measure]
+            rows.append((period, amplitude, measure, *further))
+    names = [*CELL, "window", "recursion", "roll_off", "direction_known"]
+    return bounds.merge(pd.DataFrame(rows, columns=names), on=CELL, validate="one_to_one")
+
+
+def main(folder, replicates, overrides):
+    words = ["experiment=better", f"grid.replicates={replicates}", *overrides]
+    run = owtsweep.run(words)
+    bounds = compute_bounds(run.config)
+    checked = check_bounds(run.config, bounds)
+    folder.mkdir(parents=True, exist_ok=True)
+    print(write_table(folder, "efficiency", make_table(run, bounds)))
+    print(write_table(folder, "bounds", checked))
+    with style.context():
+        figure = efficiency.draw(run.config, run.summary())
+        style.add_origin(figure, describe_origin(run.config))
+        for file in style.save(figure, folder, "efficiency", run.metadata()):
+            print(file)
+    apart = np.abs(checked["recursion"] / checked["window"] - 1.0).max()
+    print(f"The two ways to bound (b) differ by at most {100.0 * apart:.2f} %.")
+
+
+if __name__ == "__main__":
+    given = [word for word in sys.argv[1:] if "=" not in word]
+    main(
+        Path(given[0] if given else "results/better"),
+        int(given[1]) if len(given) > 1 else 100,
+        [word for word in sys.argv[1:] if "=" in word],
+    )
