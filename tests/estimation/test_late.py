@@ -9,6 +9,7 @@ from scipy.linalg import block_diag, solve_continuous_lyapunov
 
 from dense import Measurement, posterior
 from owtsweep.errors import InputError
+from owtsweep.estimation import late_gains
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
 from owtsweep.estimation.late_errors import find_motion_errors, find_noise_errors
 from owtsweep.estimation.late_gains import LateGains, schedule_late
@@ -107,6 +108,19 @@ def test_gains_repeat_once_they_have_settled(interval: int, delay: int) -> None:
     np.testing.assert_allclose(
         gains.covariance[-interval:], gains.covariance[-2 * interval : -interval], rtol=1e-9
     )
+
+
+def test_gains_are_those_of_one_attempt_if_it_takes_several(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model = make(4, 10)
+    whole = tune(model, 10**5)
+    monkeypatch.setattr(late_gains, "FIRST_STEPS", 21)
+    pieces = tune(model, 10**5)
+    assert whole.rows == pieces.rows > 42
+    np.testing.assert_array_equal(pieces.fast, whole.fast)
+    np.testing.assert_array_equal(pieces.slow, whole.slow)
+    np.testing.assert_array_equal(pieces.covariance, whole.covariance)
 
 
 @pytest.mark.parametrize(("interval", "delay"), PATTERNS)

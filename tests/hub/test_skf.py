@@ -121,6 +121,24 @@ def test_more_bias_walk_or_a_wrong_tilt_changes_the_estimate() -> None:
     assert walking.covariance[-1, 0, 0] > last(config, sensors).covariance[-1, 0, 0]
 
 
+def test_what_skf_states_of_its_error_is_so_for_an_imu_that_leans() -> None:
+    settings = ("schemes=[SKF]", "skf.states=10", "normalise=rms", "sensors.imu.tilt=0.05")
+    knows = find_expected_errors(configure(*settings), 4.0, 1.0)
+    np.testing.assert_allclose(knows.true, knows.stated, rtol=0.03)
+    wrong = find_expected_errors(configure(*settings, "skf.tilt=0"), 4.0, 1.0)
+    assert np.all(wrong.true[:, 0] > 1.05 * knows.true[:, 0])
+
+
+def test_on_board_estimates_are_in_the_coordinates_of_the_fixes() -> None:
+    config, at = told(), np.array([100.0, -50.0])
+    data, sensors = measured(config)
+    fixes = _fixes(data, sensors)
+    there = SKF.stream(sensors, config, origin=at).run_record(data.specific_force, fixes + at)
+    here = SKF.stream(sensors, config).run_record(data.specific_force, fixes)
+    np.testing.assert_allclose(there.state[:, :2], here.state[:, :2] + at, atol=1e-11)
+    np.testing.assert_allclose(there.state[:, 2:], here.state[:, 2:], atol=1e-11)
+
+
 def _fixes(data: Any, sensors: Any) -> Any:
     fixes = np.full((len(data.specific_force), 2), np.nan)
     fixes[:: sensors.fix_interval] = data.fixes
