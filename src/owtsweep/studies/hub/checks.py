@@ -58,6 +58,8 @@ def check(config: HubConfig) -> None:
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
         _check_mhe(config, config.hme.mhe)
+    if any(scheme.name == "SKF" for scheme in schemes):
+        _check_skf(config)
     _check_tune(config)
     if config.engine == "expected":
         _check_expected(config, schemes)
@@ -71,6 +73,22 @@ def check(config: HubConfig) -> None:
 
         require_spectrum(config, "measures.efficiency")
         check_high_pass(config)
+
+
+def _check_skf(config: HubConfig) -> None:
+    """Raise InputError for settings with which SKF cannot work."""
+    require_spectrum(config, "SKF")
+    states = config.skf.states
+    require(
+        states % 2 == 0,
+        f"skf.states: {states} is odd, and the states of a shaping filter come in pairs; use "
+        f"{states - 1} or {states + 1}",
+    )
+    require(
+        config.engine != "expected",
+        "schemes: engine=expected shares one run among all amplitudes, and SKF has other gains at "
+        "each; use engine=batch, or leave SKF out",
+    )
 
 
 def _check_tune(config: HubConfig) -> None:
