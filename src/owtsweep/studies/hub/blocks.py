@@ -38,8 +38,13 @@ def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
 
 
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
-    """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels."""
-    return config.engine == "batch" and hasattr(scheme, "kernel")
+    """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels.
+
+    The gains of a kernel are those for fixes that all arrive. So where fixes are lost, a scheme
+    runs step by step.
+    """
+    every_fix = not config.sensors.gnss.loses
+    return config.engine == "batch" and hasattr(scheme, "kernel") and every_fix
 
 
 def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
@@ -282,6 +287,8 @@ def _looped(
     truth = np.concatenate(
         [np.outer(s, records.direction) for s in (motion.position, motion.velocity)], axis=1
     )
+    # what is lost with the noise is lost with the motion
+    observed.fixes[np.isnan(noise.fixes)] = np.nan
     if amplitude is None:
         responses = [
             run_estimator(start(config, scheme, sensors), *part, sensors.fix_interval)

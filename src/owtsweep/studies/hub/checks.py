@@ -130,6 +130,12 @@ def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
         "sensors.imu.high_pass: engine=expected cannot shift the phase of the force, as an AC "
         "coupling does; use engine=batch",
     )
+    for fault, there in _list_faults(config).items():
+        require(
+            not there,
+            f"sensors.gnss.{fault}: engine=expected knows white noise of fixes that all arrive; "
+            f"use engine=batch, or leave {fault} at its default",
+        )
     for scheme in schemes:
         require(
             scheme.linear and hasattr(scheme, "kernel"),
@@ -137,6 +143,16 @@ def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
             "linear scheme with a kernel; use `sweep` with engine=batch, or leave the scheme out "
             "(HME2 is linear if hme.mhe.constraints is null)",
         )
+
+
+def _list_faults(config: HubConfig) -> dict[str, bool]:
+    """Return key of sensors.gnss -> whether it sets a fault that theory of white noise lacks."""
+    gnss = config.sensors.gnss
+    return {
+        "outliers": gnss.outliers.rate > 0.0,
+        "loss": gnss.loses,
+        "correlation": gnss.correlation.sigma > 0.0,
+    }
 
 
 def _check_sensors(config: HubConfig) -> None:

@@ -14,6 +14,7 @@ from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.section import require_magnitude
 from owtsweep.structures.description import ANGLES
 from owtsweep.studies.hub.contract import GRAVITY
+from owtsweep.studies.hub.gnss import Gnss
 
 #: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.
 STRUCTURE = "structure"
@@ -87,19 +88,6 @@ class SpectrumConfig(Section):
     )
     bandwidth: Positive = key(
         "k, the squared half-bandwidth of the peak (translated only)", unit="s^-2"
-    )
-
-
-class Gnss(Section):
-    """The properties of the position sensor, GNSS."""
-
-    sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
-    rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
-    delay: NotNegative = key("age of a fix when it arrives; whole IMU steps", unit="s")
-    scale: Positive = key(
-        "scale error: a fix is the position times this number, plus noise; 1: none",
-        default=1.0,
-        younger=True,
     )
 
 
