@@ -14,6 +14,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.fix_rules import check_fix_rules
 from owtsweep.studies.hub.plant import check_plant, is_plant
 from owtsweep.studies.hub.schemes import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import (
@@ -47,6 +48,7 @@ def check(config: HubConfig) -> None:
     _check_sensors(config)
     _check_record(config)
     check_plant(config)
+    check_fix_rules(config)
     if not is_plant(config):
         _check_band(config)
         _check_spectrum(config)
@@ -141,7 +143,8 @@ def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
             scheme.linear and hasattr(scheme, "kernel"),
             f"schemes: {scheme.name} has no kernel or is not linear, and engine=expected needs a "
             "linear scheme with a kernel; use `sweep` with engine=batch, or leave the scheme out "
-            "(HME2 is linear if hme.mhe.constraints is null)",
+            "(HME2 is linear if hme.mhe.constraints is null, every scheme only with "
+            "fix_rule=plain)",
         )
 
 

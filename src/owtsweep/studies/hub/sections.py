@@ -169,6 +169,35 @@ class FilterTuning(Section):
         default=0.0,
         younger=True,
     )
+    fix_rule: Literal["plain", "gate", "huber"] = key(
+        "plain: every fix counts alike; gate: a fix too far from its prediction is refused (not in "
+        "HME2); huber: it counts less, in HME2 within the window's cost. With gate or huber the "
+        "scheme is not linear",
+        default="plain",
+        younger=True,
+    )
+    gate_probability: float = key(
+        "fix_rule=gate: probability with which a fix without gross error passes (chi-square, two "
+        "degrees of freedom)",
+        default=0.999,
+        younger=True,
+        gt=0.0,
+        lt=1.0,
+    )
+    gate_patience: int = key(
+        "fix_rule=gate: fixes that are refused in a row; then every fix is taken until one lies "
+        "within the gate, for the state must be wrong",
+        unit="fixes",
+        default=1,
+        younger=True,
+        ge=1,
+    )
+    huber_limit: Positive = key(
+        "fix_rule=huber: distance beyond which the weight of a fix falls as 1 / distance",
+        unit="standard deviations",
+        default=2.0,
+        younger=True,
+    )
     r_gnss: Variance = key("variance of a fix")
     r_imu: Variance = key("variance of a sample")
     p0: list[Positive] = key(

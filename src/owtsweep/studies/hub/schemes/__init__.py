@@ -28,7 +28,7 @@ BASELINES = {
 }
 
 #: Attributes and methods that a scheme may have besides name, linear and start.
-OPTIONAL = ("under", "kernel", "stream", "sections", "constrained")
+OPTIONAL = ("under", "kernel", "stream", "sections")
 
 
 def resolve(entry: Any) -> Scheme:
