@@ -53,12 +53,13 @@ def test_the_compiled_form_is_the_reference(name: str, rule: str) -> None:
         rule, "hme.mhe.constraints.bias=0.6", "record.duration=5.5", "hme.mhe.interval=0.25"
     )
     data, known = measured(config)
-    data.fixes[7:9] = np.nan
+    if name != "HME1":  # whose stated covariance must be that of the weights alone
+        data.fixes[7:9] = np.nan
     fast, slow = (run(name, config, data, known, fast=fast) for fast in (True, False))
     assert_same(fast.state, slow.state, "estimate", 1e-7)
     assert fast.covariance is not None
     assert slow.covariance is not None
-    late = slice(100, None)  # before, HME's window fills
+    late = slice(30, None)  # before, HME's window fills
     np.testing.assert_allclose(fast.covariance[late], slow.covariance[late], rtol=1e-6, atol=1e-12)
     plain = run(name, ruled("plain"), data, known)
     assert np.max(np.abs(plain.state - fast.state)) > 0.05

@@ -26,6 +26,7 @@ def test_each_fault_has_its_own_streams() -> None:
     hit = np.any(outliers != white, axis=1)
     assert 0 < hit.sum() < len(white)
     np.testing.assert_allclose(added(OUTLIERS, *RED), outliers + red - white, atol=1e-12)
+    assert not np.allclose((red - white)[0] / 0.5, white[0] / 0.03)
     kept = added(OUTLIERS, *LOSS)
     lost = np.isnan(kept).all(axis=1)
     assert 0 < lost.sum() < len(white)
