@@ -86,6 +86,7 @@ def test_each_script_draws_its_figure(capsys, monkeypatch):
             "ekf_trade_off.py",
             "judge_rivals.py",
             "make_sample.py",
+            "outliers.py",
             "plant.py",
             "plant_spectrum.py",
             "reproduce.py",

@@ -46,7 +46,7 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     near = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or [
         by_leaf[name] for name in difflib.get_close_matches(leaf, by_leaf, n=1, cutoff=0.7)
     ]
-    beside = [name for name in keys if section and name.startswith(f"{section}.")]
+    beside = [name for name in keys if section and name.rpartition(".")[0] == section]
     if beside and (not near or near[0] == section):  # the section is right, the key in it is not
         return f"{key}: there is no such key; there are {', '.join(beside)}"
     hint = f"did you mean {near[0]}?" if near else "`owtsweep sweep --cfg` shows all keys"

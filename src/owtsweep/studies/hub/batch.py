@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.errors import require
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.feed import Feed, Span
 from owtsweep.studies.hub.feed import Lanes as Lanes  # imported from here elsewhere
@@ -115,7 +116,17 @@ def sum_errors(
     -------
     list of Sums
         One entry per scheme, in the order of `chains`.
+
+    Raises
+    ------
+    InputError
+        If fixes may be lost: the gains of a chain are those for fixes that all arrive.
     """
+    require(
+        not records.config.sensors.gnss.loses,
+        "sensors.gnss.loss: kernels need every fix; run a `sweep`, which then goes step by step, "
+        "or set the probability to 0",
+    )
     lines = {chain: chain.line for chain in chains if chain.line and amplitude is None}
     others = [chain for chain in chains if chain not in lines]
     weights = [weights_of(chain, consistency=consistency) for chain in others]

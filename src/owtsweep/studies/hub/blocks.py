@@ -38,18 +38,26 @@ def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
 
 
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
-    """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels."""
+    """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels.
+
+    The gains of a kernel are those for fixes that all arrive. So where fixes are lost, a scheme
+    runs step by step.
+    """
     return runs_chain(config, scheme) or runs_itself(config, scheme)
 
 
 def runs_chain(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs as a `Chain`, beside other chains."""
-    return config.engine == "batch" and hasattr(scheme, "kernel")
+    return _suits_kernels(config) and hasattr(scheme, "kernel")
 
 
 def runs_itself(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs by a compiled kernel of its own, an `OwnKernel`."""
-    return config.engine == "batch" and hasattr(scheme, "own_kernel")
+    return _suits_kernels(config) and hasattr(scheme, "own_kernel")
+
+
+def _suits_kernels(config: HubConfig) -> bool:
+    return config.engine == "batch" and not config.sensors.gnss.loses
 
 
 def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
@@ -307,6 +315,8 @@ def _looped(
     truth = np.concatenate(
         [np.outer(s, records.direction) for s in (motion.position, motion.velocity)], axis=1
     )
+    # what is lost with the noise is lost with the motion
+    observed.fixes[np.isnan(noise.fixes)] = np.nan
     if amplitude is None:
         responses = [
             run_estimator(start(config, scheme, sensors), *part, sensors.fix_interval)

@@ -14,6 +14,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.fix_rules import check_fix_rules
 from owtsweep.studies.hub.plant import check_plant, is_plant, require_spectrum
 from owtsweep.studies.hub.schemes import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import (
@@ -47,6 +48,7 @@ def check(config: HubConfig) -> None:
     _check_sensors(config)
     _check_record(config)
     check_plant(config)
+    check_fix_rules(config)
     if not is_plant(config):
         _check_band(config)
         _check_spectrum(config)
@@ -153,13 +155,30 @@ def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
         "sensors.imu.high_pass: engine=expected cannot shift the phase of the force, as an AC "
         "coupling does; use engine=batch",
     )
+    for fault, there in _list_faults(config).items():
+        require(
+            not there,
+            f"sensors.gnss.{fault}: engine=expected knows white noise of fixes that all arrive; "
+            f"use engine=batch, or leave {fault} at its default",
+        )
     for scheme in schemes:
         require(
             scheme.linear and hasattr(scheme, "kernel"),
             f"schemes: {scheme.name} has no kernel or is not linear, and engine=expected needs a "
             "linear scheme with a kernel; use `sweep` with engine=batch, or leave the scheme out "
-            "(HME2 is linear if hme.mhe.constraints is null)",
+            "(HME2 is linear if hme.mhe.constraints is null, every scheme only with "
+            "fix_rule=plain)",
         )
+
+
+def _list_faults(config: HubConfig) -> dict[str, bool]:
+    """Return key of sensors.gnss -> whether it sets a fault that theory of white noise lacks."""
+    gnss = config.sensors.gnss
+    return {
+        "outliers": gnss.outliers.rate > 0.0,
+        "loss": gnss.loses,
+        "correlation": gnss.correlation.sigma > 0.0,
+    }
 
 
 def _check_sensors(config: HubConfig) -> None:

@@ -28,6 +28,7 @@ from owtsweep.studies.hub.plant import (
     list_breaking,
 )
 from owtsweep.studies.hub.schemes import list_entries, resolve_all
+from owtsweep.studies.hub.schemes.stepwise import Stepwise
 from owtsweep.studies.hub.winners import find_winners
 from owtsweep.sweep.study import Square
 
@@ -120,15 +121,16 @@ class RecordsEngine(_Engine):
         """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
 
         It is "threading" if all schemes run by compiled kernels, which release the GIL. With
-        engine=batch, log a warning for each scheme that has no kernel because of its constraints.
+        engine=batch, log a warning for each scheme that its tuning leaves without a kernel.
         """
         schemes = resolve_all(list_entries(config), config)
         for scheme in schemes:
-            if config.engine == "batch" and getattr(scheme, "constrained", False):
+            if config.engine == "batch" and isinstance(scheme, Stepwise):
                 logger.warning(
-                    "%s: its constraints leave no kernel that serves all amplitudes; it runs step "
-                    "by step, amplitude by amplitude",
+                    "%s: %s no kernel that serves all amplitudes; it runs step by step, amplitude "
+                    "by amplitude",
                     scheme.name,
+                    scheme.because,
                 )
         return blocks.backend(config, schemes)
 

@@ -164,6 +164,9 @@ def simulate_histories(config: HubConfig) -> Histories:
     for scheme in resolve_all(config.schemes, config):
         if not hasattr(scheme, "kernel"):
             continue  # step by step it would take minutes
+        if config.sensors.gnss.loses:
+            left_out[scheme.name] = "its gains depend on the fixes that are lost"
+            continue
         try:
             chain = scheme.kernel(sensors, config, records.steps)
         except InputError as error:  # a tuning that this scheme cannot run with

@@ -11,6 +11,7 @@ from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.estimation.mhe import WindowWeights, window_map, window_maps
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.fix_rules import PLAIN, FixRule
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, HorizonArrays, LeanTerms
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
 from owtsweep.studies.hub.sections import Mhe
@@ -51,6 +52,8 @@ class Horizon:
         b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
     lean
         What the model believes of the IMU's lean, s^-2.
+    fix_rule
+        How much a fix counts that is far from its prediction; `arrays` ignores it.
     """
 
     interval: int
@@ -63,6 +66,7 @@ class Horizon:
     initial_covariance: Array
     bounds: Array
     lean: float
+    fix_rule: FixRule = PLAIN
 
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
         """Make the kernels' form of the MHE: one matrix per position fix, until matrices repeat.

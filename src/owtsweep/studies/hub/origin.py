@@ -11,11 +11,11 @@ if TYPE_CHECKING:
 
 
 def describe_truth(config: HubConfig) -> str:
-    """Return the truth of a run in words: the length of a record, and the bias of the IMU."""
-    imu = config.sensors.imu
+    """Return the truth of a run in words: length of a record, bias of the IMU, faults of fixes."""
+    imu, faults = config.sensors.imu, config.sensors.gnss.describe_faults()
     return (
         f"records of {config.record.duration:g} s, IMU bias {imu.bias_initial:g} m/s² and walk "
-        f"{imu.bias_walk:g} m/s²/√s"
+        f"{imu.bias_walk:g} m/s²/√s" + faults.replace(", ", ", GNSS with ", 1)
     )
 
 
@@ -48,7 +48,8 @@ def list_origin(config: HubConfig) -> dict[str, str]:
     gnss, imu = config.sensors.gnss, config.sensors.imu
     told = {
         "tuning": config.tuning_name,
-        "GNSS": f"{gnss.sigma:g} m {gnss.rate:g} Hz delay {gnss.delay:g} s",
+        "GNSS": f"{gnss.sigma:g} m {gnss.rate:g} Hz delay {gnss.delay:g} s"
+        + gnss.describe_faults(),
         "IMU": f"{imu.sigma:g} m/s² {imu.rate:g} Hz",
         "record length": f"{config.record.duration:g} s",
         "IMU bias": f"{imu.bias_initial:g} m/s²",

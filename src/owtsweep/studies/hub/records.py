@@ -129,11 +129,11 @@ class Records:
         return sensing.ForceNoise(self.config.sensors, self.sensors, self.stream(index))
 
     def fix_noise(self, index: int) -> Array:
-        """Draw the noise of a replicate's position fixes, m, shape (fixes, 2).
+        """Draw the noise of a replicate's position fixes, m, shape (fixes, 2); NaN for a lost fix.
 
         `index` is the place of the replicate in `replicates`.
         """
-        return sensing.fix_noise(self.sensors, self.steps, self.stream(index))
+        return sensing.fix_noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
 
     def stream(self, index: int) -> Callable[[str], np.random.Generator]:
         """Return a function that takes a name and returns the replicate's random stream `name`.

@@ -14,6 +14,7 @@ from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.section import require_magnitude
 from owtsweep.structures.description import ANGLES
 from owtsweep.studies.hub.contract import GRAVITY
+from owtsweep.studies.hub.gnss import Gnss
 
 #: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.
 STRUCTURE = "structure"
@@ -87,19 +88,6 @@ class SpectrumConfig(Section):
     )
     bandwidth: Positive = key(
         "k, the squared half-bandwidth of the peak (translated only)", unit="s^-2"
-    )
-
-
-class Gnss(Section):
-    """The properties of the position sensor, GNSS."""
-
-    sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
-    rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
-    delay: NotNegative = key("age of a fix when it arrives; whole IMU steps", unit="s")
-    scale: Positive = key(
-        "scale error: a fix is the position times this number, plus noise; 1: none",
-        default=1.0,
-        younger=True,
     )
 
 
@@ -179,6 +167,35 @@ class FilterTuning(Section):
         "sensors.imu.tilt",
         unit="rad/m",
         default=0.0,
+        younger=True,
+    )
+    fix_rule: Literal["plain", "gate", "huber"] = key(
+        "plain: every fix counts alike; gate: a fix too far from its prediction is refused (not in "
+        "HME2); huber: it counts less, in HME2 within the window's cost. With gate or huber the "
+        "scheme is not linear",
+        default="plain",
+        younger=True,
+    )
+    gate_probability: float = key(
+        "fix_rule=gate: probability with which a fix without gross error passes (chi-square, two "
+        "degrees of freedom)",
+        default=0.999,
+        younger=True,
+        gt=0.0,
+        lt=1.0,
+    )
+    gate_patience: int = key(
+        "fix_rule=gate: fixes that are refused in a row; then every fix is taken until one lies "
+        "within the gate, for the state must be wrong",
+        unit="fixes",
+        default=1,
+        younger=True,
+        ge=1,
+    )
+    huber_limit: Positive = key(
+        "fix_rule=huber: distance beyond which the weight of a fix falls as 1 / distance",
+        unit="standard deviations",
+        default=2.0,
         younger=True,
     )
     r_gnss: Variance = key("variance of a fix")

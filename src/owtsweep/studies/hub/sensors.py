@@ -16,7 +16,10 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
+from owtsweep.sensing.gauss_markov import draw_gauss_markov
+from owtsweep.sensing.losses import Losses
 from owtsweep.sensing.noise import WhiteNoise, WienerBias
+from owtsweep.sensing.outliers import draw_outliers
 from owtsweep.studies.hub.contract import GRAVITY, Sensors
 from owtsweep.studies.hub.sections import SensorConfig
 
@@ -25,7 +28,7 @@ class Measurements(NamedTuple):
     """The measurements of a record, or only the part that motion or noise contributes to them.
 
     `specific_force`, shape (steps, 2), is in the IMU's frame, m/s^2. `fixes`, shape (fixes, 2), are
-    positions in NED, m.
+    positions in NED, m; the part of noise is NaN for a fix that is lost.
     """
 
     specific_force: Array
@@ -202,17 +205,48 @@ def noise(
     generator for a name.
     """
     force = ForceNoise(config, sensors, stream).next(steps)
-    return Measurements(force, fix_noise(sensors, steps, stream))
+    return Measurements(force, fix_noise(config, sensors, steps, stream))
 
 
-def fix_noise(sensors: Sensors, steps: int, stream: Callable[[str], np.random.Generator]) -> Array:
-    """Draw the white noise of a record's position fixes, m, shape (fixes, 2).
+def fix_noise(
+    config: SensorConfig,
+    sensors: Sensors,
+    steps: int,
+    stream: Callable[[str], np.random.Generator],
+) -> Array:
+    """Draw what is added to a record's position fixes, m, shape (fixes, 2); NaN for a lost fix.
 
-    The noise is drawn from the random generator `stream("gnss")`. `steps` is the length of the
-    record in IMU steps.
+    That is white noise, and, if the configuration asks for them, red noise and outliers. Each has
+    random streams of its own, so none changes another one.
+
+    Parameters
+    ----------
+    steps
+        Length of the record in IMU steps.
+    stream
+        Function that returns a random generator for a name: gnss, gnss_red, gnss_outliers,
+        gnss_outlier_offsets or gnss_loss.
     """
-    white = WhiteNoise(stream("gnss"), sensors.position_sigma)
-    return white.draw(fix_count(steps, sensors.fix_interval), 2)
+    gnss, count = config.gnss, fix_count(steps, sensors.fix_interval)
+    added = WhiteNoise(stream("gnss"), sensors.position_sigma).draw(count, 2)
+    red, outliers = gnss.correlation, gnss.outliers
+    if red.sigma > 0.0:
+        added += draw_gauss_markov(
+            stream("gnss_red"), count, sigma=red.sigma, time=red.time, step=sensors.fix_step
+        )
+    if outliers.rate > 0.0:
+        added += draw_outliers(
+            stream("gnss_outliers"),
+            stream("gnss_outlier_offsets"),
+            count,
+            rate=outliers.rate,
+            sigma=outliers.size * sensors.position_sigma,
+            length=outliers.length,
+        )
+    if gnss.loses:
+        losses = Losses(stream("gnss_loss"), gnss.loss.probability, gnss.loss.length)
+        added[losses.draw(count)] = np.nan
+    return added
 
 
 def simulate_bias(

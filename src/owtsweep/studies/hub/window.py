@@ -5,7 +5,7 @@ HME2 in Python and the compiled HME2 both use this module.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from owtsweep.estimation.casadi_window import CasadiWindow
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, transition_over
+from owtsweep.studies.hub.kernels.online_layout import LEAST_CHANGE, MOST_WEIGHINGS
 
 _I = np.eye(2)
 
@@ -81,20 +82,34 @@ def solve(
     weights = mhe.weights
     deviation = np.sqrt(np.diagonal(weights.link_covariance))
     scale = np.kron([np.sqrt(weights.fix_variance), deviation[1], deviation[2]], [1.0, 1.0])
-    return problem.solve(
-        scale=scale,
-        z=np.where(have[:, None], fixes, 0.0).T,
-        inputs=effects.reshape(-1, 6).T,
+    solve_weighted = partial(
+        problem.solve,
+        scale,
+        np.where(have[:, None], fixes, 0.0).T,
+        effects.reshape(-1, 6).T,
         A=np.kron(weights.transition, _I),
         A_f=np.kron(transition_over(since_fix * sensors.step, mhe.lean), _I),
         link=np.kron(square_root_information(weights.link_covariance), _I),
-        fix=np.where(have, 1.0 / np.sqrt(weights.fix_variance), 0.0),
         x0=x0,
         prior=prior,
         rows=rows,
         lower=lower,
         upper=upper,
     )
+    plain = np.where(have, 1.0 / np.sqrt(weights.fix_variance), 0.0)
+    nodes = solve_weighted(fix=plain)
+    if mhe.fix_rule.name != "huber":
+        return nodes
+    # Huber's cost by weighted least squares, each solved with the weights of the one before: the
+    # cost never rises, with constraints neither (Huber 1981, section 7.8)
+    weight: Array = np.ones(len(fixes))
+    for _ in range(MOST_WEIGHINGS):
+        distances = plain * np.linalg.norm(fixes - nodes[:2, : len(fixes)].T, axis=1)
+        before, weight = weight, mhe.fix_rule.weigh_all(distances)
+        if np.max(np.abs(weight - before)) < LEAST_CHANGE:
+            break
+        nodes = solve_weighted(fix=np.sqrt(weight) * plain)
+    return nodes
 
 
 def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Array]:

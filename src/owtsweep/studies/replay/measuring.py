@@ -59,7 +59,7 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
     steps, streams = record.steps, _streams_of(config, replicate)
     fixes = record.fixes
     if record.gnss != "recorded":
-        fixes = fixes + fix_noise(sensors, steps, streams)
+        fixes = fixes + fix_noise(config.sensors, sensors, steps, streams)
     if record.specific_force is not None:  # recorded data already contain noise
         recorded = record.specific_force
         return Signals(

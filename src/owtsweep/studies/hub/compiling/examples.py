@@ -127,6 +127,7 @@ def _of_online() -> Examples:
     f = FilterSettings(
         square, row, square, row, row, 0.0, 0.0, 0, square, 1, 0, 0, True,
         three, np.zeros(3), three, np.zeros((1, 3)), three, np.zeros((2, 2)), np.zeros(2),
+        0, 0.0, 0,
     )  # fmt: skip
     h = HorizonSettings(
         False,
@@ -143,6 +144,8 @@ def _of_online() -> Examples:
         np.zeros(3),
         np.zeros((1, 2, 3)),
         NO_LEAN,
+        0,
+        0.0,
     )
     m = new_registers(f, h)
     estimates = OnlineEstimates(np.zeros((1, 4)), np.zeros((1, 2, 2)), two, np.zeros(1))

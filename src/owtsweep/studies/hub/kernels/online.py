@@ -13,9 +13,19 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.estimation.riccati import MASK_ROWS, riccati_step
+from owtsweep.estimation.riccati import MASK_ROWS, TwoRates, riccati_step
+from owtsweep.studies.hub.kernels.fix_weights import distance, judge, weigh_anew
 from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED
-from owtsweep.studies.hub.kernels.online_layout import DETERMINED, LINKS, PICK, ROW, STEP
+from owtsweep.studies.hub.kernels.online_layout import (
+    DETERMINED,
+    HUBER,
+    LINKS,
+    MOST_WEIGHINGS,
+    PICK,
+    PLAIN,
+    ROW,
+    STEP,
+)
 from owtsweep.studies.hub.kernels.online_output import output
 from owtsweep.studies.hub.kernels.window import (
     FIXED,
@@ -109,18 +119,25 @@ def filter_step(fresh, f, m):
     `OnlineRegisters`. Return the variance of the position's innovation along an axis, m^2.
     """
     row = m.counter[ROW]
-    ss = riccati_step(f, m.P, fresh, m.K, m.Pm[row], m.Pf[row], m.work)
+    predict_state(f, m)
+    taken, r_slow, judged = fresh, f.r_slow, 0.0
+    if fresh and f.fix_rule != PLAIN:
+        judged = predicted_variance(f, m) + f.r_slow
+        weight = judge(distance(m.given, m.predicted, judged), f, m.counter)
+        taken = weight > 0.0
+        if taken:
+            r_slow += (1.0 / weight - 1.0) * judged  # the innovation's becomes judged / weight
+    model = TwoRates(f.A, f.Q, f.slow, f.fast, r_slow, f.r_fast, f.rule)
+    ss = riccati_step(model, m.P, taken, m.K, m.Pm[row], m.Pf[row], m.work)
+    if judged > 0.0:
+        ss = judged
     put(m.P, 0, 0, m.Pf[row])
-    applied = fresh or f.rule == MASK_ROWS
-    now, before = row - f.delay, row - f.delay - 1
+    applied = taken or f.rule == MASK_ROWS
+    now = row - f.delay
     for axis in range(2):
         r = m.force[now, axis]
         for i in range(4):
-            total = f.B[i] * m.force[before, axis]
-            for j in range(4):
-                total += f.A[i, j] * m.x[j, axis]
-            m.predicted[i, axis] = total
-            r -= f.fast[i] * total
+            r -= f.fast[i] * m.predicted[i, axis]
         s = m.given[axis] - m.predicted[0, axis]
         m.innovation[axis] = s
         for i in range(4):
@@ -131,6 +148,28 @@ def filter_step(fresh, f, m):
             m.x[i, axis] = m.predicted[i, axis] + e
             m.X[row, i, axis] = m.x[i, axis]
     return ss
+
+
+@njit
+def predict_state(f, m):
+    """Predict the filter's state over one step, into m.predicted; `f` is `FilterSettings`."""
+    before = m.counter[ROW] - f.delay - 1
+    for axis in range(2):
+        for i in range(4):
+            total = f.B[i] * m.force[before, axis]
+            for j in range(4):
+                total += f.A[i, j] * m.x[j, axis]
+            m.predicted[i, axis] = total
+
+
+@njit
+def predicted_variance(f, m):
+    """Return the variance of the predicted position along an axis, m^2; change nothing."""
+    total = f.Q[0, 0]
+    for i in range(4):
+        for j in range(4):
+            total += f.A[0, i] * m.P[i, j] * f.A[0, j]
+    return total
 
 
 @njit
@@ -180,7 +219,15 @@ def take_fix(fresh, fix, f, h, m):
             prior = m.prior
     elif kind == FIXED:
         kind = PRIOR  # while the window fills, its oldest state is uncertain
+    for i in range(n + 1):
+        m.weight[i] = 1.0
     solve_window(n, h, m, x0, prior, kind, first)
+    if h.fix_rule == HUBER:
+        for _ in range(MOST_WEIGHINGS):
+            older_nodes(n, m.blocks, m.nodes)
+            if not weigh_anew(n, h, m):
+                break
+            solve_window(n, h, m, x0, prior, kind, first)
     put(m.node, 0, 0, m.nodes[n])
     if h.constrained:
         older_nodes(n, m.blocks, m.nodes)

@@ -11,8 +11,15 @@ from owtsweep.arrays import Array
 from owtsweep.studies.hub.kernels.layout import LeanTerms
 
 #: Indices in `OnlineRegisters.counter`: present step, present row of the registers, number of links
-#: in the MHE's window, whether the window's data determine its states. COUNTERS is their number.
-STEP, ROW, LINKS, DETERMINED, COUNTERS = 0, 1, 2, 3, 4
+#: in the MHE's window, whether the window's data determine its states, fixes in a row beyond the
+#: limit of their rule. COUNTERS is their number.
+STEP, ROW, LINKS, DETERMINED, BEYOND, COUNTERS = 0, 1, 2, 3, 4, 5
+#: What happens to a fix far from its prediction: nothing, it is refused, or it counts less. The
+#: indices are those of `hub.fix_rules.FIX_RULES`.
+PLAIN, GATE, HUBER = 0, 1, 2
+#: The MHE's window is solved again for new weights of its fixes until no weight changes by more
+#: than `LEAST_CHANGE`, but at most `MOST_WEIGHINGS` times.
+MOST_WEIGHINGS, LEAST_CHANGE = 500, 1e-10
 #: Indices of position, velocity and bias among the filter's four states.
 PICK = (0, 1, 3)
 
@@ -62,6 +69,11 @@ class FilterSettings(NamedTuple):
         each input (steps, 3), and the covariance that noise during the prediction adds (3, 3).
     rotation, gravity
         Rotation (2, 2) from the IMU's frame to NED, and gravity (2,) in NED, m/s^2.
+    fix_rule, fix_limit
+        What happens to a position whose innovation is longer than `fix_limit` standard deviations:
+        PLAIN, GATE or HUBER.
+    fix_patience
+        Number of positions that a gate refuses in a row.
     """
 
     A: Array
@@ -84,6 +96,9 @@ class FilterSettings(NamedTuple):
     added: Array
     rotation: Array
     gravity: Array
+    fix_rule: int
+    fix_limit: float
+    fix_patience: int
 
 
 class HorizonSettings(NamedTuple):
@@ -113,6 +128,9 @@ class HorizonSettings(NamedTuple):
         IMU's frame; a quantity without a bound has the bound infinity.
     growth, lean
         As in `HorizonArrays`.
+    fix_rule, fix_limit
+        PLAIN, or HUBER: a fix counts less if its distance from the window's state is longer than
+        `fix_limit` standard deviations of a fix.
     """
 
     active: bool
@@ -129,6 +147,8 @@ class HorizonSettings(NamedTuple):
     bounds: Array
     growth: Array
     lean: LeanTerms
+    fix_rule: int
+    fix_limit: float
 
 
 class OnlineRegisters(NamedTuple):
@@ -141,7 +161,7 @@ class OnlineRegisters(NamedTuple):
     Attributes
     ----------
     counter
-        The counters STEP, ROW, LINKS, DETERMINED; shape (4,).
+        The counters STEP, ROW, LINKS, DETERMINED, BEYOND; shape (5,).
     x, P, K
         The filter's state (4, 2), its covariance (4, 4) and the gain of the present step (4, 2).
     work
@@ -160,8 +180,9 @@ class OnlineRegisters(NamedTuple):
         (window + 1, 4, 3), and a coupling of zero (4, 3).
     zero
         A state of zeros (3, 2).
-    z, have
-        Position fix (m) of each node, shape (nodes, 2), and whether the fix arrived.
+    z, have, weight
+        Position fix (m) of each node, shape (nodes, 2), whether the fix arrived, and the square
+        root of its weight in the window's cost.
     effects
         What the specific force adds to the state from each node to the next, shape (links, 3, 2).
     states, covariances
@@ -201,6 +222,7 @@ class OnlineRegisters(NamedTuple):
     zero: Array
     z: Array
     have: NDArray[np.bool_]
+    weight: Array
     effects: Array
     states: Array
     covariances: Array

@@ -112,6 +112,7 @@ def solve_window(n, h, m, x0, prior, kind, first):
     """
     A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
     z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes
+    weight = m.weight
     R = np.zeros((3, 3))
     r = np.zeros((3, 2))
     step = np.empty((6, 8))
@@ -126,11 +127,12 @@ def solve_window(n, h, m, x0, prior, kind, first):
         if have[node] and node >= first:
             put(row, 0, 0, R)
             put(row, 0, 3, r)
-            row[3, 0] = inverse_sigma
+            root = weight[node] * inverse_sigma
+            row[3, 0] = root
             row[3, 1] = 0.0
             row[3, 2] = 0.0
-            row[3, 3] = inverse_sigma * z[node, 0]
-            row[3, 4] = inverse_sigma * z[node, 1]
+            row[3, 3] = root * z[node, 0]
+            row[3, 4] = root * z[node, 1]
             triangularise(row, 3)
             take(R, row, 0, 0)
             take(r, row, 0, 3)

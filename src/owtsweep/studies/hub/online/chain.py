@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.coordinates import ZERO, check_origin, start_at_first_fix
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
@@ -60,5 +61,9 @@ def online_chain(
     if point is None:
         axis, mhe = start_at_first_fix(axis, mhe)
     predict = None if delay is None else input_model(tuning, sensors)
-    settings = filter_settings(axis, sensors, tuning.update_rule, delay or 0, window, predict)
+    # an MHE weighs the fixes itself; the filter then takes the positions of the MHE as they are
+    fix_rule = make_fix_rule(tuning) if mhe is None else FixRule()
+    settings = filter_settings(
+        axis, sensors, tuning.update_rule, delay or 0, window, predict, fix_rule
+    )
     return OnlineEstimator(sensors, settings, horizon_settings(mhe, sensors), mhe, solver, point)

@@ -10,10 +10,12 @@ from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.estimation.predictor import prediction_noise
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.fix_rules import FIX_RULES, FixRule
 from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
 from owtsweep.studies.hub.kernels.layout import NO_LEAN
 from owtsweep.studies.hub.kernels.online_layout import (
     COUNTERS,
+    PLAIN,
     ROW,
     FilterSettings,
     HorizonSettings,
@@ -23,7 +25,13 @@ from owtsweep.studies.hub.models import POSITION, AxisFilter
 
 
 def filter_settings(
-    axis: AxisFilter, sensors: Sensors, rule: str, delay: int, window: int, predict: Discrete | None
+    axis: AxisFilter,
+    sensors: Sensors,
+    rule: str,
+    delay: int,
+    window: int,
+    predict: Discrete | None,
+    fix_rule: FixRule,
 ) -> FilterSettings:
     """Make the settings of filter, smoother and predictor for the online kernels.
 
@@ -37,6 +45,8 @@ def filter_settings(
         Delay of the specific force, and length of the smoother's window, in steps.
     predict
         The predictor's model; None if the filtered state is the estimate.
+    fix_rule
+        How much the positions count that the filter gets.
     """
     steps = delay + window
     ahead: Array = np.eye(3)
@@ -67,6 +77,9 @@ def filter_settings(
         added=np.ascontiguousarray(added),
         rotation=sensors.rotation,
         gravity=np.array(sensors.gravity),
+        fix_rule=FIX_RULES.index(fix_rule.name),
+        fix_limit=fix_rule.limit,
+        fix_patience=fix_rule.patience,
     )
 
 
@@ -80,8 +93,9 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
         free = np.full(3, np.inf)
         none = np.zeros((1, 2, 3))
         return HorizonSettings(
-            False, 1, 1, 0, 0, sensors.step, eye, eye, 1.0, eye, False, free, none, NO_LEAN
-        )
+            False, 1, 1, 0, 0, sensors.step, eye, eye, 1.0, eye, False, free, none, NO_LEAN,
+            PLAIN, np.inf,
+        )  # fmt: skip
     return HorizonSettings(
         active=True,
         interval=mhe.interval,
@@ -97,6 +111,8 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
         bounds=mhe.bounds,
         growth=growth_over(mhe.lean, sensors, sensors.fix_interval),
         lean=lean_terms(mhe.lean, sensors.step),
+        fix_rule=FIX_RULES.index(mhe.fix_rule.name),
+        fix_limit=mhe.fix_rule.limit,
     )
 
 
@@ -133,6 +149,7 @@ def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
         zero=np.zeros((3, 2)),
         z=np.zeros((n + 1, 2)),
         have=np.zeros(n + 1, dtype=np.bool_),
+        weight=np.ones(n + 1),
         effects=np.zeros((n, 3, 2)),
         states=np.zeros((n + 1, 3, 2)),
         covariances=np.zeros((n + 1, 3, 3)),

@@ -29,7 +29,7 @@ BASELINES = {
 }
 
 #: Attributes and methods that a scheme may have besides name, linear and start.
-OPTIONAL = ("under", "told", "kernel", "own_kernel", "stream", "sections", "constrained")
+OPTIONAL = ("under", "told", "kernel", "own_kernel", "stream", "sections")
 
 
 def resolve(entry: Any) -> Scheme:

@@ -18,11 +18,13 @@ from owtsweep.estimation.smoother import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.chain import online_chain
 from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
+from owtsweep.studies.hub.schemes.stepwise import Stepwise
 from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
 from owtsweep.studies.hub.sections import FilterTuning
 
@@ -46,14 +48,23 @@ class DelayedChain:
         The properties of the sensors.
     gains
         The scheme in its form for the batch engine, with precomputed covariances.
+    fix_rule
+        How much the positions count that the filter gets; None: all alike.
     """
 
-    def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:
+    def __init__(
+        self,
+        tuning: FilterTuning,
+        window: int,
+        sensors: Sensors,
+        gains: Chain,
+        fix_rule: FixRule | None = None,
+    ) -> None:
         axis = axis_filter(tuning, sensors)
         self.axis = axis
         self.sensors = sensors
-        self.on_schedule = True
-        self.filter = MultirateKalmanFilter(axis, sensors.rotation, tuning.update_rule)
+        self.on_schedule = fix_rule is None or fix_rule.name == "plain"
+        self.filter = MultirateKalmanFilter(axis, sensors.rotation, tuning.update_rule, fix_rule)
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
         self.input_model = input_model(tuning, sensors)
         self.count = 0
@@ -122,7 +133,8 @@ class HME1Estimator:
 
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         self.sensors = sensors
-        self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
+        window, fix_rule = tuning.hme.smoother_window, make_fix_rule(tuning.hme1)
+        self.chain = DelayedChain(tuning.hme1, window, sensors, gains, fix_rule)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
@@ -160,6 +172,10 @@ class HME1:
             delay=sensors.delay,
             origin=origin,
         )
+
+    def under(self, tuning: Any) -> HME1 | Stepwise:
+        """Return the scheme for a tuning: `Stepwise` if fixes lose weight, else `self`."""
+        return self if tuning.hme1.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:

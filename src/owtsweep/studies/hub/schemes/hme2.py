@@ -6,6 +6,7 @@ Source: Algorithm 2 of Ren et al. (2019).
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
 from owtsweep.studies.hub.online.chain import online_chain
@@ -25,6 +27,7 @@ from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
+from owtsweep.studies.hub.schemes.stepwise import Stepwise
 
 
 class MovingHorizonEstimator:
@@ -147,7 +150,7 @@ class HME2Estimator:
     """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019)."""
 
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
-        mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
+        mhe = make_horizon(tuning, sensors)
         self.sensors = sensors
         self.chain = DelayedChain(tuning.hme2, choose_window(tuning), sensors, gains)
         self.mhe = MovingHorizonEstimator(mhe, sensors, gains, tuning.hme.mhe.solver)
@@ -198,6 +201,12 @@ def choose_window(tuning: Any) -> int:
     return int(tuning.hme.smoother_window if window is None else window)
 
 
+def make_horizon(tuning: Any, sensors: Sensors) -> Horizon:
+    """Return HME2's moving horizon estimator as numbers; `tuning` is the study's configuration."""
+    mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
+    return replace(mhe, fix_rule=make_fix_rule(tuning.hme2))
+
+
 class HME2:
     """The scheme HME2 (hub motion estimator 2 of Ren et al. 2019).
 
@@ -221,14 +230,19 @@ class HME2:
             sensors,
             window=choose_window(tuning),
             delay=sensors.delay,
-            mhe=horizon(tuning.hme.mhe, sensors, tuning.hme2.lean),
+            mhe=make_horizon(tuning, sensors),
             solver=tuning.hme.mhe.solver,
             origin=origin,
         )
 
-    def under(self, tuning: Any) -> HME2 | ConstrainedHME2:
-        """Return the scheme for a tuning: `ConstrainedHME2` if it sets constraints, else `self`."""
-        return ConstrainedHME2() if np.any(np.isfinite(tuning.hme.mhe.bounds)) else self
+    def under(self, tuning: Any) -> HME2 | Stepwise:
+        """Return the scheme for a tuning: `Stepwise` if it is not linear, else `self`.
+
+        It is not linear with constraints, or if fixes lose weight.
+        """
+        if np.any(np.isfinite(tuning.hme.mhe.bounds)):
+            return Stepwise(self, "its constraints leave")
+        return self if tuning.hme2.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
@@ -240,32 +254,9 @@ class HME2:
             input_delay=sensors.delay,
             window=choose_window(tuning),
             predict=input_model(tuning.hme2, sensors),
-            horizon=horizon(tuning.hme.mhe, sensors, tuning.hme2.lean),
+            horizon=make_horizon(tuning, sensors),
             steps=steps,
         )
-
-
-class ConstrainedHME2:
-    """The scheme HME2 with constraints in the MHE's window; it is not linear and has no kernel."""
-
-    name = "HME2"
-    linear = False
-    constrained = True
-    sections = HME2.sections
-
-    def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
-        """Return a new estimator that solves every window with its constraints."""
-        return SCHEME.start(sensors, tuning)
-
-    def stream(
-        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`.
-
-        Each window of the MHE is solved without constraints first. If this solution breaks a
-        constraint, the window is solved again, with constraints, by CasADi.
-        """
-        return SCHEME.stream(sensors, tuning, origin)
 
 
 SCHEME = HME2()

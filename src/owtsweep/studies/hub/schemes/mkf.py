@@ -15,11 +15,13 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.models import axis_filter
 from owtsweep.studies.hub.online.chain import online_chain
 from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
+from owtsweep.studies.hub.schemes.stepwise import Stepwise
 from owtsweep.studies.hub.sections import FilterTuning
 
 
@@ -28,7 +30,10 @@ class FilterEstimator:
 
     def __init__(self, tuning: FilterTuning, sensors: Sensors) -> None:
         self.filter = MultirateKalmanFilter(
-            axis_filter(tuning, sensors), sensors.rotation, tuning.update_rule
+            axis_filter(tuning, sensors),
+            sensors.rotation,
+            tuning.update_rule,
+            make_fix_rule(tuning),
         )
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
@@ -61,6 +66,14 @@ class FilterScheme:
     ) -> OnlineEstimator:
         """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
         return online_chain(self._choose(tuning), sensors, origin=origin)
+
+    def under(self, tuning: Any) -> FilterScheme | Stepwise:
+        """Return the scheme for a tuning: `Stepwise` if fixes lose weight, else `self`."""
+        return (
+            self
+            if self._choose(tuning).fix_rule == "plain"
+            else Stepwise(self, "its fix_rule leaves")
+        )
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:

@@ -11,6 +11,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Innovation
+from owtsweep.studies.hub.fix_rules import FixJudge, FixRule
 from owtsweep.studies.hub.models import POSITION, AxisFilter
 
 _I = np.eye(2)
@@ -35,6 +36,9 @@ class FilterStep(NamedTuple):
 class MultirateKalmanFilter:
     """The multirate Kalman filter on the model Sigma_1 or Sigma_2 of Ren et al. (2019).
 
+    `fix_rule` decides how much a fix counts whose innovation is large; without it, all fixes count
+    alike.
+
     The states are x, y, v_x, v_y, a_x, a_y, b_x, b_y: position, velocity, acceleration and bias.
     In Sigma_1 the IMU is a measurement; yaw enters through the measurement matrix. In Sigma_2 the
     IMU is an input, turned to NED first. Sigma_2 runs on 8 states too: its acceleration is white
@@ -42,9 +46,12 @@ class MultirateKalmanFilter:
     covariance P_0 = I_6 and registers for 9 states, but Sigma_1 has 8 states.
     """
 
-    def __init__(self, axis: AxisFilter, rotation: Array, rule: str) -> None:
+    def __init__(
+        self, axis: AxisFilter, rotation: Array, rule: str, fix_rule: FixRule | None = None
+    ) -> None:
         from filterpy.kalman import KalmanFilter
 
+        self.judge = FixJudge(FixRule() if fix_rule is None else fix_rule)
         self.rule = rule
         self.rotation = rotation
         self.takes_input = not np.any(axis.force_row)
@@ -71,31 +78,36 @@ class MultirateKalmanFilter:
         kf.predict(u=self.previous_input)
         self.previous_input = self.rotation @ force.reshape(2, 1)
         x_predicted, P_predicted = kf.x.copy(), kf.P.copy()
-        innovation = None
+        innovation, variance = None, self.position_variance
         if fix is not None:
-            self.held_fix = np.array(fix, dtype=float)
             S = self.position_rows @ P_predicted @ self.position_rows.T
             S = S + self.position_variance * _I
             innovation = Innovation(fix - x_predicted[:2, 0], S)
+            weight = self.judge.weigh(measure_distance(innovation))
+            if weight > 0.0:
+                self.held_fix = np.array(fix, dtype=float)
+                variance += (1.0 / weight - 1.0) * S[0, 0]  # the innovation's becomes S / weight
+            else:
+                fix = None
         if self.rule == "proper" or fix is not None:
-            self._correct(force, fix)
+            self._correct(force, fix, variance)
         elif self.rule == "every_step":
-            self._correct(force, x_predicted[:2, 0])  # the innovation is zero
+            self._correct(force, x_predicted[:2, 0], variance)  # the innovation is zero
         else:
             self._masked(force)
         return FilterStep(
             kf.x[:, 0].copy(), kf.P.copy(), x_predicted[:, 0], P_predicted, innovation
         )
 
-    def _correct(self, force: Array, fix: Array | None) -> None:
+    def _correct(self, force: Array, fix: Array | None, variance: float) -> None:
         """Correct the state by filterpy (Joseph form), with the IMU sample and the position fix.
 
-        If `fix` is None, only the IMU sample corrects. If the model takes the IMU as an input, only
-        the fix corrects.
+        `variance` is that of the fix, m^2. If `fix` is None, only the IMU sample corrects. If the
+        model takes the IMU as an input, only the fix corrects.
         """
         parts = []
         if fix is not None:
-            parts.append((self.position_rows, fix, self.position_variance))
+            parts.append((self.position_rows, fix, variance))
         if not self.takes_input:
             parts.append((self.force_rows, force, self.force_variance))
         if parts:
@@ -126,3 +138,9 @@ class MultirateKalmanFilter:
         kf.x = kf.x + K @ (z.reshape(-1, 1) - H @ kf.x)
         P = (np.eye(8) - K @ H) @ kf.P
         kf.P = 0.5 * (P + P.T)  # a covariance is symmetric
+
+
+def measure_distance(innovation: Innovation) -> float:
+    """Return the length of an innovation (2,) in its own standard deviations, e' S^-1 e's root."""
+    e, S = innovation
+    return float(np.sqrt(e @ np.linalg.solve(S, e)))

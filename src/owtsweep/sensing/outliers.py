@@ -1,0 +1,56 @@
+"""Draws the outliers of a sensor: samples with a gross error, one by one or in bursts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+
+
+def draw_outliers(
+    begins: np.random.Generator,
+    offsets: np.random.Generator,
+    count: int,
+    *,
+    rate: float,
+    sigma: float,
+    length: int = 1,
+) -> Array:
+    """Draw what outliers add to a sensor's samples on two axes, shape (count, 2).
+
+    The samples of a burst share one offset, as by a reflected signal (multipath). At each sample a
+    burst begins with the same probability; a burst that begins inside another one goes on with its
+    own offset. Samples outside of bursts get zero. With a length of 1, the errors of a sensor with
+    white noise are then those of a contaminated normal distribution (Huber 1964).
+
+    Raising the rate, with the same random streams, keeps the bursts that were there, and adds
+    others. The offsets scale with `sigma`.
+
+    Parameters
+    ----------
+    begins, offsets
+        Random streams: of the moments at which bursts begin (one uniform number per sample), and of
+        the offsets (two normal numbers per sample).
+    rate
+        Share of the samples that are outliers, in the long run.
+    sigma
+        Standard deviation of an offset along each axis, in the unit of the samples.
+    length
+        Number of samples of a burst.
+
+    Raises
+    ------
+    InputError
+        If the rate is not from 0 to 0.5, sigma is negative, or the length is less than 1.
+    """
+    require(0.0 <= rate <= 0.5, f"rate: {rate:g} is not from 0 to 0.5, a share of all samples")
+    require(sigma >= 0.0, f"sigma: {sigma:g} is no standard deviation; give 0 or more")
+    require(length >= 1, f"length: a burst of {length} samples; give 1 or more")
+    # no outlier at a sample: no burst began at this sample, nor at the length - 1 samples before
+    probability = 1.0 - (1.0 - rate) ** (1.0 / length)
+    starts = begins.random(count) < probability
+    drawn = sigma * offsets.standard_normal((count, 2))
+    sample = np.arange(count)
+    last = np.maximum.accumulate(np.where(starts, sample, -length))
+    return np.where((sample - last < length)[:, None], drawn[np.maximum(last, 0)], 0.0)

@@ -1,0 +1,123 @@
+"""How far a scheme trusts a position fix: always, only inside a gate, or less far out (Huber)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import require
+from owtsweep.studies.hub.sections import FilterTuning
+
+#: Values of the key `fix_rule`; the kernels use the index.
+FIX_RULES = ("plain", "gate", "huber")
+#: Sections of the configuration whose filter takes the fixes themselves, so that a gate can judge
+#: them by the filter's covariance.
+GATED = ("ekf", "mkf", "hme1")
+
+
+@dataclass(frozen=True)
+class FixRule:
+    """The rule by which the distance of a fix from its prediction decides on the fix's weight.
+
+    Attributes
+    ----------
+    name
+        One of `FIX_RULES`.
+    limit
+        The distance, in standard deviations, beyond which a fix loses weight. With a gate, the
+        weight beyond is 0; with Huber's rule it is limit / distance (Huber 1964).
+    patience
+        Number of fixes that a gate refuses in a row. Further fixes are taken, whatever their
+        distance, until one lies within the limit: so many outliers in a row are less likely than
+        that the state is wrong.
+    """
+
+    name: str = "plain"
+    limit: float = math.inf
+    patience: int = 0
+
+    def weigh(self, distance: float, beyond: int = 1) -> float:
+        """Return the weight of a fix, from 0 to 1.
+
+        Parameters
+        ----------
+        distance
+            Distance of the fix from its prediction, in standard deviations.
+        beyond
+            How many fixes in a row, with this one, lie beyond the limit.
+        """
+        if self.name == "plain" or distance <= self.limit:
+            return 1.0
+        if self.name == "gate":
+            return 0.0 if beyond <= self.patience else 1.0
+        return self.limit / distance
+
+    def weigh_all(self, distances: Array) -> Array:
+        """Return the weights of several fixes; the shape is that of their distances."""
+        return np.array([self.weigh(float(distance)) for distance in distances])
+
+
+#: All fixes count alike.
+PLAIN = FixRule()
+
+
+class FixJudge:
+    """Weighs fix after fix by a rule, and counts how many in a row lie beyond the rule's limit."""
+
+    def __init__(self, rule: FixRule) -> None:
+        self.rule, self.beyond = rule, 0
+
+    def weigh(self, distance: float) -> float:
+        """Return the weight of the next fix for its distance in standard deviations."""
+        self.beyond = self.beyond + 1 if distance > self.rule.limit else 0
+        return self.rule.weigh(distance, self.beyond)
+
+
+def make_fix_rule(tuning: FilterTuning) -> FixRule:
+    """Return the rule that a filter's tuning asks for.
+
+    The limit of a gate is the quantile of the chi distribution with two degrees of freedom, x and
+    y, at the key `gate_probability`: a fix whose error is as the filter states passes with this
+    probability (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+    """
+    if tuning.fix_rule == "gate":
+        limit = math.sqrt(-2.0 * math.log1p(-tuning.gate_probability))
+        return FixRule("gate", limit, tuning.gate_patience)
+    if tuning.fix_rule == "huber":
+        return FixRule("huber", tuning.huber_limit)
+    return FixRule()
+
+
+def check_fix_rules(config: Any) -> None:
+    """Refuse gates that would judge fixes by a covariance that is no measure for them.
+
+    HME2's is too small. That of some update rules does not grow while the gate refuses fixes, so
+    the gate would not open again once the state has drifted.
+
+    Parameters
+    ----------
+    config
+        The study's configuration, with one tuning.
+
+    Raises
+    ------
+    InputError
+        The message names the first scheme with such a gate.
+    """
+    require(
+        config.hme2.fix_rule != "gate",
+        "hme2.fix_rule: HME2's filter takes each fix several times, by way of the window, so its "
+        "covariance is too small to judge a fix by; use hme2.fix_rule=huber",
+    )
+    for section in GATED:
+        tuning: FilterTuning = getattr(config, section)
+        require(
+            tuning.fix_rule != "gate" or tuning.update_rule in ("proper", "mask_columns"),
+            f"{section}.fix_rule: a gate sticks with {section}.update_rule={tuning.update_rule}, "
+            f"which treats a refused fix as taken; use {section}.update_rule=proper, or "
+            f"{section}.fix_rule=huber",
+        )
