@@ -1,0 +1,97 @@
+"""Makes the models of the candidates among which SKFA chooses, and their gains.
+
+The candidates are those of `motion.tracking`. A fitted shaping filter is kept in the cache folder,
+because there are some hundred.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
+from owtsweep.motion.spectra import translated
+from owtsweep.motion.tracking import VARIANCES, Candidate
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.expected.cache import cached
+from owtsweep.studies.hub.known_motion import find_noise_density
+from owtsweep.studies.hub.sections import Skf
+from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
+from owtsweep.studies.hub.spectral_model import FLOOR
+
+#: Number of states of a candidate's shaping filter. The true spectrum is not known, so a closer fit
+#: to a candidate does not lower the error.
+STATES = 8
+#: Number of neighbouring variances that share a fit: variances matter to it only by the floor.
+SHARED = 3
+
+
+@lru_cache(256)
+def make_candidate(
+    candidate: Candidate,
+    bias_variance: float,
+    tuning: Skf,
+    sensors: Sensors,
+    band: tuple[float, float],
+) -> SpectralAxis:
+    """Make the model of one axis for a candidate.
+
+    Parameters
+    ----------
+    candidate
+        Natural period, bandwidth and variance, as indices.
+    bias_variance
+        Variance of the bias at the start, (m/s^2)^2.
+    tuning
+        The section `skf` of the configuration.
+    sensors
+        The properties of IMU and GNSS.
+    band
+        Edges of the band of the motion, Hz.
+    """
+    shaping = _fit(candidate.period, candidate.bandwidth, candidate.variance // SHARED, sensors, band)
+    return make_axis(shaping, candidate.values[2], bias_variance, tuning, sensors)
+
+
+@lru_cache(96)
+def tune_candidate(axis: SpectralAxis, rows: int) -> TunedAxis:
+    """Compute the gains of a model for at least `rows` steps; 1 MB per 5000 steps."""
+    return tune_axis(axis, rows)
+
+
+@lru_cache(512)
+def _fit(
+    period: int, bandwidth: int, group: int, sensors: Sensors, band: tuple[float, float]
+) -> ShapingFilter:
+    """Fit the shaping filter of a candidate's spectrum, for a group of `SHARED` variances."""
+    middle = min(SHARED * group + SHARED // 2, len(VARIANCES) - 1)
+    natural_period, k, variance = Candidate(period, bandwidth, middle).values
+    frequency = _choose_frequencies(1.0 / natural_period, float(np.sqrt(k)), band)
+    inside = (frequency >= band[0]) & (frequency <= band[1])
+    density = np.where(inside, translated(natural_period, k).density(frequency), 0.0)
+    floor = FLOOR * find_noise_density(sensors, frequency) / variance
+    what = {
+        "what": "shaping filter of a candidate",
+        "spectrum": [natural_period, k, *band],
+        "floor": floor.tolist(),
+        "states": STATES,
+    }
+    fitted = cached(what, lambda: vars(fit_shaping_filter(frequency, density, STATES, floor)))
+    return ShapingFilter(**fitted)  # type: ignore[arg-type]
+
+
+def _choose_frequencies(peak: float, half_bandwidth: float, band: tuple[float, float]) -> Array:
+    """Return frequencies, Hz, (m,): dense at the peak, and reaching beyond the band."""
+    low, high = band
+    around = peak + half_bandwidth * np.sinh(np.linspace(-3.0, 3.0, 81))
+    parts = [
+        np.geomspace(low / 10.0, low, 20),
+        np.linspace(low, high, 121),
+        np.geomspace(high, 4.0 * high, 40),
+        around[(around > low) & (around < high)],
+    ]
+    frequency = np.unique(np.concatenate(parts))
+    # two frequencies that nearly coincide tell nothing more, and have no width
+    return frequency[np.concatenate([[True], np.diff(frequency) > 1e-3 * half_bandwidth])]

@@ -1,0 +1,191 @@
+"""Filters one axis with the model that the motion so far makes likely.
+
+Every ten seconds the tracker looks at the specific force. When it chooses another model, the filter
+of this model starts a minute ago, from its own prior, filters the measurements of that minute again,
+and goes on from there. So no state is handed from one model to another, but for the IMU's bias.
+
+A guard: if the innovations of the fixes of the last minute are larger than a model can explain, the
+model is not taken, or given up for the widest, which assumes next to nothing of the motion.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.tracking import INTERVAL, LEAST, OF_SHAPE, WIDEST, Candidate, SpectrumTracker
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.sections import Skf
+from owtsweep.studies.hub.spectral_axis import SpectralAxis
+from owtsweep.studies.hub.tracked_models import make_candidate
+
+#: Time that a new model filters again, s, and the standard deviation of the bias that it starts
+#: with, m/s^2.
+AGAIN, BIAS_SIGMA = 60.0, 0.02
+#: Probability that a right model passes the guard.
+CONFIDENCE = 0.999
+
+
+class AxisEstimates(NamedTuple):
+    """What a filter makes of the measurements of some steps along one axis.
+
+    Attributes
+    ----------
+    state
+        Position (m) and velocity (m/s), shape (steps, 2).
+    covariance
+        Covariance of the error of `state`, shape (steps, 2, 2).
+    innovation, variance
+        Innovation of the fix, m, and its variance, m^2, shape (steps,) each; NaN without a fix.
+    """
+
+    state: Array
+    covariance: Array
+    innovation: Array
+    variance: Array
+
+
+class AxisFilter(Protocol):
+    """A running filter of one axis, whose first step is a step at which a fix is due."""
+
+    @property
+    def bias(self) -> float:
+        """The estimated bias of the IMU along the axis, m/s^2."""
+        ...
+
+    def take(self, force: Array, fixes: Array) -> AxisEstimates:
+        """Take the measurements of the next steps; return the estimates of these steps.
+
+        `force` is the specific force, m/s^2, and `fixes` are position fixes, m, shape (steps,)
+        each; NaN at steps without a fix.
+        """
+        ...
+
+
+class TrackingFilter:
+    """A filter of one axis that is told nothing of the motion.
+
+    Parameters
+    ----------
+    tuning
+        The section `skf` of the configuration.
+    sensors
+        The properties of IMU and GNSS.
+    band
+        Edges of the band of the motion, Hz.
+    start
+        Returns a new filter of a model, given the model and the bias to start with, m/s^2.
+    """
+
+    def __init__(
+        self,
+        tuning: Skf,
+        sensors: Sensors,
+        band: tuple[float, float],
+        start: Callable[[SpectralAxis, float], AxisFilter],
+    ) -> None:
+        self._tuning, self._sensors, self._band, self._start = tuning, sensors, band, start
+        lean = tuning.find_lean(sensors.lean)
+        self._tracker = SpectrumTracker(sensors.step, sensors.force_sigma, lean, band)
+        between = int(np.ceil(INTERVAL / sensors.fix_step - 1e-9))
+        self._between = between * sensors.fix_interval
+        looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
+        self._again = looks * self._between
+        kept = max(self._again, round(OF_SHAPE / sensors.step))
+        self._history = np.empty((2, kept + self._between))
+        self._steps = self._filled = 0
+        # at the looks of the last minute: the bias; since the looks: squared scaled innovations
+        self._biases = deque([0.0], maxlen=looks + 1)
+        self._scores: deque[Array] = deque(maxlen=looks)
+        self._fresh: list[Array] = []
+        self.model = WIDEST
+        self._filter = start(self._make(WIDEST, tuning.bias_variance), 0.0)
+
+    @property
+    def has_looked(self) -> bool:
+        """Whether the record was long enough for a look at the spectrum."""
+        return self._steps * self._sensors.step >= LEAST
+
+    @property
+    def bias(self) -> float:
+        """The estimated bias of the IMU along the axis, m/s^2."""
+        return self._filter.bias
+
+    def take(self, force: Array, fixes: Array) -> AxisEstimates:
+        """Take the measurements of the next steps; return the estimates of these steps.
+
+        `force` is the specific force, m/s^2, and `fixes` are position fixes, m, shape (steps,)
+        each; NaN at steps without a fix.
+        """
+        parts, done = [], 0
+        while done < len(force):
+            stop = min(done + self._between - self._steps % self._between, len(force))
+            parts.append(self._follow(force[done:stop], fixes[done:stop]))
+            done = stop
+            if self._steps % self._between == 0:
+                self._look()
+        if len(parts) == 1:
+            return parts[0]
+        return AxisEstimates(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+    def _follow(self, force: Array, fixes: Array) -> AxisEstimates:
+        result = self._filter.take(force, fixes)
+        self._history[:, self._filled : self._filled + len(force)] = force, fixes
+        self._filled += len(force)
+        self._steps += len(force)
+        self._fresh.append(_score(result))
+        return result
+
+    def _look(self) -> None:
+        """Look at the spectrum, and change the model if another is likely or this one is wrong."""
+        self._biases.append(self._filter.bias)
+        self._scores.append(np.concatenate(self._fresh))
+        self._fresh = []
+        wanted = self._tracker.look(self._history[0, : self._filled]) or WIDEST
+        if wanted != self.model and not self._change(wanted):
+            wanted = self.model
+        if self.model != WIDEST and _is_contradicted(np.concatenate(self._scores)):
+            self._change(WIDEST)
+        kept = self._history.shape[1] - self._between
+        if self._filled > kept:
+            self._history[:, :kept] = self._history[:, self._filled - kept : self._filled].copy()
+            self._filled = kept
+
+    def _change(self, model: Candidate) -> bool:
+        """Filter the last minute again with another model, and go on with it; False if refused.
+
+        A model is refused if the innovations of that minute contradict it; never the widest.
+        """
+        steps = min(self._again, self._steps)
+        is_whole = steps == self._steps  # back to the record's first step
+        bias = 0.0 if is_whole else self._biases[0]
+        variance = self._tuning.bias_variance if is_whole else BIAS_SIGMA**2
+        filter = self._start(self._make(model, variance), bias)
+        scores = _score(filter.take(*self._history[:, self._filled - steps : self._filled]))
+        if model != WIDEST and _is_contradicted(scores):
+            return False
+        self.model, self._filter = model, filter
+        self._scores.clear()
+        self._scores.append(scores)
+        return True
+
+    def _make(self, model: Candidate, bias_variance: float) -> SpectralAxis:
+        return make_candidate(model, bias_variance, self._tuning, self._sensors, self._band)
+
+
+def _score(estimates: AxisEstimates) -> Array:
+    """Return the squares of the innovations divided by their variances, shape (fixes,)."""
+    there = estimates.innovation == estimates.innovation  # not NaN
+    return np.asarray(estimates.innovation[there] ** 2 / estimates.variance[there])
+
+
+def _is_contradicted(scores: Array) -> bool:
+    """Return whether the sum of squared scaled innovations is too large to be chance."""
+    from scipy.special import chdtri
+
+    count = len(scores)
+    return bool(count and np.sum(scores) > chdtri(count, 1.0 - CONFIDENCE))
