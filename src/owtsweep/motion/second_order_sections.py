@@ -52,21 +52,24 @@ class Sections:
         slowest, fastest = 2.0 * np.pi * self.frequency[[0, -1]]
         least, greatest = np.empty((2, 2 * self.poles - 2, 2))
         least[:, 0], greatest[:, :] = slowest, fastest
-        least[: self.poles, 1] = np.pi * self.width.max()
+        least[: self.poles, 1] = np.pi * self.width.min()
         least[self.poles :, 1] = LEAST_DECAY
         return np.log(np.append(least, 1e-2 * slowest)), np.log(np.append(greatest, fastest))
 
     def density(self, free: Array) -> Array:
         """Compute the density, shape (m,), scaled so that its integral is 1."""
         omega2 = (2.0 * np.pi * self.frequency) ** 2
-        logarithm = np.log(omega2 + np.exp(2.0 * free[-1]))
+        density = omega2 + np.exp(2.0 * free[-1])
         for sign, w, d in self._factors(free):
-            logarithm += sign * np.log((w**2 + d**2 - omega2) ** 2 + 4.0 * d**2 * omega2)
-        density = np.exp(logarithm - logarithm.max())
+            size = (w**2 + d**2 - omega2) ** 2 + 4.0 * d**2 * omega2
+            density = density / size if sign < 0.0 else density * size
         return np.asarray(density / np.sum(density * self.width))
 
-    def slopes(self, free: Array) -> Array:
-        """Compute the derivatives of `density` by the free numbers, shape (free numbers, m)."""
+    def slopes(self, free: Array, density: Array) -> Array:
+        """Compute the derivatives of the density by the free numbers, shape (free numbers, m).
+
+        `density` is what the method of this name returns for the free numbers.
+        """
         omega2 = (2.0 * np.pi * self.frequency) ** 2
         rows = []
         for sign, w, d in self._factors(free):
@@ -74,7 +77,7 @@ class Sections:
             factor = sign / (away**2 + damped)
             rows += [factor * 4.0 * away * w**2, factor * (4.0 * away * d**2 + 2.0 * damped)]
         rows.append(2.0 / (1.0 + omega2 * np.exp(-2.0 * free[-1])))
-        logarithmic, density = np.array(rows), self.density(free)
+        logarithmic = np.array(rows)
         means = logarithmic @ (density * self.width)  # the scaling keeps the integral at 1
         return np.asarray(density * (logarithmic - means[:, None]))
 

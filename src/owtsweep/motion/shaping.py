@@ -113,7 +113,7 @@ def fit_shaping_filter(
         fitted = sections.density(free)
         log_ratio = np.log(target / (fitted + floor))
         of_fitted = -np.sqrt(width) * _slope_of_root(log_ratio) / (fitted + floor)
-        return np.asarray((sections.slopes(free) * of_fitted).T)
+        return np.asarray((sections.slopes(free, fitted) * of_fitted).T)
 
     best = None
     for start in sections.list_starts(density, floor):

@@ -7,7 +7,7 @@ x or y. A group is eight lanes, which kernels run at once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,21 @@ class Sums(NamedTuple):
     covariances: NDArray[np.int64]
     innovations: NDArray[np.int64]
     squared: Array
+
+
+class OwnKernel(Protocol):
+    """A scheme in a form for the batch engine that is no `Chain`: it runs itself."""
+
+    def sum_errors(
+        self, records: Records, settled: int, amplitude: float, *, keep_squared: bool = False
+    ) -> Sums:
+        """Run all replicates of some records, motion plus noise; sum the squared errors.
+
+        `settled` is the number of the first step after the settling time, `amplitude` that of the
+        motion in m. With `keep_squared`, the squared position error of each step is kept. The sums
+        are those of `sum_errors` with an amplitude.
+        """
+        ...
 
 
 def sum_errors(

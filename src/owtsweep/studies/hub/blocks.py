@@ -17,7 +17,7 @@ import pandas as pd
 from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
-from owtsweep.studies.hub.batch import Sums, sum_errors
+from owtsweep.studies.hub.batch import OwnKernel, Sums, sum_errors
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.conditions import list_condition_names
 from owtsweep.studies.hub.config import HubConfig
@@ -39,7 +39,17 @@ def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
 
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels."""
+    return runs_chain(config, scheme) or runs_itself(config, scheme)
+
+
+def runs_chain(config: HubConfig, scheme: Scheme) -> bool:
+    """Return whether a scheme runs as a `Chain`, beside other chains."""
     return config.engine == "batch" and hasattr(scheme, "kernel")
+
+
+def runs_itself(config: HubConfig, scheme: Scheme) -> bool:
+    """Return whether a scheme runs by a compiled kernel of its own, an `OwnKernel`."""
+    return config.engine == "batch" and hasattr(scheme, "own_kernel")
 
 
 def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
@@ -78,13 +88,17 @@ def _run_one_tuning(
     ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):
         scheme, amplitude = schemes[block.content["scheme"]], block.content.get("amplitude")
-        if uses_kernels(config, scheme):
+        if hasattr(scheme, "told"):
+            scheme = scheme.told(config, records.conditions["natural_period"], amplitude)
+        if runs_itself(config, scheme):
+            rows = _by_own_kernel(config, scheme, records, block.content["amplitude"])
+        elif runs_chain(config, scheme):
             if number not in ready:
                 together = {
                     later: schemes[other.content["scheme"]]
                     for later, other in enumerate(blocks[number:], number)
                     if other.content.get("amplitude") == amplitude
-                    and uses_kernels(config, schemes[other.content["scheme"]])
+                    and runs_chain(config, schemes[other.content["scheme"]])
                 }
                 ready.update(_by_kernels(config, together, records, amplitude))
             result = ready.pop(number)
@@ -181,6 +195,17 @@ def _run_chains(
         for number, of_scheme in zip(chains, sums, strict=True)
     ]
     return dict(zip(chains, _frames(tables), strict=True))
+
+
+def _by_own_kernel(
+    config: HubConfig, scheme: Any, records: Records, amplitude: float
+) -> pd.DataFrame:
+    """Run a scheme by a kernel of its own at an amplitude (m); return the rows."""
+    kernel: OwnKernel = scheme.own_kernel(records.sensors, config, records.steps)
+    keep = config.measures.extremes
+    sums = kernel.sum_errors(records, _settled(config, records), amplitude, keep_squared=keep)
+    (rows,) = _frames([_from_sums(sums, scheme.name, records, amplitude)])
+    return rows
 
 
 def _chains(

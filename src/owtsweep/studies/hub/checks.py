@@ -14,7 +14,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.plant import check_plant, is_plant
+from owtsweep.studies.hub.plant import check_plant, is_plant, require_spectrum
 from owtsweep.studies.hub.schemes import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import (
     check_buffers,
@@ -58,6 +58,8 @@ def check(config: HubConfig) -> None:
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
         _check_mhe(config, config.hme.mhe)
+    if any(scheme.name == "SKF" for scheme in schemes):
+        _check_skf(config)
     _check_tune(config)
     if config.engine == "expected":
         _check_expected(config, schemes)
@@ -66,6 +68,22 @@ def check(config: HubConfig) -> None:
             config.evaluation == "direct",
             "measures.extremes: largest errors do not superpose; add evaluation=direct",
         )
+
+
+def _check_skf(config: HubConfig) -> None:
+    """Raise InputError for settings with which SKF cannot work."""
+    require_spectrum(config, "SKF")
+    states = config.skf.states
+    require(
+        states % 2 == 0,
+        f"skf.states: {states} is odd, and the states of a shaping filter come in pairs; use "
+        f"{states - 1} or {states + 1}",
+    )
+    require(
+        config.engine != "expected",
+        "schemes: engine=expected shares one run among all amplitudes, and SKF has other gains at "
+        "each; use engine=batch, or leave SKF out",
+    )
 
 
 def _check_tune(config: HubConfig) -> None:

@@ -21,6 +21,7 @@ from owtsweep.studies.hub.sections import (
     MotionConfig,
     Record,
     SensorConfig,
+    Skf,
     SpectrumConfig,
     Tuning,
 )
@@ -96,6 +97,11 @@ class HubConfig(Config):
     hme1: FilterTuning = key("the filter of HME1", default=_ABSENT)
     hme2: FilterTuning = key("the filter of HME2", default=_ABSENT)
     hme: Hme = key("smoother of HME1 and HME2, MHE of HME2", default=_ABSENT)
+    skf: Skf = key(
+        "SKF, which knows the spectrum of the motion; on request, schemes=[...,SKF]",
+        default=Skf(),
+        younger=True,
+    )
     measures: Measures = key("what is measured, and what the map judges")
     tune: Tune = key("what the command `tune` searches", default=Tune(), younger=True)
 

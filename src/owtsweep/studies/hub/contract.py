@@ -108,6 +108,12 @@ class Scheme(Protocol):
 
     A scheme may also have the method `kernel(sensors, tuning, steps)`, for the batch engine. This
     method returns the scheme as an `owtsweep.studies.hub.chain.Chain` for records of `steps` steps.
+    A scheme that is no chain may have the method `own_kernel` with these arguments instead, which
+    returns an `owtsweep.studies.hub.batch.OwnKernel`.
+
+    A scheme that must know the motion may have the method `told(tuning, natural_period,
+    amplitude)`, which returns the scheme with the knowledge of that motion (s and m). A sweep calls
+    this method before it runs the scheme in a cell. Such a scheme is run at each amplitude.
 
     Attributes
     ----------

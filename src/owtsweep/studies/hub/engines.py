@@ -136,7 +136,7 @@ class RecordsEngine(_Engine):
         """Compile the kernels that the study uses, in up to `workers` processes side by side."""
         from owtsweep.studies.hub.compiling import compile_kernels
 
-        schemes = [s for s in resolve_all(config.schemes, config) if blocks.uses_kernels(config, s)]
+        schemes = [s for s in resolve_all(config.schemes, config) if blocks.runs_chain(config, s)]
         superposed = {planning.superposes(config, scheme) for scheme in schemes}
         uses = sorted("superposed" if each else "direct" for each in superposed)
         if uses:

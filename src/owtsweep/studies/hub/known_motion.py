@@ -17,9 +17,10 @@ from owtsweep.studies.hub.expected.peak import peak_factors
 from owtsweep.studies.hub.plant import require_spectrum
 
 #: Greatest distance of two frequencies, Hz, and the greatest as a share of the half-bandwidth.
-SPACING, SHARE_OF_PEAK = 1e-3, 0.125
-#: Frequencies reach from 0 to this multiple of the band's upper edge.
-REACH = 4.0
+SPACING, SHARE_OF_PEAK = 2e-3, 0.125
+#: Frequencies reach from 0 to this multiple of the band's upper edge. A spectrum that rolls off
+#: falls faster from there on, with f^-8, and its frequencies reach further.
+REACH, REACH_OF_ROLL_OFF = 4.0, 60.0
 
 
 @dataclass(frozen=True)
@@ -63,16 +64,14 @@ def find_known_motion(
     natural_period, amplitude
         Natural period of the turbine, s, and amplitude of the motion, m.
     roll_off
-        False: the spectrum is zero outside the configuration's band, as in records. True: outside
-        the band the spectrum falls with f^4 towards 0 and with f^-4 upwards.
+        As of `find_spectrum`.
 
     Raises
     ------
     InputError
-        If the motion is that of a plant, or the printed spectrum lacks the natural period.
+        As `find_spectrum`.
     """
-    require_spectrum(config, "what is known of the motion")
-    frequency, density = _find_density(config, natural_period, roll_off)
+    frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
     share = 1.0
     if config.normalise == "peak":
         share = float(peak_factors(config, [natural_period])[0])
@@ -82,18 +81,37 @@ def find_known_motion(
     return KnownMotion(frequency, density, variance)
 
 
-def _find_density(config: HubConfig, natural_period: float, roll_off: bool) -> tuple[Array, Array]:
-    """Return frequencies (Hz) and the density with an integral of 1 (Hz^-1), shape (m,) each."""
+def find_spectrum(
+    config: HubConfig, natural_period: float, *, roll_off: bool = False
+) -> tuple[Array, Array]:
+    """Return the frequencies (Hz) and the density (Hz^-1) of `KnownMotion`, shape (m,) each.
+
+    Parameters
+    ----------
+    natural_period
+        Natural period of the turbine, s.
+    roll_off
+        False: the spectrum is zero outside the configuration's band, as in records. True: outside
+        the band the spectrum falls with f^4 towards 0 and with f^-4 upwards. Far above the band it
+        falls with f^-8: with f^-4 for ever, the acceleration would have no finite variance.
+
+    Raises
+    ------
+    InputError
+        If the motion is that of a plant, or the printed spectrum lacks the natural period.
+    """
+    require_spectrum(config, "what is known of the motion")
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
     first, last = config.band
     half_bandwidth = np.sqrt(shape.peak_frequency * shape.peak_margin)
     spacing = min(SPACING, SHARE_OF_PEAK * half_bandwidth, (last - first) / 32.0)
-    edges = spacing * np.arange(np.ceil(REACH * last / spacing) + 1)
+    reach = (REACH_OF_ROLL_OFF if roll_off else REACH) * last
+    edges = spacing * np.arange(np.ceil(reach / spacing) + 1)
     frequency = 0.5 * (edges[1:] + edges[:-1])
     if roll_off:
         inside = np.clip(frequency, first, last)
         factor = np.minimum(frequency / inside, inside / frequency) ** 4
-        density = shape.density(inside) * factor
+        density = shape.density(inside) * factor / (1.0 + (frequency / (REACH * last)) ** 4)
     else:
         covered = np.clip(edges, first, last)
         density = shape.density(frequency) * np.diff(covered) / spacing

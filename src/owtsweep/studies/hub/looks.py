@@ -1,4 +1,4 @@
-"""The colours, markers and lines of the schemes of Ren et al. (2019), and of the baselines."""
+"""The colours, markers and lines of the package's schemes and baselines."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ LOOKS = {
     "MKF": SchemeStyle("#009E73", "D", (0, (4, 2))),
     "HME1": SchemeStyle("#0072B2", "o", "-"),
     "HME2": SchemeStyle("#E69F00", "^", (0, (6, 1, 1, 1))),
+    "SKF": SchemeStyle("#B3261E", "p", "-"),
     # the baselines: pale, and of one hue that no scheme has
     "NONE": SchemeStyle("#D3CCE3", "*", "-"),
     "HOLD": SchemeStyle("#B8AED0", "d", (0, (4, 2))),

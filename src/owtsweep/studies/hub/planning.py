@@ -28,9 +28,9 @@ def plan(config: HubConfig) -> list[Block]:
 
     There is one block per natural period, set of up to eight replicates, and scheme. A block covers
     all amplitudes if the scheme runs motion and noise separately (evaluation=superposed and a
-    linear scheme). Otherwise there is one block per amplitude. With motion=plant, there is one
-    block per combination of the plant's conditions, set of replicates and scheme; its amplitude is
-    1, the motion as it is.
+    linear scheme that is not told the amplitude). Otherwise there is one block per amplitude. With
+    motion=plant, there is one block per combination of the plant's conditions, set of replicates
+    and scheme; its amplitude is 1, the motion as it is.
     """
     shared = shared_content(config)
     entries = list_entries(config)
@@ -75,8 +75,13 @@ def _amplitudes(config: HubConfig, scheme: Scheme) -> Sequence[float | None]:
 
 
 def superposes(config: HubConfig, scheme: Scheme) -> bool:
-    """Return whether the scheme runs once for all amplitudes, motion and noise apart."""
-    return config.evaluation == "superposed" and scheme.linear
+    """Return whether the scheme runs once for all amplitudes, motion and noise apart.
+
+    A scheme that is told the amplitude does not, for it has other gains at each; nor does a scheme
+    with a kernel of its own.
+    """
+    alone = hasattr(scheme, "told") or hasattr(scheme, "own_kernel")
+    return config.evaluation == "superposed" and scheme.linear and not alone
 
 
 def shared_content(config: HubConfig) -> dict[str, Any]:

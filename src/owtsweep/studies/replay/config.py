@@ -151,6 +151,11 @@ class ReplayConfig(HubConfig):
         )
         super().check()
         require(
+            "SKF" not in self.schemes or None not in (self.skf.natural_period, self.skf.amplitude),
+            "skf.natural_period, skf.amplitude: SKF must be told the motion of the record; give "
+            "the period of its peak and its amplitude, or leave SKF out of schemes",
+        )
+        require(
             not self.baselines,
             "baselines: a replay always judges NONE, HOLD and DELTA; leave the key out, or name "
             "them in schemes to see their estimates too",

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from owtsweep.studies.hub.online.estimator import OnlineEstimator
+    from owtsweep.studies.hub.online.spectral import OnlineSpectral
 
 
 #: The sensors and the tuning of an estimator whose user names none.
@@ -19,13 +20,14 @@ DEFAULTS = ("tuning=matched", "sensors=strong_bias")
 
 def online(
     scheme: str, overrides: Sequence[str] = (), *, origin: ArrayLike | None = None
-) -> OnlineEstimator:
+) -> OnlineEstimator | OnlineSpectral:
     """Make an estimator that runs on board: each IMU sample gives one estimate.
 
     Parameters
     ----------
     scheme
-        EKF, MKF, HME1 or HME2.
+        EKF, MKF, HME1, HME2 or SKF. SKF must be told the motion and the origin: see the keys of
+        the section `skf`.
     overrides
         The sensors and the tuning, as on the command line, e.g. `["tuning=paper",
         "sensors.gnss.delay=0.3"]`. Without an override, the tuning is `matched`.
@@ -36,7 +38,7 @@ def online(
 
     Returns
     -------
-    OnlineEstimator
+    OnlineEstimator, OnlineSpectral
         Has the method `update(specific_force, position=None) -> Estimate`. Position fixes may be
         missing: gains and covariances follow the fixes that arrived. On a machine, the first
         estimator takes some 15 s to make, in which its kernels are compiled.
@@ -54,7 +56,7 @@ def online(
 
     registered: Any = resolve(scheme)
     if not hasattr(registered, "stream"):
-        raise InputError(f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1 or HME2")
+        raise InputError(f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1, HME2 or SKF")
     if not isinstance(overrides, str):  # a string is refused below
         given = {override.partition("=")[0] for override in overrides}
         ours = [word for word in DEFAULTS if word.partition("=")[0] not in given]
@@ -63,6 +65,9 @@ def online(
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
     compute = config.compute
-    compile_kernels("online", vectors=compute.vectors, cores=compute.workers)
-    estimator: OnlineEstimator = registered.stream(sensors(config.sensors), config, origin=origin)
+    if hasattr(registered, "kernel"):  # a chain; SKF has kernels of its own, two small ones
+        compile_kernels("online", vectors=compute.vectors, cores=compute.workers)
+    estimator: OnlineEstimator | OnlineSpectral = registered.stream(
+        sensors(config.sensors), config, origin=origin
+    )
     return estimator

@@ -19,6 +19,7 @@ REGISTERED = {
     "MKF": "multirate Kalman filter on the undelayed IMU",
     "HME1": "delayed MKF, online smoother, predictor",
     "HME2": "HME1 fed by a moving horizon estimator",
+    "SKF": "Kalman filter that is told the spectrum and the amplitude of the motion",
 }
 #: Name -> description of the baselines. They are schemes too, with modules of their own.
 BASELINES = {
@@ -28,7 +29,7 @@ BASELINES = {
 }
 
 #: Attributes and methods that a scheme may have besides name, linear and start.
-OPTIONAL = ("under", "kernel", "stream", "sections", "constrained")
+OPTIONAL = ("under", "told", "kernel", "own_kernel", "stream", "sections", "constrained")
 
 
 def resolve(entry: Any) -> Scheme:

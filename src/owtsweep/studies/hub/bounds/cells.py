@@ -1,0 +1,118 @@
+"""Computes the bounds of the mean square error in each cell of natural period and amplitude.
+
+Bound (a) holds for estimators that assume nothing about the motion (`tuning.bound`). Bound (b)
+holds for all linear estimators: even for those that know the motion's spectrum and its variances
+along x and y, but not its direction. Both are those of the steady state, in real time: the delay of
+the fixes is included, and no later measurement is used. They need no records.
+
+The efficiency of a scheme is the bound divided by the scheme's error. Against (b) it cannot exceed
+1 but by chance or because the records of a run are not in the steady state. Against (a) it can: a
+scheme whose gains are small shrinks its estimate towards zero, which assumes that the motion is
+small. Where the motion is small, such a scheme gains more by following less of the noise than it
+loses by following less of the motion.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING
+
+from owtsweep.errors import InputError
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
+from owtsweep.studies.hub.bounds.shape import find_shape
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.known_motion import find_known_motion
+from owtsweep.studies.hub.tuning.bound import kalman_bounds
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: The measures that have bounds.
+BOUNDED = ("position", "velocity")
+#: The time window whose errors are compared with bounds: bounds hold in the steady state.
+WINDOW = "settled"
+
+
+def find_bounds(
+    config: HubConfig,
+    natural_period: float,
+    amplitude: float,
+    *,
+    roll_off: bool = False,
+    direction_known: bool = False,
+) -> dict[str, float]:
+    """Compute bound (b) of one cell: measure -> mean square error, x + y, in m^2 and (m/s)^2.
+
+    Parameters
+    ----------
+    natural_period, amplitude
+        Natural period (s) and amplitude (m) of the motion.
+    roll_off
+        Whether the spectrum rolls off outside the band, where the study's is zero (`find_spectrum`
+        says how).
+    direction_known
+        Whether the estimator knows the direction of the motion too; then there is no error across.
+
+    Raises
+    ------
+    InputError
+        As `find_spectrum`, or if the IMU is AC-coupled.
+    """
+    if config.sensors.imu.high_pass is not None:
+        raise InputError(
+            "sensors.imu.high_pass: bound (b) leaves out an AC coupling of the IMU; use "
+            "sensors.imu.high_pass=null"
+        )
+    sensors = sensing.sensors(config.sensors)
+    shape = find_shape(config, natural_period, roll_off=roll_off)
+    known = find_known_motion(config, natural_period, amplitude, roll_off=roll_off)
+    variances = [known.variance.sum()] if direction_known else known.variance
+    axes = [bound_of_known_spectrum(shape, variance, sensors) for variance in variances if variance]
+    return dict(zip(BOUNDED, map(sum, zip(*axes, strict=True)), strict=True))
+
+
+def compute_bounds(config: HubConfig) -> pd.DataFrame:
+    """Compute both bounds of each cell of the configuration's grid.
+
+    Returns
+    -------
+    DataFrame
+        One row per cell and measure, with the columns natural_period (s), amplitude (m), measure,
+        bound_a and bound_b (m^2 or (m/s)^2).
+
+    Raises
+    ------
+    InputError
+        As `find_bounds`.
+    """
+    import pandas as pd
+
+    assumed_nothing = kalman_bounds(config)
+    rows = []
+    for period, amplitude in product(
+        sorted(config.grid.natural_period), sorted(config.grid.amplitude)
+    ):
+        for measure, bound in find_bounds(config, period, amplitude).items():
+            rows.append((period, amplitude, measure, assumed_nothing[measure], bound))
+    return pd.DataFrame(
+        rows, columns=["natural_period", "amplitude", "measure", "bound_a", "bound_b"]
+    )
+
+
+def add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
+    """Return a table summary with the columns efficiency_a and efficiency_b at the end.
+
+    They are the bounds divided by the mean. They are NaN outside the window "settled", and for
+    measures other than position and velocity.
+    """
+    import pandas as pd
+
+    keys = ["natural_period", "amplitude", "measure"]
+    bounds = compute_bounds(config).set_index(keys)
+    settled = summary["mean"].where(summary["window"] == WINDOW)
+    bounds = bounds.reindex(pd.MultiIndex.from_frame(summary[keys]))
+    return summary.assign(
+        efficiency_a=bounds["bound_a"].to_numpy() / settled,
+        efficiency_b=bounds["bound_b"].to_numpy() / settled,
+    )

@@ -1,0 +1,166 @@
+"""Runs SKF as on board: one compiled call per IMU sample, gains for the fixes that arrived."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.online.coordinates import check_origin
+from owtsweep.studies.hub.spectral_axis import SpectralAxis
+
+
+class OnlineSpectral:
+    """A running SKF: `update` takes one IMU sample, `run_record` takes many samples.
+
+    Any position fix may be missing, but fixes come only at multiples of the fix interval, because
+    the filter copies the positions that the fixes will report.
+
+    Parameters
+    ----------
+    axes
+        The models along x and y.
+    sensors
+        The properties of the IMU and the GNSS.
+    origin
+        The position of the hub at rest, x and y in m, in the coordinates of the fixes. The motion
+        of known spectrum is about this point, so one fix cannot tell it.
+
+    Raises
+    ------
+    InputError
+        If the origin is not two finite numbers.
+    """
+
+    def __init__(
+        self, axes: tuple[SpectralAxis, SpectralAxis], sensors: Sensors, origin: ArrayLike | None
+    ) -> None:
+        point = check_origin(origin)
+        require(
+            point is not None,
+            "origin: SKF must be told where the hub is at rest, and one fix does not tell it; give "
+            "x and y in m, e.g. origin=(0, 0)",
+        )
+        self._origin: Array = np.asarray(point)
+        self._sensors, self._axes = sensors, axes
+        sizes = [len(axis.first) for axis in axes]
+        self._registers = [
+            (np.zeros(N), axis.first.copy(), np.empty(N))
+            for N, axis in zip(sizes, axes, strict=True)
+        ]
+        self._step = 0
+        self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
+
+    @property
+    def origin(self) -> Array:
+        """The position of the hub at rest, m, shape (2,)."""
+        return self._origin.copy()
+
+    @property
+    def step(self) -> float:
+        """The IMU's sampling interval, s."""
+        return self._sensors.step
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
+
+        Parameters
+        ----------
+        specific_force
+            Specific force in the IMU's frame, m/s^2, shape (2,).
+        position
+            The fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS. None
+            (or two NaN) if there is no fix.
+
+        Returns
+        -------
+        Estimate
+            Position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and the
+            innovation of the fix; None in place of an innovation without a fix.
+
+        Raises
+        ------
+        ValueError
+            If a sample is not two finite numbers, or a fix comes at a step that is no multiple of
+            the fix interval. The estimator is left unchanged.
+        """
+        for name, value in (("specific_force", specific_force), ("position", position)):
+            if value is not None and np.shape(value) != (2,):
+                raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")
+        self._force[0] = specific_force
+        self._fix[0] = np.nan if position is None else position
+        state, covariance, residual, variance = self._run(self._force, self._fix)
+        innovation = None
+        if residual[0, 0] == residual[0, 0]:  # not NaN
+            innovation = Innovation(residual[0], variance[0])
+        return Estimate(state[0, :2], state[0, 2:], covariance[0], innovation)
+
+    def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
+        """Take many IMU samples at once; the result is as if `update` took sample after sample.
+
+        Parameters
+        ----------
+        specific_force, positions
+            Specific force (m/s^2, IMU's frame) and position fixes (m, NED), shape (steps, 2) each.
+            Both components of a position are NaN at steps without a fix.
+
+        Raises
+        ------
+        ValueError
+            If the shapes are wrong, a number is infinite, a specific force is NaN, only one
+            component of a fix is NaN, or a fix comes at a step that is no multiple of the fix
+            interval. The estimator is left unchanged.
+        """
+        return Trajectory(*self._run(specific_force, positions))
+
+    def _run(self, specific_force: Array, positions: Array) -> tuple[Array, Array, Array, Array]:
+        """Process samples; return the four arrays of a `Trajectory`."""
+        from owtsweep.studies.hub.kernels.spectral_online import take_samples
+
+        force = np.asarray(specific_force, dtype=float)
+        fixes = np.asarray(positions, dtype=float)
+        self._check(force, fixes)
+        samples = force @ self._sensors.rotation.T, fixes - self._origin
+        steps = len(force)
+        state, innovation = np.empty((steps, 4)), np.empty((steps, 2))
+        covariance, of_innovation = np.zeros((steps, 4, 4)), np.zeros((steps, 2, 2))
+        variances = np.empty((steps, 2))
+        for axis, (one, register) in enumerate(zip(self._axes, self._registers, strict=True)):
+            block = np.empty((steps, 2, 2))
+            filled = (state, block, innovation, variances)
+            take_samples(self._step, axis, samples, one.model, one.outputs, register, filled)
+            covariance[:, axis::2, axis::2] = block
+            of_innovation[:, axis, axis] = variances[:, axis]
+        self._step += steps
+        state[:, :2] += self._origin
+        return state, covariance, innovation, of_innovation
+
+    def _check(self, force: Array, fixes: Array) -> None:
+        if force.ndim != 2 or force.shape[1] != 2 or force.shape != fixes.shape:
+            raise ValueError(
+                f"specific_force, positions: their shapes are {force.shape} and {fixes.shape}; "
+                "give both the shape (steps, 2)"
+            )
+        if not np.isfinite(force).all():
+            step = self._step + int(np.argmax(~np.isfinite(force).all(axis=1)))
+            raise ValueError(
+                f"specific_force: it is not finite at step {step}; give two finite numbers"
+            )
+        there = fixes == fixes  # not NaN
+        if not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(fixes).any():
+            raise ValueError(
+                "position: a fix has a component that is missing or infinite; give both components "
+                "as finite numbers, or leave the fix out"
+            )
+        at = self._step + np.flatnonzero(there[:, 0])
+        interval = self._sensors.fix_interval
+        off = at[at % interval != 0]
+        if len(off):
+            raise ValueError(
+                f"position: a fix came at step {off[0]}, but SKF takes fixes only at multiples of "
+                f"{interval} IMU steps; give the fix at the next multiple, or leave the fix out"
+            )

@@ -1,0 +1,69 @@
+"""Makes the models and gains of SKF along x and y from what is known of the motion."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from hashlib import blake2b
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.expected.cache import cached
+from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
+from owtsweep.studies.hub.sections import Skf
+from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
+
+#: Least share of an axis in the variance of the motion. An axis without any motion would have a
+#: covariance of zero, which cannot be inverted; so little is far below the error of an estimate.
+LEAST_SHARE = 1e-6
+#: Density at which the fit of the shaping filter still matters, as a share of what the sensors'
+#: noise has as a position: the filter sees more than a single sample does. With a tenth, what SKF
+#: states of its error is nearest to the truth.
+FLOOR = 0.1
+#: Most pairs of gains that are kept. The gains along x and y take 80 MB for records of 2000 s.
+KEPT = 4
+_TUNED: OrderedDict[Any, tuple[TunedAxis, TunedAxis]] = OrderedDict()
+_LOCK = Lock()
+
+
+def make_axes(
+    known: KnownMotion, tuning: Skf, sensors: Sensors
+) -> tuple[SpectralAxis, SpectralAxis]:
+    """Make the models along x and y: one shaping filter, and the variance of each axis.
+
+    The shaping filter is fitted where the motion's density is above what the sensors' noise has as
+    a position. The floor is that of the axis with the larger variance.
+    """
+    variance = np.maximum(known.variance, LEAST_SHARE * np.sum(known.variance))
+    floor = FLOOR * find_noise_density(sensors, known.frequency) / np.max(variance)
+    given = (known.frequency, known.density, floor)
+    what = {
+        "what": "shaping filter",
+        "states": tuning.states,
+        "spectrum": blake2b(b"".join(array.tobytes() for array in given)).hexdigest(),
+    }
+    fitted = cached(what, lambda: vars(fit_shaping_filter(*given[:2], tuning.states, floor)))
+    shaping = ShapingFilter(**fitted)  # type: ignore[arg-type]
+    x, y = (make_axis(shaping, float(one), tuning, sensors) for one in variance)
+    return x, y
+
+
+def tune_axes(
+    known: KnownMotion, tuning: Skf, sensors: Sensors, steps: int
+) -> tuple[TunedAxis, TunedAxis]:
+    """Make the models along x and y with their gains, for records of up to `steps` IMU steps."""
+    told = (known.frequency, known.density, known.variance)
+    what = (*(array.tobytes() for array in told), repr(tuning), sensors, steps)
+    with _LOCK:
+        axes = _TUNED.get(what)
+    if axes is None:
+        x, y = make_axes(known, tuning, sensors)
+        axes = tune_axis(x, steps), tune_axis(y, steps)
+        with _LOCK:
+            _TUNED[what] = axes
+            while len(_TUNED) > KEPT:
+                _TUNED.popitem(last=False)
+    return axes

@@ -1,0 +1,156 @@
+"""The filter whose slow measurement reports the past: gains, estimates and expected errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.linalg import block_diag, solve_continuous_lyapunov
+
+from dense import Measurement, posterior
+from owtsweep.errors import InputError
+from owtsweep.estimation.discretisation import Discrete, Model, discretise
+from owtsweep.estimation.late_errors import find_motion_errors, find_noise_errors
+from owtsweep.estimation.late_gains import LateGains, schedule_late
+from owtsweep.estimation.late_model import LateModel, find_first_covariance
+
+Array = NDArray[np.float64]
+
+STEP, BIAS = 0.1, 0.25
+OUTPUTS = np.array([[1.0, 0.0, 0.3, 0.0], [0.0, 1.5, 0.0, 0.6]])
+SYSTEM = block_diag([[-0.2, 1.5], [-1.5, -0.2]], [[-0.3, 2.0], [-2.0, -0.3]])
+INTENSITY = np.outer([0.0, 1.0, 0.0, 0.5], [0.0, 1.0, 0.0, 0.5])
+STATIONARY = solve_continuous_lyapunov(SYSTEM, -INTENSITY)
+#: Interval between slow measurements, and their delay: none, short, one interval, several.
+PATTERNS = [(5, 0), (5, 3), (5, 5), (4, 10)]
+
+
+def make(interval: int, delay: int, walk: float = 1e-3) -> LateModel:
+    discrete = discretise(Model(SYSTEM, np.zeros((4, 1)), INTENSITY), STEP)
+    blocks = np.array([discrete.A[i : i + 2, i : i + 2] for i in (0, 2)])
+    fast = np.array([-2.0, 0.5, 0.0, -1.0])
+    return LateModel(
+        blocks, discrete.Q, walk, fast, OUTPUTS[0], 0.04, 0.01, interval, delay,
+        -(-delay // interval),
+    )  # fmt: skip
+
+
+def tune(model: LateModel, steps: int) -> LateGains:
+    return schedule_late(model, find_first_covariance(model, STATIONARY, BIAS), OUTPUTS, steps)
+
+
+def run(model: LateModel, gains: LateGains, fast: Array, slow: Array) -> Array:
+    """Outputs (steps, 2, series) for fast (steps, series) and slow (fixes, series).
+
+    Past outputs stand in a table by their step, not in a state that is moved on.
+    """
+    M, series = model.interval, fast.shape[1]
+    x, bias = np.zeros((4, series)), np.zeros(series)
+    past = {k: np.zeros(series) for k in range(-model.delay, 0)}
+    A, result = block_diag(*model.A), []
+    for k, u in enumerate(fast):
+        at = k if k < gains.rows else gains.rows - M + (k - gains.rows) % M
+        waited = [j for j in sorted(past, reverse=True) if (j + model.delay) % M == 0]
+        x = A @ x
+        for is_slow in (False, True)[: 2 if k % M == 0 else 1]:
+            if is_slow:
+                gain = gains.slow[at // M]
+                old = past[k - model.delay] if model.delay else model.slow @ x
+                residual = slow[k // M] - old
+            else:
+                gain, residual = gains.fast[at], u - model.fast @ x - bias
+            x, bias = x + np.outer(gain[:4], residual), bias + gain[4] * residual
+            for place, j in enumerate(waited[: model.copies]):
+                past[j] = past[j] + gain[5 + place] * residual
+        past[k] = model.slow @ x
+        result.append(OUTPUTS @ x)
+    return np.array(result)
+
+
+@pytest.mark.parametrize(("interval", "delay"), PATTERNS)
+def test_an_estimate_is_the_least_squares_of_all_measurements(interval: int, delay: int) -> None:
+    model, steps = make(interval, delay), 33
+    random = np.random.default_rng(3)
+    fast, slow = random.normal(size=steps), random.normal(size=-(-steps // interval))
+    gains = tune(model, steps)
+    estimated = run(model, gains, fast[:, None], slow[:, None])[-1, :, 0]
+    # the oracle's states begin one step before the first output that is reported
+    whole = Discrete(
+        A=block_diag(*model.A, 1.0),
+        B=np.zeros((5, 1)),
+        Q=block_diag(model.Q, model.walk),
+        step=STEP,
+    )
+    prior = block_diag(STATIONARY, BIAS - delay * model.walk)
+    measurements = [
+        Measurement(k + delay, np.append(model.fast, 1.0), u, model.r_fast)
+        for k, u in enumerate(fast)
+    ]
+    measurements += [
+        Measurement(q * interval, np.append(model.slow, 0.0), z, model.r_slow)
+        for q, z in enumerate(slow)
+    ]
+    dense = posterior(whole, prior, np.zeros((steps + delay, 1)), measurements)
+    expected = OUTPUTS @ dense.mean[-1, :4]
+    np.testing.assert_allclose(estimated, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+    covariance = OUTPUTS @ dense.covariance[-1, :4, -1, :4] @ OUTPUTS.T
+    np.testing.assert_allclose(gains.covariance[steps - 1], covariance, rtol=1e-8)
+
+
+@pytest.mark.parametrize(("interval", "delay"), PATTERNS)
+def test_gains_repeat_once_they_have_settled(interval: int, delay: int) -> None:
+    model = make(interval, delay)
+    gains, longer = tune(model, 10**5), tune(model, 400)
+    assert gains.repeats
+    assert gains.rows % interval == 0
+    np.testing.assert_allclose(gains.fast[: min(400, gains.rows)], longer.fast[: gains.rows])
+    np.testing.assert_allclose(
+        gains.covariance[-interval:], gains.covariance[-2 * interval : -interval], rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize(("interval", "delay"), PATTERNS)
+def test_errors_from_motion_are_those_of_a_long_sinusoid(interval: int, delay: int) -> None:
+    model = make(interval, delay)
+    gains, omega, lean = tune(model, 10**5), np.array([0.7, 1.9, 4.0]), 0.3
+    found = find_motion_errors(model, gains, OUTPUTS, (omega, -(omega**2) - lean + 0j, STEP))
+    steps = 3_000 // interval * interval
+    # both phases, so that the mean over a few periods is the mean over all
+    wave = np.exp(1j * omega * STEP * np.arange(-delay, steps)[:, None])
+    motion = np.concatenate([wave.real, wave.imag], axis=1)
+    double = np.tile(omega, 2)
+    fast, slow = -(double**2 + lean) * motion[delay:], motion[:steps:interval]
+    moving = np.concatenate([-wave.imag, wave.real], axis=1)[delay:] * double
+    error = run(model, gains, fast, slow) - np.stack([motion[delay:], moving], axis=1)
+    settled = error[-40 * interval :]
+    summed = np.sum(np.mean(settled**2, axis=0).reshape(2, 2, 3), axis=1)
+    np.testing.assert_allclose(found, summed, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("interval", "delay"), PATTERNS)
+def test_errors_from_noise_are_the_sum_of_all_single_errors(interval: int, delay: int) -> None:
+    model = make(interval, delay, walk=0.01)
+    gains, steps = tune(model, 10**5), 300 // interval * interval
+    # unit errors of each sample, unit steps of the bias, unit errors of each fix
+    fixes = steps // interval
+    inputs = np.zeros((steps, 2 * steps + fixes))
+    inputs[:, :steps] = np.eye(steps)
+    inputs[:, steps : 2 * steps] = np.tril(np.ones((steps, steps)))
+    slow = np.zeros((fixes, 2 * steps + fixes))
+    slow[:, 2 * steps :] = np.eye(fixes)
+    settled = LateGains(
+        fast=gains.fast[-interval:], slow=gains.slow[-1:],
+        innovation_variance=gains.innovation_variance[-1:],
+        covariance=gains.covariance[-interval:], cycle=interval, repeats=True,
+    )  # fmt: skip
+    error = run(model, settled, inputs, slow)[-interval:]
+    white, walked, late = np.split(np.mean(error**2, axis=0), [steps, 2 * steps], axis=1)
+    noise = (0.05, 0.02, 0.03)
+    expected = noise[0] * white.sum(1) + noise[2] * walked.sum(1) + noise[1] * late.sum(1)
+    np.testing.assert_allclose(find_noise_errors(model, gains, OUTPUTS, noise), expected, rtol=1e-6)
+
+
+def test_a_bias_without_a_walk_has_no_settled_error() -> None:
+    model = make(5, 3, walk=0.0)
+    with pytest.raises(InputError, match=r"skf.q_b: without a bias walk"):
+        find_noise_errors(model, tune(model, 100), OUTPUTS, (1.0, 1.0, 0.0))

@@ -1,0 +1,175 @@
+"""SKF, which is told the motion: its forms agree, and its covariance is honest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from tools import Streaming, assert_same, configure, measured, ned, rows_of
+
+from owtsweep.errors import InputError
+from owtsweep.studies import compose
+from owtsweep.studies.hub import planning
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.expected.spectral import find_expected_errors
+from owtsweep.studies.hub.online import online
+from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.schemes.skf import SpectralScheme
+from owtsweep.testing import check_scheme
+
+SKF: Any = resolve("SKF")
+TOLD = ("skf.natural_period=4", "skf.amplitude=0.7", "skf.states=6", "schemes=[SKF]")
+
+
+def told(*overrides: str) -> HubConfig:
+    return configure(*TOLD, *overrides)
+
+
+@pytest.mark.usefixtures("kernels")
+def test_skf_keeps_the_contract_step_by_step_and_online() -> None:
+    config = told()
+    check_scheme(SKF, tuning=config)
+    check_scheme(Streaming(SKF), tuning=config)
+
+
+@pytest.mark.usefixtures("kernels")
+@pytest.mark.parametrize("delay", [0.0, 0.2, 0.5, 1.3])
+def test_kernel_and_online_form_give_what_the_reference_gives(delay: float) -> None:
+    config = told(f"sensors.gnss.delay={delay}", "sensors.imu.tilt=0.02", "record.duration=60")
+    data, sensors = measured(config)
+    M = sensors.fix_interval
+    reference, stream = SKF.start(sensors, config), SKF.stream(sensors, config)
+    fixes = np.full((len(data.specific_force), 2), np.nan)
+    fixes[::M] = data.fixes
+    fixes[[7 * M, 8 * M, 30 * M]] = np.nan  # lost
+    whole, lost = [], []
+    again = SKF.start(sensors, config)
+    for k, force in enumerate(data.specific_force):
+        estimate = reference.update(force, data.fixes[k // M] if k % M == 0 else None)
+        whole.append([*estimate.position, *estimate.velocity])
+        lost.append(again.update(force, None if np.isnan(fixes[k, 0]) else fixes[k]))
+    kernel = SKF.own_kernel(sensors, config, len(whole))
+    assert_same(np.hstack(kernel.trajectories(*ned(data, sensors))), np.array(whole), "kernel")
+    out = stream.run_record(data.specific_force, fixes)
+    states = np.array([[*estimate.position, *estimate.velocity] for estimate in lost])
+    assert_same(out.state, states, "online, fixes lost")
+    covariance = np.array([estimate.covariance for estimate in lost])
+    np.testing.assert_allclose(out.covariance, covariance, rtol=1e-8, atol=1e-14)
+    given = [k for k, estimate in enumerate(lost) if estimate.innovation is not None]
+    innovation = np.array([lost[k].innovation.value for k in given])
+    assert_same(out.innovation[given], innovation, "innovation")
+
+
+@pytest.mark.usefixtures("kernels")
+def test_covariance_is_honest_and_the_errors_are_those_expected() -> None:
+    config = configure(
+        "schemes=[SKF]", "skf.states=10", "grid.replicates=16", "record.duration=500",
+        "measures.settling_time=120", "grid.amplitude=[0.2,3.0]", "normalise=rms",
+    )  # fmt: skip
+    rows = rows_of(config)
+    for amplitude in (0.2, 3.0):
+
+        def mean(measure: str, amplitude: float = amplitude) -> float:
+            values = [
+                row["value"] for key, row in rows.items()
+                if key.measure == measure and key.window == "settled" and key.amplitude == amplitude
+            ]  # fmt: skip
+            assert len(values) == 16
+            return float(np.mean(values))
+
+        assert 0.95 < mean("nees") / 4.0 < 1.05
+        assert 0.9 < mean("nis") / 2.0 < 1.1
+        expected = find_expected_errors(config, 4.0, amplitude).true.sum(axis=0)
+        assert mean("position") == pytest.approx(expected[0], rel=0.06)
+        assert mean("velocity") == pytest.approx(expected[1], rel=0.06)
+
+
+@pytest.mark.usefixtures("kernels")
+def test_batch_and_reference_engine_give_the_same_rows() -> None:
+    rows = rows_of(configure("schemes=[SKF,MKF]", "skf.states=6"))
+    reference = rows_of(configure("schemes=[SKF,MKF]", "skf.states=6", "engine=reference"))
+    assert {key.amplitude for key in rows if key.scheme == "SKF"} == {0.05, 0.7, 10.0}
+    assert rows.keys() == reference.keys()
+    for key, row in rows.items():
+        if key.scheme == "SKF":
+            assert row["value"] == pytest.approx(reference[key]["value"], rel=1e-7)
+
+
+def test_skf_is_told_its_cell_unless_the_configuration_says_otherwise() -> None:
+    config, one = configure("schemes=[SKF]"), configure("schemes=[SKF]", "skf.amplitude=3")
+    assert not planning.superposes(config, SKF)
+    cell = SKF.told(config, 4.0, 0.7)
+    assert np.sum(cell.known.variance) == pytest.approx(
+        (0.7 / 3.0) ** 2 * np.sum(SKF.told(one, 4.0, 0.7).known.variance)
+    )
+
+
+def test_more_bias_walk_or_a_wrong_tilt_changes_the_estimate() -> None:
+    config = told()
+    data, sensors = measured(config)
+    leaning = replace(sensors, tilt=0.05)
+
+    def last(config: HubConfig, sensors: Any) -> Any:
+        return SKF.stream(sensors, config).run_record(data.specific_force, _fixes(data, sensors))
+
+    own = last(config, leaning)
+    assert np.allclose(own.state, last(told("skf.tilt=0.05"), sensors).state, rtol=1e-12)
+    assert not np.allclose(own.state, last(config, sensors).state)
+    walking = last(told("skf.q_b=0.01"), sensors)
+    assert walking.covariance[-1, 0, 0] > last(config, sensors).covariance[-1, 0, 0]
+
+
+def _fixes(data: Any, sensors: Any) -> Any:
+    fixes = np.full((len(data.specific_force), 2), np.nan)
+    fixes[:: sensors.fix_interval] = data.fixes
+    return fixes
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["skf.states=7"], "skf.states: 7 is odd"),
+        (["skf.states=26"], "skf.states"),
+        (["skf.knowledge=adaptive"], "skf.knowledge"),
+        (["engine=expected"], "engine=expected shares one run among all amplitudes"),
+        (["motion=plant"], "SKF needs the spectrum of the motion"),
+    ],
+)
+def test_what_skf_cannot_do_is_refused_in_one_line(overrides: list[str], message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        compose(["schemes=[SKF]", "tuning=matched", *overrides])
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_on_board_skf_must_be_told_the_motion_and_the_origin() -> None:
+    with pytest.raises(InputError, match=r"skf.natural_period, skf.amplitude: SKF must be told"):
+        online("SKF", origin=(0.0, 0.0))
+    with pytest.raises(InputError, match="origin: SKF must be told where the hub is at rest"):
+        online("SKF", ["skf.natural_period=4", "skf.amplitude=0.7", "skf.states=6"])
+    with pytest.raises(InputError, match=r"skf.natural_period, skf.amplitude: SKF must be told"):
+        SpectralScheme().start(measured(configure())[1], configure())
+
+
+@pytest.mark.usefixtures("kernels")
+def test_a_bad_sample_on_board_leaves_the_estimator_as_it_was() -> None:
+    config = told()
+    data, sensors = measured(config)
+    estimator, other = SKF.stream(sensors, config), SKF.stream(sensors, config)
+    bad = [
+        ((np.array([np.nan, 0.0]), None), "specific_force: it is not finite at step 3"),
+        ((np.zeros(2), np.array([np.nan, 0.0])), "a fix has a component that is missing"),
+        ((np.zeros(3), None), "specific_force: .* is not two numbers"),
+        ((np.zeros(2), np.zeros(2)), "a fix came at step 3, but SKF takes fixes only at multiples"),
+    ]
+    for k, force in enumerate(data.specific_force[:40]):
+        fix = data.fixes[k // sensors.fix_interval] if k % sensors.fix_interval == 0 else None
+        if k == 3:
+            for sample, message in bad:
+                with pytest.raises(ValueError, match=message):
+                    estimator.update(*sample)
+        np.testing.assert_array_equal(
+            estimator.update(force, fix).position, other.update(force, fix).position
+        )
