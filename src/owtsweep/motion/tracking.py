@@ -76,26 +76,26 @@ class SpectrumTracker:
     def __init__(
         self, step: float, force_sigma: float, lean: float, band: tuple[float, float]
     ) -> None:
-        self.averaged = max(round(1.0 / (RATE * step)), 1)
-        self._given = (step * self.averaged, 2.0 * force_sigma**2 * step, lean, band)
+        self._block = max(round(1.0 / (RATE * step)), 1)
+        self._given = (step * self._block, 2.0 * force_sigma**2 * step, lean, band)
         self.chosen: Candidate | None = None
 
     def look(self, force: Array) -> Candidate | None:
         """Choose a candidate; None if the record is shorter than `LEAST`.
 
-        `force` is the specific force so far along one axis, m/s^2, averaged over blocks of
-        `self.averaged` samples, at least of the last `OF_SHAPE` seconds. Its mean does not matter.
+        `force` is the specific force along one axis, m/s^2, shape (samples,): all of it, or the
+        last `OF_SHAPE` seconds or more. A constant in it does not matter.
         """
-        step = self._given[0]
-        lengths = [
-            max((n for n in _list_lengths(step) if n <= min(len(force), round(most / step))), default=0)
-            for most in (OF_SHAPE, OF_VARIANCE)
-        ]
-        if not lengths[1]:
+        step, block = self._given[0], self._block
+        force = force[len(force) % block :].reshape(-1, block) @ np.full(block, 1.0 / block)
+        lengths = [n for n in _list_lengths(step) if n <= len(force)]
+        if not lengths:
             return None
-        of_shape, of_variance = (
-            compute_log_likelihood(force[-length:], *self._given) for length in lengths
-        )
+        last = round(OF_VARIANCE / step)
+        of_shape = compute_log_likelihood(force[-lengths[-1] :], *self._given)
+        of_variance = of_shape
+        if lengths[-1] > last:
+            of_variance = compute_log_likelihood(force[-last:], *self._given)
         best = of_shape.max(axis=2)
         period, bandwidth = np.unravel_index(int(best.argmax()), best.shape)
         now = self.chosen

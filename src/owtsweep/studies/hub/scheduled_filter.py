@@ -10,16 +10,16 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.late_gains import LateRows
+from owtsweep.studies.hub.axis_filters import AxisEstimates
 from owtsweep.studies.hub.spectral_axis import SpectralAxis
 from owtsweep.studies.hub.tracked_models import tune_candidate
-from owtsweep.studies.hub.tracking_filter import AxisEstimates
 
 #: Least number of rows of a schedule; each further schedule has twice as many.
 LEAST_ROWS = 8192
 
 
 class ScheduledFilter:
-    """A running filter of one axis; see `tracking_filter.AxisFilter`.
+    """A running filter of one axis; see `axis_filters.AxisFilter`.
 
     Parameters
     ----------
@@ -50,9 +50,7 @@ class ScheduledFilter:
         from owtsweep.studies.hub.kernels.spectral_single import follow
 
         steps, done = len(force), 0
-        result = AxisEstimates(
-            np.empty((steps, 2)), np.empty((steps, 2, 2)), np.empty(steps), np.empty(steps)
-        )
+        result = AxisEstimates.make_empty(steps)
         model, outputs = self._axis.model, self._axis.outputs
         if self._covariance is None:
             samples, gains = (force, fixes), self._find_gains(self._step + steps)

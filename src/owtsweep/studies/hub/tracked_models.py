@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.config import changed
 from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
@@ -52,7 +53,7 @@ def make_candidate(
         Edges of the band of the motion, Hz.
     """
     shaping = _fit(candidate.period, candidate.bandwidth, candidate.variance // SHARED, sensors, band)
-    return make_axis(shaping, candidate.values[2], bias_variance, tuning, sensors)
+    return make_axis(shaping, candidate.values[2], changed(tuning, bias_variance=bias_variance), sensors)
 
 
 @lru_cache(96)

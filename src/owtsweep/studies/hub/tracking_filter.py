@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.tracking import INTERVAL, LEAST, OF_SHAPE, WIDEST, Candidate, SpectrumTracker
+from owtsweep.studies.hub.axis_filters import AxisEstimates, AxisFilter
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.sections import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis
@@ -28,42 +28,6 @@ from owtsweep.studies.hub.tracked_models import make_candidate
 AGAIN, BIAS_SIGMA = 60.0, 0.02
 #: Probability that a right model passes the guard.
 CONFIDENCE = 0.999
-
-
-class AxisEstimates(NamedTuple):
-    """What a filter makes of the measurements of some steps along one axis.
-
-    Attributes
-    ----------
-    state
-        Position (m) and velocity (m/s), shape (steps, 2).
-    covariance
-        Covariance of the error of `state`, shape (steps, 2, 2).
-    innovation, variance
-        Innovation of the fix, m, and its variance, m^2, shape (steps,) each; NaN without a fix.
-    """
-
-    state: Array
-    covariance: Array
-    innovation: Array
-    variance: Array
-
-
-class AxisFilter(Protocol):
-    """A running filter of one axis, whose first step is a step at which a fix is due."""
-
-    @property
-    def bias(self) -> float:
-        """The estimated bias of the IMU along the axis, m/s^2."""
-        ...
-
-    def take(self, force: Array, fixes: Array) -> AxisEstimates:
-        """Take the measurements of the next steps; return the estimates of these steps.
-
-        `force` is the specific force, m/s^2, and `fixes` are position fixes, m, shape (steps,)
-        each; NaN at steps without a fix.
-        """
-        ...
 
 
 class TrackingFilter:
