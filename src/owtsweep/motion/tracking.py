@@ -31,6 +31,8 @@ INTERVAL, LEAST, OF_VARIANCE, OF_SHAPE = 10.0, 30.0, 60.0, 240.0
 RATE = 10.0
 #: By how much another candidate's log likelihood must be greater before it is taken.
 GAIN_OF_SHAPE, GAIN_OF_VARIANCE = 2.0, 1.0
+#: Where the estimate of the motion above the band begins, per upper edge of the band.
+ABOVE = 1.5
 #: Number of ordinates of a periodogram with a Hann window that tell as much as one independent
 #: ordinate: the ratio of the window's noise bandwidth to the distance of the ordinates.
 HANN = 1.5
@@ -53,8 +55,12 @@ class Candidate(NamedTuple):
         )
 
 
-#: The broadest candidate of the greatest variance, which assumes next to nothing of the motion.
-WIDEST = Candidate(len(PERIODS) // 2, len(BANDWIDTHS) - 1, len(VARIANCES) - 1)
+
+class Motion(NamedTuple):
+    """Variances of position (m^2) and velocity ((m/s)^2) of some part of a motion."""
+
+    position: float
+    velocity: float
 
 
 class SpectrumTracker:
@@ -86,8 +92,8 @@ class SpectrumTracker:
         `force` is the specific force along one axis, m/s^2, shape (samples,): all of it, or the
         last `OF_SHAPE` seconds or more. A constant in it does not matter.
         """
-        step, block = self._given[0], self._block
-        force = force[len(force) % block :].reshape(-1, block) @ np.full(block, 1.0 / block)
+        step = self._given[0]
+        force = self._average(force)
         lengths = [n for n in _list_lengths(step) if n <= len(force)]
         if not lengths:
             return None
@@ -107,6 +113,33 @@ class SpectrumTracker:
         variance = int(of_variance[period, bandwidth].argmax())
         self.chosen = Candidate(int(period), int(bandwidth), variance)
         return self.chosen
+
+    def measure_above(self, force: Array) -> Motion:
+        """Estimate the motion above the band, where no candidate has any.
+
+        `force` is as for `look`. The estimate begins at `ABOVE` times the band's upper edge, which
+        a Hann window keeps free of what is inside the band. A variance may be slightly below zero,
+        by chance.
+        """
+        step, noise, _, band = self._given
+        force = self._average(force)
+        frequency = np.fft.rfftfreq(len(force), step)
+        above = (frequency >= ABOVE * band[1]) & (frequency <= 0.4 / step)
+        excess = (compute_periodogram(force, step)[above] - noise) / (len(force) * step)
+        omega = 2.0 * np.pi * frequency[above]
+        return Motion(float(np.sum(excess / omega**4)), float(np.sum(excess / omega**2)))
+
+    def _average(self, force: Array) -> Array:
+        """Return means over blocks of samples, of which the last ends with the record."""
+        block = self._block
+        return force[len(force) % block :].reshape(-1, block) @ np.full(block, 1.0 / block)
+
+
+def compute_periodogram(force: Array, step: float) -> Array:
+    """Compute the one-sided periodogram of samples (n,), with a Hann window; their unit^2/Hz."""
+    window = np.hanning(len(force))
+    ordinates = np.fft.rfft((force - force.mean()) * window)
+    return np.asarray(np.abs(ordinates) ** 2 * (2.0 * step / np.sum(window**2)))
 
 
 def compute_log_likelihood(
@@ -133,9 +166,7 @@ def compute_log_likelihood(
         Shape (periods, bandwidths, variances).
     """
     inverse, constant, inside = _make_models(len(force), step, noise, lean, band)
-    window = np.hanning(len(force))
-    ordinates = np.fft.rfft((force - force.mean()) * window)[inside]
-    periodogram = np.abs(ordinates) ** 2 * (2.0 * step / np.sum(window**2))
+    periodogram = compute_periodogram(force, step)[inside]
     return np.asarray(-(constant + inverse @ periodogram) / HANN)
 
 

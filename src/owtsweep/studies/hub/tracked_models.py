@@ -12,7 +12,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed
-from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
+from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
 from owtsweep.studies.hub.contract import Sensors
@@ -25,13 +25,17 @@ from owtsweep.studies.hub.spectral_model import FLOOR
 #: Number of states of a candidate's shaping filter. The true spectrum is not known, so a closer fit
 #: to a candidate does not lower the error.
 STATES = 8
+#: The model that assumes next to nothing: its variance, m^2, and the frequency up to which its
+#: acceleration is white, as a multiple of the band's upper edge. From the band's lower edge on, its
+#: position falls with f^-4.
+WIDE_VARIANCE, WIDE = 100.0, 8.0
 #: Number of neighbouring variances that share a fit: variances matter to it only by the floor.
 SHARED = 3
 
 
 @lru_cache(256)
 def make_candidate(
-    candidate: Candidate,
+    candidate: Candidate | None,
     bias_variance: float,
     tuning: Skf,
     sensors: Sensors,
@@ -42,7 +46,8 @@ def make_candidate(
     Parameters
     ----------
     candidate
-        Natural period, bandwidth and variance, as indices.
+        Natural period, bandwidth and variance, as indices; None for a model that assumes next to
+        nothing of the motion.
     bias_variance
         Variance of the bias at the start, (m/s^2)^2.
     tuning
@@ -52,8 +57,12 @@ def make_candidate(
     band
         Edges of the band of the motion, Hz.
     """
-    shaping = _fit(candidate.period, candidate.bandwidth, candidate.variance // SHARED, sensors, band)
-    return make_axis(shaping, candidate.values[2], changed(tuning, bias_variance=bias_variance), sensors)
+    tuning = changed(tuning, bias_variance=bias_variance)
+    if candidate is None:
+        return make_axis(_make_wide(band), WIDE_VARIANCE, tuning, sensors)
+    group = candidate.variance // SHARED
+    shaping = _fit(candidate.period, candidate.bandwidth, group, sensors, band)
+    return make_axis(shaping, candidate.values[2], tuning, sensors)
 
 
 @lru_cache(96)
@@ -81,6 +90,17 @@ def _fit(
     }
     fitted = cached(what, lambda: vars(fit_shaping_filter(frequency, density, STATES, floor)))
     return ShapingFilter(**fitted)  # type: ignore[arg-type]
+
+
+@lru_cache(8)
+def _make_wide(band: tuple[float, float]) -> ShapingFilter:
+    """Make the shaping filter of the model that assumes next to nothing of the motion."""
+    low, high = band[0], WIDE * band[1]
+    frequency = np.geomspace(low / 20.0, 20.0 * high, 400)
+    density = 1.0 / ((1.0 + (frequency / low) ** 4) * (1.0 + (frequency / high) ** 4))
+    # the floor is far below the density wherever the motion may be
+    floor = 1e-6 * density[np.searchsorted(frequency, high)]
+    return fit_shaping_filter(frequency, density, FEWEST, floor)
 
 
 def _choose_frequencies(peak: float, half_bandwidth: float, band: tuple[float, float]) -> Array:

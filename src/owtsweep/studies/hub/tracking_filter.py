@@ -4,8 +4,9 @@ Every ten seconds the tracker looks at the specific force. When it chooses anoth
 of this model starts a minute ago, from its own prior, filters the measurements of that minute again,
 and goes on from there. So no state is handed from one model to another, but for the IMU's bias.
 
-A guard: if the innovations of the fixes of the last minute are larger than a model can explain, the
-model is not taken, or given up for the widest, which assumes next to nothing of the motion.
+A guard: a model is not taken, or is given up for one that assumes next to nothing of the motion, if
+the innovations of the fixes of the last minute are larger than it can explain, or if there is motion
+above the band that it does not know and that matters beside the error that it states.
 """
 
 from __future__ import annotations
@@ -16,7 +17,14 @@ from collections.abc import Callable
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.tracking import INTERVAL, LEAST, OF_SHAPE, WIDEST, Candidate, SpectrumTracker
+from owtsweep.motion.tracking import (
+    INTERVAL,
+    LEAST,
+    OF_SHAPE,
+    Candidate,
+    Motion,
+    SpectrumTracker,
+)
 from owtsweep.studies.hub.axis_filters import AxisEstimates, AxisFilter
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.sections import Skf
@@ -26,8 +34,9 @@ from owtsweep.studies.hub.tracked_models import make_candidate
 #: Time that a new model filters again, s, and the standard deviation of the bias that it starts
 #: with, m/s^2.
 AGAIN, BIAS_SIGMA = 60.0, 0.02
-#: Probability that a right model passes the guard.
-CONFIDENCE = 0.999
+#: Probability that a right model passes the guard, and the greatest variance of unknown motion
+#: above the band per variance of the stated error.
+CONFIDENCE, UNKNOWN = 0.999, 0.1
 
 
 class TrackingFilter:
@@ -66,8 +75,10 @@ class TrackingFilter:
         self._biases = deque([0.0], maxlen=looks + 1)
         self._scores: deque[Array] = deque(maxlen=looks)
         self._fresh: list[Array] = []
-        self.model = WIDEST
-        self._filter = start(self._make(WIDEST, tuning.bias_variance), 0.0)
+        #: The candidate in use; None while next to nothing is assumed.
+        self.model: Candidate | None = None
+        self._filter = start(self._make(None, tuning.bias_variance), 0.0)
+        self._stated = np.zeros((2, 2))  # covariance of the last estimate
 
     @property
     def has_looked(self) -> bool:
@@ -102,6 +113,7 @@ class TrackingFilter:
         self._filled += len(force)
         self._steps += len(force)
         self._fresh.append(_score(result))
+        self._stated = result.covariance[-1]
         return result
 
     def _look(self) -> None:
@@ -109,35 +121,38 @@ class TrackingFilter:
         self._biases.append(self._filter.bias)
         self._scores.append(np.concatenate(self._fresh))
         self._fresh = []
-        wanted = self._tracker.look(self._history[0, : self._filled]) or WIDEST
-        if wanted != self.model and not self._change(wanted):
-            wanted = self.model
-        if self.model != WIDEST and _is_contradicted(np.concatenate(self._scores)):
-            self._change(WIDEST)
+        force = self._history[0, : self._filled]
+        wanted = self._tracker.look(force)
+        above = self._tracker.measure_above(force)
+        if wanted is not None and wanted != self.model:
+            self._change(wanted, above)
+        if self.model is not None:
+            scores = np.concatenate(self._scores)
+            if _is_contradicted(scores) or _is_blind(self._stated, above):
+                self._change(None, above)
         kept = self._history.shape[1] - self._between
         if self._filled > kept:
             self._history[:, :kept] = self._history[:, self._filled - kept : self._filled].copy()
             self._filled = kept
 
-    def _change(self, model: Candidate) -> bool:
-        """Filter the last minute again with another model, and go on with it; False if refused.
+    def _change(self, model: Candidate | None, above: Motion) -> None:
+        """Filter the last minute again with another model, and go on with it unless it is wrong.
 
-        A model is refused if the innovations of that minute contradict it; never the widest.
+        `above` is the motion above the band. The model None is never wrong.
         """
         steps = min(self._again, self._steps)
         is_whole = steps == self._steps  # back to the record's first step
         bias = 0.0 if is_whole else self._biases[0]
         variance = self._tuning.bias_variance if is_whole else BIAS_SIGMA**2
         filter = self._start(self._make(model, variance), bias)
-        scores = _score(filter.take(*self._history[:, self._filled - steps : self._filled]))
-        if model != WIDEST and _is_contradicted(scores):
-            return False
-        self.model, self._filter = model, filter
-        self._scores.clear()
-        self._scores.append(scores)
-        return True
+        result = filter.take(*self._history[:, self._filled - steps : self._filled])
+        scores, stated = _score(result), result.covariance[-1]
+        if model is None or not (_is_contradicted(scores) or _is_blind(stated, above)):
+            self.model, self._filter, self._stated = model, filter, stated
+            self._scores.clear()
+            self._scores.append(scores)
 
-    def _make(self, model: Candidate, bias_variance: float) -> SpectralAxis:
+    def _make(self, model: Candidate | None, bias_variance: float) -> SpectralAxis:
         return make_candidate(model, bias_variance, self._tuning, self._sensors, self._band)
 
 
@@ -153,3 +168,8 @@ def _is_contradicted(scores: Array) -> bool:
 
     count = len(scores)
     return bool(count and np.sum(scores) > chdtri(count, 1.0 - CONFIDENCE))
+
+
+def _is_blind(stated: Array, above: Motion) -> bool:
+    """Return whether motion above the band matters beside the stated covariance (2, 2)."""
+    return above.position > UNKNOWN * stated[0, 0] or above.velocity > UNKNOWN * stated[1, 1]
