@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from tools import Streaming, assert_same, configure, measured
 
+from owtsweep.motion.tracking import Candidate, SpectrumTracker
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.axis_filters import KalmanAxisFilter
 from owtsweep.studies.hub.records import make_records_at
@@ -16,7 +17,6 @@ from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.tracked_models import make_candidate
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
-from owtsweep.motion.tracking import Candidate
 from owtsweep.testing import check_scheme
 
 SKFA: Any = resolve("SKFA")
@@ -124,3 +124,36 @@ def test_the_guard_gives_up_a_model_that_fixes_contradict() -> None:
     assert tracking.model is None
     tracking.take(np.tile(calm, 2), np.tile(still, 2))
     assert tracking.model is not None  # it is tried again at every look
+
+
+@pytest.mark.usefixtures("kernels")
+def test_a_calm_hub_that_is_struck_is_followed_at_once() -> None:
+    config = configure("sensors.imu.rate=20")
+    sensors = sensing.sensors(config.sensors)
+    rng = np.random.default_rng(5)
+    tracking = TrackingFilter(config.skf, sensors, BAND, ScheduledFilter)
+    steps, M = 1200, sensors.fix_interval
+    force, fixes = 0.15 * rng.standard_normal(steps), np.full(steps, np.nan)
+    fixes[::M] = 0.03 * rng.standard_normal(steps // M)
+    tracking.take(force, fixes)
+    assert tracking.model is not None
+    struck = force[:100].copy()
+    struck[63:] += 3.0
+    tracking.take(struck[:63], fixes[:63])
+    assert tracking.model is not None
+    last = tracking.take(struck[63:64], fixes[63:64])  # the sample itself still counts as calm
+    assert tracking.model is None
+    after = tracking.take(struck[64:65], fixes[64:65])
+    assert after.covariance[-1, 0, 0] > 5.0 * last.covariance[-1, 0, 0]
+
+
+def test_motion_above_the_band_is_measured() -> None:
+    time = 0.01 * np.arange(6000)
+    swing = 0.05 * np.sin(2.0 * np.pi * 1.7 * time)
+    force = -((2.0 * np.pi * 1.7) ** 2) * swing
+    above = SpectrumTracker(0.01, 0.0, 0.0, BAND).measure_above(force)
+    # averaging over .1 s takes 10 % of the variance at 1.7 Hz
+    assert above.position == pytest.approx(np.var(swing), rel=0.12)
+    assert above.velocity == pytest.approx(np.var(swing) * (2.0 * np.pi * 1.7) ** 2, rel=0.12)
+    below = 0.05 * np.sin(2.0 * np.pi * 0.3 * time) * -((2.0 * np.pi * 0.3) ** 2)
+    assert SpectrumTracker(0.01, 0.0, 0.0, BAND).measure_above(below).velocity < 1e-9

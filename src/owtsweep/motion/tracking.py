@@ -55,7 +55,6 @@ class Candidate(NamedTuple):
         )
 
 
-
 class Motion(NamedTuple):
     """Variances of position (m^2) and velocity ((m/s)^2) of some part of a motion."""
 
@@ -132,7 +131,8 @@ class SpectrumTracker:
     def _average(self, force: Array) -> Array:
         """Return means over blocks of samples, of which the last ends with the record."""
         block = self._block
-        return force[len(force) % block :].reshape(-1, block) @ np.full(block, 1.0 / block)
+        blocks = force[len(force) % block :].reshape(-1, block)
+        return np.asarray(blocks @ np.full(block, 1.0 / block))
 
 
 def compute_periodogram(force: Array, step: float) -> Array:

@@ -1,4 +1,4 @@
-"""Filters of one axis of SKF, step by step: the interface, the Kalman filter, and a compiled one."""
+"""Filters of one axis of SKF, step by step: the interface, by filterpy, and compiled."""
 
 from __future__ import annotations
 
@@ -93,7 +93,8 @@ class KalmanAxisFilter:
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
         """Take the measurements of the next steps, shape (steps,) each; return the estimates."""
-        result, kf, model, C = AxisEstimates.make_empty(len(force)), self.kf, self.model, self.outputs
+        result = AxisEstimates.make_empty(len(force))
+        kf, model, C = self.kf, self.model, self.outputs
         for k, (sample, fix) in enumerate(zip(force, fixes, strict=True)):
             kf.predict(F=self.predict)
             kf.update(sample, R=model.r_fast, H=self.force_row)

@@ -77,9 +77,8 @@ class ScheduledFilter:
         from owtsweep.estimation.late import late_recursion
 
         P, N, M = self._axis.first.copy(), len(self._state), self._axis.model.interval
-        unused = LateRows(
-            *(np.empty(shape) for shape in ((steps, N), (steps // M, N), (steps // M,), (steps, 2, 2)))
-        )
+        shapes = (steps, N), (steps // M, N), (steps // M,), (steps, 2, 2)
+        unused = LateRows(*(np.empty(shape) for shape in shapes))
         never = np.full((N, N), np.nan)
         late_recursion(0, steps, self._axis.model, P, self._axis.outputs, 0.0, never, unused)
         return P

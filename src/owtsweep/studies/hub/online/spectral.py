@@ -45,8 +45,8 @@ class SpectralEstimator:
         point = check_origin(origin)
         require(
             point is not None,
-            "origin: this scheme must be told where the hub is at rest, and one fix does not tell it; give "
-            "x and y in m, e.g. origin=(0, 0)",
+            "origin: this scheme must be told where the hub is at rest, and one fix does not tell "
+            "it; give x and y in m, e.g. origin=(0, 0)",
         )
         self._origin: Array = np.asarray(point)
         self._sensors, self._filters = sensors, filters
