@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from owtsweep.studies.hub.online.estimator import OnlineEstimator
-    from owtsweep.studies.hub.online.spectral import OnlineSpectral
+    from owtsweep.studies.hub.online.spectral import SpectralEstimator
 
 
 #: The sensors and the tuning of an estimator whose user names none.
@@ -20,7 +20,7 @@ DEFAULTS = ("tuning=matched", "sensors=strong_bias")
 
 def online(
     scheme: str, overrides: Sequence[str] = (), *, origin: ArrayLike | None = None
-) -> OnlineEstimator | OnlineSpectral:
+) -> OnlineEstimator | SpectralEstimator:
     """Make an estimator that runs on board: each IMU sample gives one estimate.
 
     Parameters
@@ -38,7 +38,7 @@ def online(
 
     Returns
     -------
-    OnlineEstimator, OnlineSpectral
+    OnlineEstimator, SpectralEstimator
         Has the method `update(specific_force, position=None) -> Estimate`. Position fixes may be
         missing: gains and covariances follow the fixes that arrived. On a machine, the first
         estimator takes some 15 s to make, in which its kernels are compiled.
@@ -67,7 +67,7 @@ def online(
     compute = config.compute
     if hasattr(registered, "kernel"):  # a chain; SKF has kernels of its own, two small ones
         compile_kernels("online", vectors=compute.vectors, cores=compute.workers)
-    estimator: OnlineEstimator | OnlineSpectral = registered.stream(
+    estimator: OnlineEstimator | SpectralEstimator = registered.stream(
         sensors(config.sensors), config, origin=origin
     )
     return estimator

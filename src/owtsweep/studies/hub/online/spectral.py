@@ -1,4 +1,4 @@
-"""Runs SKF as on board: one compiled call per IMU sample, gains for the fixes that arrived."""
+"""Runs SKF or SKFA step by step, as on board: a filter along x, and one along y."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.studies.hub.axis_filters import AxisFilter
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.online.coordinates import check_origin
-from owtsweep.studies.hub.spectral_axis import SpectralAxis
+from owtsweep.studies.hub.online.coordinates import ZERO, check_origin
 
 
-class OnlineSpectral:
-    """A running SKF: `update` takes one IMU sample, `run_record` takes many samples.
+class SpectralEstimator:
+    """A running SKF or SKFA: `update` takes one IMU sample, `run_record` takes many samples.
 
     Any position fix may be missing, but fixes come only at multiples of the fix interval, because
     the filter copies the positions that the fixes will report.
 
     Parameters
     ----------
-    axes
-        The models along x and y.
+    filters
+        The filters along x and y, before their first step.
     sensors
         The properties of the IMU and the GNSS.
     origin
@@ -37,21 +37,19 @@ class OnlineSpectral:
     """
 
     def __init__(
-        self, axes: tuple[SpectralAxis, SpectralAxis], sensors: Sensors, origin: ArrayLike | None
+        self,
+        filters: tuple[AxisFilter, AxisFilter],
+        sensors: Sensors,
+        origin: ArrayLike | None = ZERO,
     ) -> None:
         point = check_origin(origin)
         require(
             point is not None,
-            "origin: SKF must be told where the hub is at rest, and one fix does not tell it; give "
-            "x and y in m, e.g. origin=(0, 0)",
+            "origin: this scheme must be told where the hub is at rest, and one fix does not tell "
+            "it; give x and y in m, e.g. origin=(0, 0)",
         )
         self._origin: Array = np.asarray(point)
-        self._sensors, self._axes = sensors, axes
-        sizes = [len(axis.first) for axis in axes]
-        self._registers = [
-            (np.zeros(N), axis.first.copy(), np.empty(N))
-            for N, axis in zip(sizes, axes, strict=True)
-        ]
+        self._sensors, self._filters = sensors, filters
         self._step = 0
         self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
 
@@ -119,22 +117,17 @@ class OnlineSpectral:
 
     def _run(self, specific_force: Array, positions: Array) -> tuple[Array, Array, Array, Array]:
         """Process samples; return the four arrays of a `Trajectory`."""
-        from owtsweep.studies.hub.kernels.spectral_online import take_samples
-
         force = np.asarray(specific_force, dtype=float)
         fixes = np.asarray(positions, dtype=float)
         self._check(force, fixes)
-        samples = force @ self._sensors.rotation.T, fixes - self._origin
+        force, fixes = force @ self._sensors.rotation.T, fixes - self._origin
         steps = len(force)
         state, innovation = np.empty((steps, 4)), np.empty((steps, 2))
         covariance, of_innovation = np.zeros((steps, 4, 4)), np.zeros((steps, 2, 2))
-        variances = np.empty((steps, 2))
-        for axis, (one, register) in enumerate(zip(self._axes, self._registers, strict=True)):
-            block = np.empty((steps, 2, 2))
-            filled = (state, block, innovation, variances)
-            take_samples(self._step, axis, samples, one.model, one.outputs, register, filled)
-            covariance[:, axis::2, axis::2] = block
-            of_innovation[:, axis, axis] = variances[:, axis]
+        for axis, filter in enumerate(self._filters):
+            part = filter.take(force[:, axis].copy(), fixes[:, axis].copy())
+            state[:, axis::2], covariance[:, axis::2, axis::2] = part.state, part.covariance
+            innovation[:, axis], of_innovation[:, axis, axis] = part.innovation, part.variance
         self._step += steps
         state[:, :2] += self._origin
         return state, covariance, innovation, of_innovation

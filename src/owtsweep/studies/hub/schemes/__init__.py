@@ -20,6 +20,7 @@ REGISTERED = {
     "HME1": "delayed MKF, online smoother, predictor",
     "HME2": "HME1 fed by a moving horizon estimator",
     "SKF": "Kalman filter that is told the spectrum and the amplitude of the motion",
+    "SKFA": "SKF that is told nothing, and tracks spectrum and amplitude itself",
 }
 #: Name -> description of the baselines. They are schemes too, with modules of their own.
 BASELINES = {

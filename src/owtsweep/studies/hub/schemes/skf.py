@@ -13,97 +13,17 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from owtsweep.arrays import Array
 from owtsweep.errors import require
-from owtsweep.estimation.late_model import copying, transition
-from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.studies.hub.axis_filters import CompiledAxisFilter, KalmanAxisFilter
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.coordinates import ZERO
-from owtsweep.studies.hub.online.spectral import OnlineSpectral
-from owtsweep.studies.hub.spectral_axis import SpectralAxis
+from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_model import make_axes, tune_axes
 from owtsweep.studies.hub.spectral_run import SpectralKernel
 from owtsweep.vectors import choose
-
-
-class AxisEstimator:
-    """The Kalman filter of SKF along one axis, by filterpy."""
-
-    def __init__(self, axis: SpectralAxis) -> None:
-        from filterpy.kalman import KalmanFilter
-
-        model = axis.model
-        n, N = len(model.Q), len(axis.first)
-        self.model, self.outputs = model, np.zeros((2, N))
-        self.outputs[:, :n] = axis.outputs
-        self.kf = KalmanFilter(dim_x=N, dim_z=1)
-        self.kf.P = axis.first.copy()
-        self.kf.Q = np.zeros((N, N))
-        self.kf.Q[:n, :n] = model.Q
-        self.kf.Q[n, n] = model.walk
-        self.predict, self.copy = transition(model), copying(model)
-        self.force_row = np.zeros((1, N))
-        self.force_row[0, :n], self.force_row[0, n] = model.fast, 1.0
-        self.fix_row = np.zeros((1, N))
-        if model.copies:
-            self.fix_row[0, -1] = 1.0
-        else:
-            self.fix_row[0, :n] = model.slow
-        self.step = 0
-
-    def update(self, force: float, fix: float | None) -> tuple[Array, Array, Array | None]:
-        """Run one step with a specific force (m/s^2) and a fix (m) or None, both along the axis.
-
-        Returns
-        -------
-        tuple of array
-            Position and velocity (2,), their covariance (2, 2), and of the fix the innovation and
-            its variance, shape (2,), or None.
-        """
-        kf, model, innovation = self.kf, self.model, None
-        kf.predict(F=self.predict)
-        kf.update(force, R=model.r_fast, H=self.force_row)
-        if fix is not None:
-            kf.update(fix, R=model.r_slow, H=self.fix_row)
-            innovation = np.array([kf.y[0, 0], kf.S[0, 0]])
-        C = self.outputs
-        result = C @ kf.x[:, 0], C @ kf.P @ C.T, innovation
-        if model.copies and (self.step + model.delay) % model.interval == 0:
-            kf.x, kf.P = self.copy @ kf.x, self.copy @ kf.P @ self.copy.T
-        self.step += 1
-        return result
-
-
-class SpectralEstimator:
-    """SKF as an estimator that runs step by step: a filter along x, and one along y."""
-
-    def __init__(self, axes: tuple[SpectralAxis, SpectralAxis], rotation: Array) -> None:
-        self.axes, self.rotation = [AxisEstimator(axis) for axis in axes], rotation
-
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the filtered state.
-
-        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
-        """
-        force = self.rotation @ specific_force
-        fixes = [None, None] if position is None else position
-        parts = [
-            axis.update(float(one), None if fix is None else float(fix))
-            for axis, one, fix in zip(self.axes, force, fixes, strict=True)
-        ]
-        state = np.stack([part[0] for part in parts], axis=1)
-        covariance = np.zeros((4, 4))
-        for axis, part in enumerate(parts):
-            covariance[axis::2, axis::2] = part[1]
-        innovation = None
-        if position is not None:
-            told = np.array([part[2] for part in parts])
-            innovation = Innovation(told[:, 0], np.diag(told[:, 1]))
-        return Estimate(state[0], state[1], covariance, innovation)
 
 
 class SpectralScheme:
@@ -142,12 +62,12 @@ class SpectralScheme:
         InputError
             If neither `told` nor the configuration has said what the motion is.
         """
-        axes = make_axes(self._recall(tuning), tuning.skf, sensors)
-        return SpectralEstimator(axes, sensors.rotation)
+        x, y = make_axes(self._recall(tuning), tuning.skf, sensors)
+        return SpectralEstimator((KalmanAxisFilter(x), KalmanAxisFilter(y)), sensors)
 
     def stream(
         self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> OnlineSpectral:
+    ) -> SpectralEstimator:
         """Return a new compiled estimator that runs step by step; `origin` is the hub at rest, m.
 
         Raises
@@ -155,8 +75,8 @@ class SpectralScheme:
         InputError
             If nothing has said what the motion is, or the origin is not stated.
         """
-        axes = make_axes(self._recall(tuning), tuning.skf, sensors)
-        return OnlineSpectral(axes, sensors, origin)
+        x, y = make_axes(self._recall(tuning), tuning.skf, sensors)
+        return SpectralEstimator((CompiledAxisFilter(x), CompiledAxisFilter(y)), sensors, origin)
 
     def own_kernel(self, sensors: Sensors, tuning: Any, steps: int) -> SpectralKernel:
         """Return the scheme in its form for the batch engine, for records of `steps` IMU steps.

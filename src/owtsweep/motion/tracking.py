@@ -1,0 +1,201 @@
+"""Finds the spectrum of a motion while it goes on, from the specific force along an axis.
+
+The candidates are the spectra of Eq. (1) of Ren et al. (2019), translated, on a grid of natural
+periods, half-bandwidths and variances. At each look, the likelihood of the candidates is computed
+from the periodogram of the last minutes: the Whittle likelihood (Whittle 1953, "Estimation and
+information in stationary time series", Ark. Mat. 2, 423), as in `motion.whittle`, which fits one
+spectrum to a whole record. The shape is taken from the last four minutes, and the variance from the
+last minute alone, so that a sea that grows or falls is followed.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.motion.spectra import translated
+
+#: Natural periods (s), squared half-bandwidths (s^-2) and variances (m^2) of the candidates.
+PERIODS = tuple(np.geomspace(2.2, 11.0, 22).tolist())
+BANDWIDTHS = (3e-5, 3e-4, 3e-3)
+VARIANCES = tuple(np.geomspace(1e-4, 30.0, 20).tolist())
+#: Time between two looks, the shortest record for a look, and the times from which the variance and
+#: the shape are taken, s.
+INTERVAL, LEAST, OF_VARIANCE, OF_SHAPE = 10.0, 30.0, 60.0, 240.0
+#: Rate to which samples are averaged for the periodogram, Hz: far above the motion's frequencies.
+RATE = 10.0
+#: By how much another candidate's log likelihood must be greater before it is taken.
+GAIN_OF_SHAPE, GAIN_OF_VARIANCE = 2.0, 1.0
+#: Where the estimate of the motion above the band begins, per upper edge of the band.
+ABOVE = 1.5
+#: Number of ordinates of a periodogram with a Hann window that tell as much as one independent
+#: ordinate: the ratio of the window's noise bandwidth to the distance of the ordinates.
+HANN = 1.5
+
+
+class Candidate(NamedTuple):
+    """A spectrum of Eq. (1) and a variance, as indices in the three grids."""
+
+    period: int
+    bandwidth: int
+    variance: int
+
+    @property
+    def values(self) -> tuple[float, float, float]:
+        """The natural period (s), the squared half-bandwidth (s^-2) and the variance (m^2)."""
+        return (
+            PERIODS[self.period],
+            BANDWIDTHS[self.bandwidth],
+            VARIANCES[self.variance],
+        )
+
+
+class Motion(NamedTuple):
+    """Variances of position (m^2) and velocity ((m/s)^2) of some part of a motion."""
+
+    position: float
+    velocity: float
+
+
+class SpectrumTracker:
+    """Chooses the candidate that the specific force of the last minutes makes likely.
+
+    Parameters
+    ----------
+    step
+        Sampling interval of the specific force, s.
+    force_sigma
+        Standard deviation of a sample's white noise, m/s^2.
+    lean
+        Specific force by leaning, s^-2: the specific force is the acceleration minus `lean` times
+        the displacement.
+    band
+        Edges of the band of the motion, Hz.
+    """
+
+    def __init__(
+        self, step: float, force_sigma: float, lean: float, band: tuple[float, float]
+    ) -> None:
+        self._block = max(round(1.0 / (RATE * step)), 1)
+        self._given = (step * self._block, 2.0 * force_sigma**2 * step, lean, band)
+        self.chosen: Candidate | None = None
+
+    def look(self, force: Array) -> Candidate | None:
+        """Choose a candidate; None if the record is shorter than `LEAST`.
+
+        `force` is the specific force along one axis, m/s^2, shape (samples,): all of it, or the
+        last `OF_SHAPE` seconds or more. A constant in it does not matter.
+        """
+        step = self._given[0]
+        force = self._average(force)
+        lengths = [n for n in _list_lengths(step) if n <= len(force)]
+        if not lengths:
+            return None
+        last = round(OF_VARIANCE / step)
+        of_shape = compute_log_likelihood(force[-lengths[-1] :], *self._given)
+        of_variance = of_shape
+        if lengths[-1] > last:
+            of_variance = compute_log_likelihood(force[-last:], *self._given)
+        best = of_shape.max(axis=2)
+        period, bandwidth = np.unravel_index(int(best.argmax()), best.shape)
+        now = self.chosen
+        if now is not None:
+            is_shape_good = best[period, bandwidth] - best[now[:2]] <= GAIN_OF_SHAPE
+            of_now = of_variance[now[:2]]
+            if is_shape_good and of_now.max() - of_now[now.variance] <= GAIN_OF_VARIANCE:
+                return now
+        variance = int(of_variance[period, bandwidth].argmax())
+        self.chosen = Candidate(int(period), int(bandwidth), variance)
+        return self.chosen
+
+    def measure_above(self, force: Array) -> Motion:
+        """Estimate the motion above the band, where no candidate has any.
+
+        `force` is as for `look`. The estimate begins at `ABOVE` times the band's upper edge, which
+        a Hann window keeps free of what is inside the band. A variance may be slightly below zero,
+        by chance.
+        """
+        step, noise, _, band = self._given
+        force = self._average(force)
+        frequency = np.fft.rfftfreq(len(force), step)
+        above = (frequency >= ABOVE * band[1]) & (frequency <= 0.4 / step)
+        excess = (compute_periodogram(force, step)[above] - noise) / (len(force) * step)
+        omega = 2.0 * np.pi * frequency[above]
+        return Motion(float(np.sum(excess / omega**4)), float(np.sum(excess / omega**2)))
+
+    def _average(self, force: Array) -> Array:
+        """Return means over blocks of samples, of which the last ends with the record."""
+        block = self._block
+        blocks = force[len(force) % block :].reshape(-1, block)
+        return np.asarray(blocks @ np.full(block, 1.0 / block))
+
+
+def compute_periodogram(force: Array, step: float) -> Array:
+    """Compute the one-sided periodogram of samples (n,), with a Hann window; their unit^2/Hz."""
+    window = np.hanning(len(force))
+    ordinates = np.fft.rfft((force - force.mean()) * window)
+    return np.asarray(np.abs(ordinates) ** 2 * (2.0 * step / np.sum(window**2)))
+
+
+def compute_log_likelihood(
+    force: Array, step: float, noise: float, lean: float, band: tuple[float, float]
+) -> Array:
+    """Compute the Whittle log likelihood of all candidates, up to a constant.
+
+    Parameters
+    ----------
+    force
+        Specific force, m/s^2, shape (n,).
+    step
+        Sampling interval, s.
+    noise
+        One-sided density of the white noise, (m/s^2)^2/Hz.
+    lean
+        Specific force by leaning, s^-2.
+    band
+        Edges of the band of the motion, Hz.
+
+    Returns
+    -------
+    array
+        Shape (periods, bandwidths, variances).
+    """
+    inverse, constant, inside = _make_models(len(force), step, noise, lean, band)
+    periodogram = compute_periodogram(force, step)[inside]
+    return np.asarray(-(constant + inverse @ periodogram) / HANN)
+
+
+@lru_cache(32)
+def _make_models(
+    length: int, step: float, noise: float, lean: float, band: tuple[float, float]
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Return 1 / density of all candidates, the sum of log densities, and the ordinates they use.
+
+    The shapes are (periods, bandwidths, variances, ordinates), without the last axis, and that of
+    all ordinates of a record of `length` samples.
+    """
+    frequency = np.fft.rfftfreq(length, step)
+    inside = (frequency >= band[0]) & (frequency <= band[1])
+    frequency = frequency[inside]
+    # averaging over a step weakens the force a little
+    force = ((2.0 * np.pi * frequency) ** 2 + lean) ** 2 * np.sinc(frequency * step) ** 2
+    fine = np.linspace(*band, 4096)
+    shapes = np.empty((len(PERIODS), len(BANDWIDTHS), len(frequency)))
+    for (i, period), (j, bandwidth) in product(enumerate(PERIODS), enumerate(BANDWIDTHS)):
+        spectrum = translated(period, bandwidth)
+        shapes[i, j] = spectrum.density(frequency) / np.trapezoid(spectrum.density(fine), fine)
+    models = shapes[:, :, None] * np.array(VARIANCES)[:, None] * force + noise
+    return 1.0 / models, np.log(models).sum(axis=-1), inside
+
+
+def _list_lengths(step: float) -> list[int]:
+    """Return the numbers of samples, rising, of which periodograms are made.
+
+    They are few, because the models of a length are kept.
+    """
+    return [round(seconds / step) for seconds in (LEAST, OF_VARIANCE, 90.0, 120.0, 180.0, OF_SHAPE)]

@@ -1,0 +1,120 @@
+"""Makes the models of the candidates among which SKFA chooses, and their gains.
+
+The candidates are those of `motion.tracking`. A fitted shaping filter is kept in the cache folder,
+because there are some hundred.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import changed
+from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
+from owtsweep.motion.spectra import translated
+from owtsweep.motion.tracking import VARIANCES, Candidate
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.expected.cache import cached
+from owtsweep.studies.hub.known_motion import find_noise_density
+from owtsweep.studies.hub.sections import Skf
+from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
+from owtsweep.studies.hub.spectral_model import FLOOR
+
+#: Number of states of a candidate's shaping filter. The true spectrum is not known, so a closer fit
+#: to a candidate does not lower the error.
+STATES = 8
+#: The model that assumes next to nothing: its variance, m^2, and the frequency up to which its
+#: acceleration is white, as a multiple of the band's upper edge. From the band's lower edge on, its
+#: position falls with f^-4. With these values its stated error is within 1 % of the Kalman bound
+#: for the default sensors. A wider band adds the error of not knowing the force between samples.
+WIDE_VARIANCE, WIDE = 10.0, 4.0
+#: Number of neighbouring variances that share a fit: variances matter to it only by the floor.
+SHARED = 3
+
+
+@lru_cache(256)
+def make_candidate(
+    candidate: Candidate | None,
+    bias_variance: float,
+    tuning: Skf,
+    sensors: Sensors,
+    band: tuple[float, float],
+) -> SpectralAxis:
+    """Make the model of one axis for a candidate.
+
+    Parameters
+    ----------
+    candidate
+        Natural period, bandwidth and variance, as indices; None for a model that assumes next to
+        nothing of the motion.
+    bias_variance
+        Variance of the bias at the start, (m/s^2)^2.
+    tuning
+        The section `skf` of the configuration.
+    sensors
+        The properties of IMU and GNSS.
+    band
+        Edges of the band of the motion, Hz.
+    """
+    tuning = changed(tuning, bias_variance=bias_variance)
+    if candidate is None:
+        return make_axis(_make_wide(band), WIDE_VARIANCE, tuning, sensors)
+    group = candidate.variance // SHARED
+    shaping = _fit(candidate.period, candidate.bandwidth, group, sensors, band)
+    return make_axis(shaping, candidate.values[2], tuning, sensors)
+
+
+@lru_cache(96)
+def tune_candidate(axis: SpectralAxis, rows: int) -> TunedAxis:
+    """Compute the gains of a model for at least `rows` steps; 1 MB per 5000 steps."""
+    return tune_axis(axis, rows)
+
+
+@lru_cache(512)
+def _fit(
+    period: int, bandwidth: int, group: int, sensors: Sensors, band: tuple[float, float]
+) -> ShapingFilter:
+    """Fit the shaping filter of a candidate's spectrum, for a group of `SHARED` variances."""
+    middle = min(SHARED * group + SHARED // 2, len(VARIANCES) - 1)
+    natural_period, k, variance = Candidate(period, bandwidth, middle).values
+    frequency = _choose_frequencies(1.0 / natural_period, float(np.sqrt(k)), band)
+    inside = (frequency >= band[0]) & (frequency <= band[1])
+    density = np.where(inside, translated(natural_period, k).density(frequency), 0.0)
+    floor = FLOOR * find_noise_density(sensors, frequency) / variance
+    what = {
+        "what": "shaping filter of a candidate",
+        "spectrum": [natural_period, k, *band],
+        "floor": floor.tolist(),
+        "states": STATES,
+    }
+    fitted = cached(what, lambda: vars(fit_shaping_filter(frequency, density, STATES, floor)))
+    return ShapingFilter(**fitted)  # type: ignore[arg-type]
+
+
+@lru_cache(8)
+def _make_wide(band: tuple[float, float]) -> ShapingFilter:
+    """Make the shaping filter of the model that assumes next to nothing of the motion."""
+    low, high = band[0], WIDE * band[1]
+    frequency = np.geomspace(low / 20.0, 20.0 * high, 400)
+    density = 1.0 / ((1.0 + (frequency / low) ** 4) * (1.0 + (frequency / high) ** 4))
+    # the floor is far below the density wherever the motion may be
+    floor = 1e-6 * density[np.searchsorted(frequency, high)]
+    return fit_shaping_filter(frequency, density, FEWEST, floor)
+
+
+def _choose_frequencies(peak: float, half_bandwidth: float, band: tuple[float, float]) -> Array:
+    """Return frequencies, Hz, (m,): dense at the peak, and reaching beyond the band."""
+    low, high = band
+    around = peak + half_bandwidth * np.sinh(np.linspace(-3.0, 3.0, 81))
+    parts = [
+        np.geomspace(low / 10.0, low, 20),
+        np.linspace(low, high, 121),
+        np.geomspace(high, 4.0 * high, 40),
+        around[(around > low) & (around < high)],
+    ]
+    frequency = np.unique(np.concatenate(parts))
+    # two frequencies that nearly coincide tell nothing more, and have no width
+    is_apart = np.concatenate([[True], np.diff(frequency) > 1e-3 * half_bandwidth])
+    return np.asarray(frequency[is_apart])

@@ -1,0 +1,228 @@
+"""Filters one axis with the model that the motion so far makes likely.
+
+Every ten seconds the tracker looks at the specific force. When it chooses another model, the filter
+of this model starts a minute ago, from its own prior, filters that minute's measurements again, and
+goes on from there. So no state is handed from one model to another, but for the IMU's bias.
+
+A guard: a model is not taken, or is given up for one that assumes next to nothing of the motion, if
+the innovations of the last minute's fixes are larger than it can explain, or if there is motion
+above the band that it does not know and that matters beside the error that it states. It is given
+up at once if the innovations of the last few fixes, or an IMU sample, are far too large, as when a
+calm hub is struck.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.tracking import (
+    INTERVAL,
+    LEAST,
+    OF_SHAPE,
+    Candidate,
+    Motion,
+    SpectrumTracker,
+)
+from owtsweep.studies.hub.axis_filters import AxisEstimates, AxisFilter
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.sections import Skf
+from owtsweep.studies.hub.spectral_axis import SpectralAxis
+from owtsweep.studies.hub.tracked_models import make_candidate
+
+#: Time that a new model filters again, s, and the standard deviation of the bias that it starts
+#: with, m/s^2.
+AGAIN, BIAS_SIGMA = 60.0, 0.02
+#: Probability that a right model passes the guard, and the greatest variance of unknown motion
+#: above the band per variance of the stated error.
+CONFIDENCE, UNKNOWN = 0.999, 0.5
+#: Number of the last few fixes, and the probability that a right model fails their test.
+FEW, ALARM = 4, 1e-5
+#: How many standard deviations an IMU sample may be off the bias.
+FAR = 6.0
+
+
+class TrackingFilter:
+    """A filter of one axis that is told nothing of the motion.
+
+    Parameters
+    ----------
+    tuning
+        The section `skf` of the configuration.
+    sensors
+        The properties of IMU and GNSS.
+    band
+        Edges of the band of the motion, Hz.
+    start
+        Returns a new filter of a model, given the model and the bias to start with, m/s^2.
+    """
+
+    def __init__(
+        self,
+        tuning: Skf,
+        sensors: Sensors,
+        band: tuple[float, float],
+        start: Callable[[SpectralAxis, float], AxisFilter],
+    ) -> None:
+        self._tuning, self._sensors, self._band, self._start = tuning, sensors, band, start
+        lean = tuning.find_lean(sensors.lean)
+        self._tracker = SpectrumTracker(sensors.step, sensors.force_sigma, lean, band)
+        between = int(np.ceil(INTERVAL / sensors.fix_step - 1e-9))
+        self._between = between * sensors.fix_interval
+        looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
+        self._again = looks * self._between
+        kept = max(self._again + sensors.fix_interval, round(OF_SHAPE / sensors.step))
+        self._history = np.empty((2, kept + self._between))
+        self._steps = self._filled = 0
+        # steps and biases at the looks of the last minute
+        self._biases = deque([(0, 0.0)], maxlen=looks + 2)
+        # squared scaled innovations: between the looks, since the last look, of the last few
+        self._scores: deque[Array] = deque(maxlen=looks)
+        self._fresh: list[Array] = []
+        self._few: Array = np.empty(0)
+        #: The candidate in use; None while next to nothing is assumed.
+        self.model: Candidate | None = None
+        self._filter = start(self._make(None, tuning.bias_variance), 0.0)
+        self._force_sigma = np.inf  # of an IMU sample, by the model
+        self._stated = np.zeros((2, 2))  # covariance of the last estimate
+
+    @property
+    def has_looked(self) -> bool:
+        """Whether the record was long enough for a look at the spectrum."""
+        return self._steps * self._sensors.step >= LEAST
+
+    @property
+    def bias(self) -> float:
+        """The estimated bias of the IMU along the axis, m/s^2."""
+        return self._filter.bias
+
+    def take(self, force: Array, fixes: Array) -> AxisEstimates:
+        """Take the measurements of the next steps; return the estimates of these steps.
+
+        `force` is the specific force, m/s^2, and `fixes` are position fixes, m, shape (steps,)
+        each; NaN at steps without a fix.
+        """
+        parts, done = [], 0
+        while done < len(force):
+            stop = min(done + self._between - self._steps % self._between, len(force))
+            parts.append(self._follow(force[done:stop], fixes[done:stop]))
+            done += len(parts[-1].state)
+            if self._steps % self._between == 0:
+                self._look()
+        if len(parts) == 1:
+            return parts[0]
+        return AxisEstimates(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+    def _follow(self, force: Array, fixes: Array) -> AxisEstimates:
+        """Take measurements until the next look, or until a measurement contradicts the model.
+
+        In the latter case, the result ends with the estimate of the step of this measurement.
+        """
+        result = self._filter.take(force, fixes)
+        scores = _score(result)
+        steps = len(force)
+        is_alarmed = False
+        if self.model is not None:
+            struck = np.flatnonzero(np.abs(force - self._biases[-1][1]) > FAR * self._force_sigma)
+            late = _find_alarm(self._few, scores)
+            ends = [int(struck[0])] if len(struck) else []
+            if late is not None:
+                ends.append(int(np.flatnonzero(~np.isnan(result.innovation))[late]))
+            if ends:
+                is_alarmed, steps = True, min(ends) + 1
+                result = AxisEstimates(*(array[:steps] for array in result))
+                scores = _score(result)
+        self._history[:, self._filled : self._filled + steps] = force[:steps], fixes[:steps]
+        self._filled += steps
+        self._steps += steps
+        self._fresh.append(scores)
+        self._few = np.concatenate([self._few, scores])[-(FEW - 1) :]
+        self._stated = result.covariance[-1]
+        if is_alarmed:
+            self._change(None, Motion(0.0, 0.0))
+        return result
+
+    def _look(self) -> None:
+        """Look at the spectrum, and change the model if another is likely or this one is wrong."""
+        self._biases.append((self._steps, self._filter.bias))
+        self._scores.append(np.concatenate([np.empty(0), *self._fresh]))
+        self._fresh = []
+        force = self._history[0, : self._filled]
+        wanted = self._tracker.look(force)
+        above = self._tracker.measure_above(force)
+        if wanted is not None and wanted != self.model:
+            self._change(wanted, above)
+        if self.model is not None:
+            scores = np.concatenate([*self._scores, *self._fresh])
+            if _is_contradicted(scores) or _is_blind(self._stated, above):
+                self._change(None, above)
+        kept = self._history.shape[1] - self._between
+        if self._filled > kept:
+            self._history[:, :kept] = self._history[:, self._filled - kept : self._filled].copy()
+            self._filled = kept
+
+    def _change(self, model: Candidate | None, above: Motion) -> None:
+        """Filter the last minute again with another model, and go on with it unless it is wrong.
+
+        `above` is the motion above the band. The model None is never wrong.
+        """
+        interval = self._sensors.fix_interval
+        first = max(self._steps - self._again, 0) // interval * interval
+        bias = next(bias for step, bias in reversed(self._biases) if step <= first)
+        variance = BIAS_SIGMA**2 if first else self._tuning.bias_variance
+        axis = self._make(model, variance)
+        filter = self._start(axis, bias)
+        again = self._history[:, self._filled - (self._steps - first) : self._filled]
+        result = filter.take(*again)
+        scores, stated = _score(result), result.covariance[-1]
+        if model is None or not (_is_contradicted(scores) or _is_blind(stated, above)):
+            self.model, self._filter, self._stated = model, filter, stated
+            self._force_sigma = _compute_force_sigma(axis)
+            self._scores.clear()
+            self._fresh, self._few = [scores], scores[-(FEW - 1) :]
+
+    def _make(self, model: Candidate | None, bias_variance: float) -> SpectralAxis:
+        return make_candidate(model, bias_variance, self._tuning, self._sensors, self._band)
+
+
+def _score(estimates: AxisEstimates) -> Array:
+    """Return the squares of the innovations divided by their variances, shape (fixes,)."""
+    there = estimates.innovation == estimates.innovation  # not NaN
+    return np.asarray(estimates.innovation[there] ** 2 / estimates.variance[there])
+
+
+def _is_contradicted(scores: Array) -> bool:
+    """Return whether the sum of squared scaled innovations, or of the last few, is no chance."""
+    from scipy.special import chdtri
+
+    count = len(scores)
+    is_large = count > 0 and np.sum(scores) > chdtri(count, 1.0 - CONFIDENCE)
+    return bool(is_large) or _find_alarm(np.empty(0), scores) is not None
+
+
+def _find_alarm(before: Array, scores: Array) -> int | None:
+    """Return the index of the first score that, with those before it, is far too large; or None.
+
+    The sum of the last `FEW` scores is tested; `before` are the scores before `scores`.
+    """
+    from scipy.special import chdtri
+
+    sums = np.convolve(np.concatenate([before, scores]), np.ones(FEW))[len(before) :]
+    far = np.flatnonzero(sums[: len(scores)] > chdtri(FEW, ALARM))
+    return int(far[0]) if len(far) else None
+
+
+def _is_blind(stated: Array, above: Motion) -> bool:
+    """Return whether motion above the band matters beside the stated covariance (2, 2)."""
+    variances = UNKNOWN * np.diagonal(stated)
+    return bool(above.position > variances[0] or above.velocity > variances[1])
+
+
+def _compute_force_sigma(axis: SpectralAxis) -> float:
+    """Compute the standard deviation of an IMU sample without bias, m/s^2."""
+    model = axis.model
+    n = len(model.Q)
+    return float(np.sqrt(model.fast @ axis.first[:n, :n] @ model.fast + model.r_fast))
