@@ -23,7 +23,7 @@ help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
 	@echo 'make test    lint, format, imports, types, tests; one test: make test ARGS="-k store"'
 	@echo 'make test-faults   the slow tests: kills, full disks, a cluster, a million cases'
-	@echo 'make reproduce   the search, both runs with 100 records per cell, all figures, the report;'
+	@echo 'make reproduce   the searches, all runs with 100 records per cell, all figures, the reports;'
 	@echo '             ARGS=--check: only say whether results/reference agrees'
 	@echo 'make bench   speed against goals and peers, into benchmarks/report.md; ARGS=--quick: a look'
 	@echo 'make clean   delete the environment and all caches (never results)'

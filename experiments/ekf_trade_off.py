@@ -173,7 +173,7 @@ def main(folder):
     sensors = records.sensors
     variance = float(np.mean([np.mean(motion.position**2) for motion in records.motion]))
     frequency = np.linspace(*config.band, 1101)
-    true = records.spectrum.density(frequency)
+    true = records.source.spectrum.density(frequency)
     true = true / true.sum()
     flat = np.full_like(true, 1.0 / len(true))
     rows = []

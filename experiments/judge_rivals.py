@@ -9,9 +9,13 @@ records per natural period (default: 100) with seed 2019; the search had another
 """
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from joblib import cpu_count
 
 import owtsweep
 from owtsweep.config import with_values
@@ -29,14 +33,20 @@ BOOTSTRAPS = 1000
 
 def run_schemes(config, schemes, count):
     """Return scheme -> natural period (s) -> products of each record, shape (4, 3, records)."""
-    results = {scheme: {} for scheme in schemes}
-    for period in scoring.PERIODS:
-        records = make_records(config, period, range(count))
-        chains = [resolve(name).kernel(records.sensors, config, records.steps) for name in schemes]
-        sums = sum_errors(chains, records, 0, consistency=False)
-        for name, one in zip(schemes, sums, strict=True):
-            results[name][period] = one.products[:, :4].sum(axis=0) / records.steps
-    return results
+    with ThreadPoolExecutor(cpu_count()) as pool:  # the kernels release the GIL
+        each = list(pool.map(partial(run_period, config, schemes, count), scoring.PERIODS))
+    return {
+        scheme: dict(zip(scoring.PERIODS, products, strict=True))
+        for scheme, products in zip(schemes, zip(*each, strict=True), strict=True)
+    }
+
+
+def run_period(config, schemes, count, period):
+    """Return the products of each scheme at one natural period (s), shape (4, 3, records) each."""
+    records = make_records(config, period, range(count))
+    chains = [resolve(name).kernel(records.sensors, config, records.steps) for name in schemes]
+    sums = sum_errors(chains, records, 0, consistency=False)
+    return [one.products[:, :4].sum(axis=0) / records.steps for one in sums]
 
 
 def average(results):
@@ -108,5 +118,5 @@ if __name__ == "__main__":
     main(
         owtsweep.load(sys.argv[1]),
         int(sys.argv[2]) if len(sys.argv) > 2 else 100,
-        sys.argv[3] if len(sys.argv) > 3 else "judged.csv",
+        Path(sys.argv[3] if len(sys.argv) > 3 else "judged.csv"),
     )

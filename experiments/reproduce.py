@@ -1,4 +1,4 @@
-"""Make everything behind docs/reproduction.md: the search, the runs, all figures, the reports.
+"""Make everything behind docs/reproduction.md and docs/plant.md: searches, runs, figures, reports.
 
     python experiments/reproduce.py [REPLICATES] [--check]
 
@@ -11,6 +11,7 @@ reproduce` calls this script.
 
 import argparse
 import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -26,6 +27,7 @@ from owtsweep.figures import style
 from owtsweep.studies.hub.figures import two_maps
 
 REFERENCE = Path("results/reference")
+SCRIPTS = Path(__file__).parent
 #: Run -> its overrides. `matched_on_paper` has the truth of `paper`: only the tuning differs.
 RUNS = {
     "default": ["experiment=study", "tuning=paper", "grid.replicates=20"],
@@ -38,6 +40,16 @@ ABLATIONS = {
     "paper_all_inputs": ["hme.mhe.inputs=all"],
     "paper_same_variance": ["hme1.r_gnss.scale=0.303"],
 }
+#: The runs behind docs/plant.md: the map under the envelope, and the seas of figures 3-4 and 9-14.
+PLANT = {
+    "both_tunings": ["experiment=paper", "tuning=[paper,matched]"],
+    "plant_seas": [
+        "motion=plant", "motion.hs=[2]", "motion.tp=[6,8]", "tuning=[paper,matched]",
+        "grid.replicates=20",
+    ],
+}  # fmt: skip
+#: Pictures that get fewer colours than others, because they would be large: folder/name -> number.
+COLOURS = {"plant/figure_03_record.png": 32}
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
     *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
@@ -49,6 +61,7 @@ KEPT = {
     "paper": ALL,
     "matched": ALL,
     "matched_on_paper": (*TABLES, "figures/figure_18*.png"),
+    "rivals": ("config.yaml", "manifest.json", "*.csv"),
     "plant": ("*.csv", "*.png", "*.md"),
     **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
@@ -87,19 +100,19 @@ class Reproduction:
                     if (made / file).is_file():
                         shutil.copy(made / file, kept / file)
 
-    def keep_picture(self, file: Path) -> None:
-        """Compare one picture of several runs with results/reference; copy it if it differs."""
+    def keep_file(self, file: Path, reference: Path = REFERENCE) -> None:
+        """Compare one picture or table with the kept one in `reference`; copy it if it differs."""
         with tempfile.TemporaryDirectory() as folder:
             made, kept = Path(folder) / "made", Path(folder) / "kept"
             for target in (made, kept):
                 target.mkdir()
             copy_small(file, made / file.name)
-            if (REFERENCE / file.name).is_file():
-                shutil.copy(REFERENCE / file.name, kept)
+            if (reference / file.name).is_file():
+                shutil.copy(reference / file.name, kept)
             differences = compare_folders(made, kept)
-            self.tell(file.name, differences, 0.0)
+            self.tell(file.name, differences, largest_difference(made, kept))
             if differences and not self.check:
-                shutil.copy(made / file.name, REFERENCE / file.name)
+                shutil.copy(made / file.name, reference / file.name)
 
     def tell(self, name: str, differences: dict[str, str], largest: float) -> None:
         """Print whether a part agrees with results/reference, and remember the files that do not.
@@ -114,7 +127,7 @@ class Reproduction:
         self.differing += [f"{name}/{file}" for file in differences]
 
     def make_all(self) -> None:
-        """Make the search, the runs, the ablations, the two maps side by side, and the plant."""
+        """Make the searches, the runs, the ablations, the two maps side by side, and the plant."""
         self.sweep("readings", "experiment=readings")
         self.keep("readings")
         for name, overrides in RUNS.items():
@@ -129,10 +142,38 @@ class Reproduction:
         metadata = {"paper": paper.hash, "matched": matched.hash}
         figure = two_maps.draw(paper, matched)
         png, _ = style.save(figure, self.results, "two_maps", metadata)
-        self.keep_picture(png)
-        (self.results / "plant").mkdir(exist_ok=True)
-        plant.make_all(self.results / "default", self.results / "plant")
+        self.keep_file(png)
+        self.make_rivals()
+        self.make_plant()
+
+    def make_rivals(self) -> None:
+        """Search the rival explanations of table 8, judge them, and make the EKF's trade-off."""
+        self.sweep("rivals", "experiment=rivals")
+        folder = self.results / "rivals"
+        run_script("judge_rivals.py", folder, self.replicates, folder / "judged.csv")
+        self.keep("rivals")
+        run_script("ekf_trade_off.py", self.results)
+        for ending in ("csv", "png"):
+            self.keep_file(self.results / f"ekf_trade_off.{ending}")
+
+    def make_plant(self) -> None:
+        """Make the runs, tables and pictures of the plant, and what a tilt of the IMU costs."""
+        for name, overrides in PLANT.items():
+            self.sweep(name, f"grid.replicates={self.replicates}", *overrides)
+        folder, seas = self.results / "plant", self.results / "plant_seas"
+        folder.mkdir(exist_ok=True)
+        plant.make_all(self.results / "both_tunings", folder)
+        self.report("plant_seas")
+        for name in ("figure_03_record", "figure_04_spectrum"):
+            shutil.copy(seas / "figures" / f"{name}.png", folder)
+        for tuning in ("paper", "matched"):
+            claims = seas / "fidelity" / tuning / "fidelity_claims.csv"
+            shutil.copy(claims, folder / f"fidelity_claims_{tuning}.csv")
+        run_script("plant_spectrum.py", folder / "plant_spectrum.csv")
+        run_script("plant_tilt.py", folder / "plant_tilt.csv")
         self.keep("plant")
+        run_script("tilt.py", self.results / "tilt")
+        self.keep_file(self.results / "tilt" / "tilt_cost.png", Path("docs/images"))
 
 
 def run_command(*words: str) -> None:
@@ -143,11 +184,20 @@ def run_command(*words: str) -> None:
         sys.exit(code)
 
 
+def run_script(name: str, *words: object) -> None:
+    """Run one script of this folder; if it fails, end the program with the exit code."""
+    command = [sys.executable, SCRIPTS / name, *words]
+    print("$ python", *command[1:], flush=True)
+    code = subprocess.run([str(word) for word in command], check=False).returncode
+    if code:
+        sys.exit(code)
+
+
 def copy_small(source: Path, target: Path) -> None:
     """Copy a file into the one folder of a run in results/reference.
 
-    A PNG is reduced to 192 colours, a third of the size and alike to the eye. Links of a report to
-    its pictures lead to the pictures beside it.
+    A PNG is reduced to 192 colours, or those of `COLOURS`: a third of the size and alike to the
+    eye. Links of a report to its pictures lead to the pictures beside it.
     """
     if source.suffix == ".md":
         target.write_text(source.read_text("utf-8").replace("](figures/", "]("), "utf-8")
@@ -160,12 +210,15 @@ def copy_small(source: Path, target: Path) -> None:
     for key, value in picture.info.items():
         if isinstance(value, str):
             notes.add_text(key, value)
-    small = picture.convert("RGB").quantize(192, dither=Image.Dither.NONE)
+    colours = COLOURS.get(f"{source.parent.name}/{source.name}", 192)
+    small = picture.convert("RGB").quantize(colours, dither=Image.Dither.NONE)
     small.save(target, optimize=True, pnginfo=notes)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Make everything behind docs/reproduction.md.")
+    parser = argparse.ArgumentParser(
+        description="Make everything behind docs/reproduction.md and plant.md."
+    )
     parser.add_argument("replicates", nargs="?", default="100", help="records per cell")
     parser.add_argument("--check", action="store_true", help="compute anew, compare, copy nothing")
     options = parser.parse_args()

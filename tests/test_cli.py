@@ -89,6 +89,7 @@ def test_each_script_draws_its_figure(capsys, monkeypatch):
             "outliers.py",
             "plant.py",
             "plant_spectrum.py",
+            "plant_tilt.py",
             "reproduce.py",
             "tilt.py",
             "two_maps.py",

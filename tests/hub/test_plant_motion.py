@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from tools import SMALL
 
@@ -22,6 +23,9 @@ from owtsweep.studies.hub.conditions import (
     list_record_conditions,
 )
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
+from owtsweep.studies.hub.figures import record_and_spectrum
+from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.plant import make_plant
 from owtsweep.studies.hub.records import Records, make_records_at
 from owtsweep.sweep.keys import run_hash
@@ -257,3 +261,52 @@ def test_commands_that_need_a_spectrum_say_so(command, tmp_path, capsys):
     assert main([command, "motion=plant", f"results={tmp_path}"]) == 2
     assert f"motion: `{command}` needs the spectrum of the motion" in capsys.readouterr().err
     assert not list(Path(tmp_path).iterdir())
+
+
+def test_fidelity_judges_the_time_histories_alone(tmp_path):
+    """F9 and F11 are judged, in the sea of the run that is nearest to Hs 2 m and Tp 6 s."""
+    config = plant(
+        results=str(tmp_path), motion__hs=[1.0, 3.0], motion__tp=[6.0, 9.0],
+        schemes=["HME1", "HME2"], grid__replicates=2,
+    )  # fmt: skip
+    folder = sweep(get_study("hub"), config).run.folder
+    assert main(["fidelity", str(folder)]) == 0
+    claims = pd.read_csv(folder / "fidelity" / "fidelity_claims.csv")
+    assert list(claims["statement"]) == ["F9", *["F11"] * 3]
+    assert claims["decided_at"].str.startswith("hs 1 m, tp 6 s, blades 0: ").all()
+
+    errors = measure_history_errors(config)
+    assert errors is not None
+    position = [errors.accumulated[name, "position"].mean() for name in ("HME1", "HME2")]
+    assert claims["value"][1] == pytest.approx(position[0] / position[1], rel=1e-9)
+    # the second way: the estimates that figures 9-14 draw, of record 0
+    shown = simulate_histories(with_values(config, {"motion.hs": [1.0], "motion.tp": [6.0]}))
+    error = np.abs(shown.estimated["HME1"].position - shown.position).sum() * shown.time[1]
+    assert errors.accumulated["HME1", "position"][0] == pytest.approx(error, rel=1e-9)
+
+
+def test_fidelity_needs_the_two_schemes_of_the_statements(tmp_path, capsys):
+    folder = sweep(get_study("hub"), plant(results=str(tmp_path))).run.folder
+    assert main(["fidelity", str(folder)]) == 2
+    told = "schemes: `fidelity` judges HME1 and HME2 on the plant; run a sweep with"
+    assert told in capsys.readouterr().err
+    assert not (folder / "fidelity").exists()
+
+
+def test_figures_3_and_4_show_the_sea_of_the_paper():
+    """Record 0 at the sea nearest to Hs 2 m and Tp 8 s, with the structure's own period."""
+    config = plant(motion__hs=[1.0, 2.0, 4.0], motion__tp=[6.0, 8.0], record__duration=400.0)
+    shown = record_and_spectrum.draw_record(config)
+    assert "hs 2 m, tp 8 s, blades 0: natural period 3.89 s" in shown.get_suptitle()
+    sea = SEA | {"tp": 8.0}
+    position = records(config, **sea).motion[0].position
+    north = np.asarray(shown.axes[0].lines[0].get_ydata())
+    assert np.abs(north).max() == pytest.approx(np.cos(np.pi / 6) * np.abs(position).max())
+
+    spectrum = record_and_spectrum.draw_spectrum(config).axes[0]
+    lines = {line.get_label(): line for line in spectrum.lines}
+    frequency, density = lines["this record (Welch)"].get_data()
+    first = make_plant(config, sea).vibration.frequency[0]
+    assert np.asarray(frequency)[np.argmax(density)] == pytest.approx(first, abs=0.005)
+    assert lines["first mode"].get_xdata()[0] == pytest.approx(first)
+    assert lines["peak of the waves"].get_xdata()[0] == pytest.approx(0.125)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,15 +113,16 @@ def natural_period_of(config: HubConfig) -> float:
     return NATURAL_PERIOD
 
 
-def choose_sea(config: HubConfig) -> dict[str, Value]:
-    """Return the plant's conditions of the time histories: the sea state nearest to `SEA`.
+def choose_sea(config: HubConfig, sea: Mapping[str, float] = SEA) -> dict[str, Value]:
+    """Return the plant's conditions with the sea state of the configuration nearest to `sea`.
 
-    Blades and friction angle are the first of the configuration. The result is condition -> value.
+    `sea` has `hs` (m) and `tp` (s). Blades and friction angle are the first of the configuration.
+    The result is condition -> value.
     """
     grid = get_grid(config)
     nearest = {
         name: min(grid[name], key=lambda value: abs(float(value) - wanted))
-        for name, wanted in SEA.items()
+        for name, wanted in sea.items()
     }
     return {name: values[0] for name, values in grid.items()} | nearest
 

@@ -2,7 +2,8 @@
 
 Source: section 5.2 of Ren et al. (2019). This period is not in the paper's grid. So the histories
 are simulated for the fidelity report, with the run's configuration except for natural period and
-amplitude.
+amplitude. With motion=plant the structure moves in the sea of figures 9-14, Hs 2 m and Tp 6 s, or
+in that sea state of the run which is nearest to it.
 """
 
 from __future__ import annotations
@@ -21,9 +22,12 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.conditions import describe_values
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.filter_states import bias_of
-from owtsweep.studies.hub.records import Records, make_records
+from owtsweep.studies.hub.histories import choose_sea
+from owtsweep.studies.hub.plant import is_plant
+from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.hub.sensors import simulate_bias
 
@@ -32,6 +36,8 @@ NATURAL_PERIOD = 3.8
 #: Amplitude, m. Section 5.2 does not state it. There HME1 is better in position, so by Fig. 15 the
 #: amplitude is above 0.3 m; 0.5 m is the next larger amplitude in section 5.3.
 AMPLITUDE = 0.5
+#: Both in words.
+WHERE = f"{NATURAL_PERIOD:g} s, {AMPLITUDE:g} m"
 #: The bound of F9 on the velocity error, m/s.
 VELOCITY_BOUND = 0.05
 SCHEMES = ("HME1", "HME2")
@@ -52,14 +58,19 @@ class HistoryErrors:
     accumulated
         (scheme, quantity) -> absolute error integrated over the whole record and summed over both
         axes. The quantities are position (m s), velocity (m) and bias (m/s).
+    where
+        The motion of the histories in words: natural period and amplitude, or the plant's sea.
     """
 
     inside: Mapping[str, Array]
     accumulated: Mapping[tuple[str, str], Array]
+    where: str = WHERE
 
 
 def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     """Simulate HME1 and HME2 at a natural period of 3.8 s on the run's first 20 replicates at most.
+
+    With motion=plant, simulate them in the sea state nearest to Hs 2 m, Tp 6 s.
 
     Return None if the run lacks HME1 or HME2, or if one of them has no kernel for the batch engine.
     Return None also if one of them is a user's scheme of a stored run (such code is not run), or if
@@ -83,9 +94,11 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
             inside[name].append(share)
             for quantity, value in sums.items():
                 accumulated[name, quantity].append(value)
+    where = describe_values(config, choose_sea(config)) if is_plant(config) else WHERE
     return HistoryErrors(
         {name: np.array(shares) for name, shares in inside.items()},
         {key: np.array(sums) for key, sums in accumulated.items()},
+        where,
     )
 
 
@@ -96,22 +109,27 @@ def _measure_record(
 
     The element of `inside` comes first, then those of `accumulated` by quantity.
     """
-    records = make_records(config, NATURAL_PERIOD, [replicate])
+    if is_plant(config):
+        records, amplitude = make_records_at(config, choose_sea(config), [replicate]), 1.0
+    else:
+        records, amplitude = make_records(config, NATURAL_PERIOD, [replicate]), AMPLITUDE
     sensors = records.sensors
     bias = next(simulate_bias(config.sensors, sensors, records.steps, records.stream(0)))
     settled = round(config.measures.settling_time / sensors.step)
     result = {}
     for name in SCHEMES:
         chain = schemes[name].kernel(sensors, config, records.steps)
-        errors = absolute_errors(chain, records, bias)
+        errors = absolute_errors(chain, records, bias, amplitude)
         share = float(np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND))
         sums = {quantity: float(np.sum(error)) * sensors.step for quantity, error in errors.items()}
         result[name] = share, sums
     return result
 
 
-def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Array]:
-    """Compute the absolute errors of one scheme at every step of one record, at `AMPLITUDE`.
+def absolute_errors(
+    chain: Chain, records: Records, bias: Array, amplitude: float = AMPLITUDE
+) -> dict[str, Array]:
+    """Compute the absolute errors of one scheme at every step of one record.
 
     Parameters
     ----------
@@ -121,6 +139,8 @@ def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Ar
         One record.
     bias
         The true accelerometer bias R b^b in m/s^2, shape (steps, 2), as `simulate_bias` yields it.
+    amplitude
+        Factor on the motion of the record: the amplitude in m, or 1 for the plant's motion.
 
     Returns
     -------
@@ -129,11 +149,11 @@ def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Ar
         columns x and y.
     """
     lanes = batch.Lanes(records)
-    force, fixes = lanes.at(AMPLITUDE)
+    force, fixes = lanes.at(amplitude)
     position, velocity, _ = estimates.trajectories(chain, records.sensors, force, fixes)
     # The predictor keeps the bias constant, so the filter's newest estimate is the present one.
     estimated_bias = bias_of(estimates.states(chain, force, fixes), records.sensors)
-    along = AMPLITUDE * records.direction
+    along = amplitude * records.direction
     return {
         "position": np.abs(position - lanes.position * along),
         "velocity": np.abs(velocity - lanes.velocity * along),

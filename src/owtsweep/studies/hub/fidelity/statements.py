@@ -165,8 +165,9 @@ def f9(evidence: HubEvidence) -> list[Claim]:
     text = "95 % of the velocity errors of HME1 and HME2 are within 0.05 m/s"
     if evidence.history_errors is None:
         return [Claim(text, (), NO_HISTORIES)]
+    where = evidence.history_errors.where
     decisions = tuple(
-        mean_ratio(f"3.8 s, 0.5 m: {name}", inside, 1.0, SHARE_INSIDE, "above")
+        mean_ratio(f"{where}: {name}", inside, 1.0, SHARE_INSIDE, "above")
         for name, inside in evidence.history_errors.inside.items()
     )
     return [Claim(text, decisions)]
@@ -200,7 +201,7 @@ def f11(evidence: HubEvidence) -> list[Claim]:
         text = f"{first} is better in {quantity}"
         if evidence.history_errors is None:
             return Claim(text, (), NO_HISTORIES)
-        label = f"3.8 s, 0.5 m: {first} / {second}, {quantity}"
+        label = f"{evidence.history_errors.where}: {first} / {second}, {quantity}"
         sums = evidence.history_errors.accumulated
         ratio = mean_ratio(label, sums[first, quantity], sums[second, quantity], 1.0, "below")
         return Claim(text, (ratio,))

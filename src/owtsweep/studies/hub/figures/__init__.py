@@ -99,7 +99,7 @@ def drawings_of_plant(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """List all figures of a run with motion=plant: maps, and time histories of one record.
+    """List all figures of a run with motion=plant: maps, a record, its spectrum, time histories.
 
     There are the maps of each combination of those conditions that are not axes of the map.
     Parameters are those of `drawings`.
@@ -111,7 +111,9 @@ def drawings_of_plant(
         found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
     return {
         **save_each(found, describe_origin(config), metadata),
-        **save_each(_time_histories(config), describe_one_record(config), metadata),
+        **save_each(
+            _record(config) | _time_histories(config), describe_one_record(config), metadata
+        ),
     }
 
 
@@ -241,13 +243,22 @@ def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> di
     The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
     are groups of schemes with equal results, for a footnote.
     """
-    from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum
+    from owtsweep.studies.hub.figures import error_spectra
+
+    return {
+        **_record(config),
+        **_time_histories(config),
+        "error_spectra": partial(error_spectra.draw, config, coinciding=coinciding),
+    }
+
+
+def _record(config: HubConfig) -> dict[str, Draw]:
+    """List the figures of a displacement record and its spectrum: name -> function that draws."""
+    from owtsweep.studies.hub.figures import record_and_spectrum
 
     return {
         "figure_03_record": partial(record_and_spectrum.draw_record, config),
         "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
-        **_time_histories(config),
-        "error_spectra": partial(error_spectra.draw, config, coinciding=coinciding),
     }
 
 
