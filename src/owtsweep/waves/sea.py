@@ -63,7 +63,11 @@ class Sea:
 
     @property
     def is_found(self) -> bool:
-        """Whether sea states as steep as this one are found (`STEEPEST_SEAS`)."""
+        """Whether sea states as steep as this one are found (`STEEPEST_SEAS`).
+
+        The limit is about half of that at which a single wave breaks (`breaks`), because a sea
+        loses its height in its largest waves.
+        """
         return bool(self.steepness() <= np.interp(self.tp, *STEEPEST_SEAS))
 
     def density(self, frequency: Array) -> Array:
