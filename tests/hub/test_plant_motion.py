@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 from tools import SMALL
 
+import owtsweep
 from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
@@ -237,7 +239,7 @@ def test_a_file_with_more_than_a_structure_is_refused(tmp_path, more, told):
         ({"motion__modes": 5000}, r"motion\.modes: 5000 of structure ren2019; give 1 to \d+"),
         ({"sensors__imu__tilt": "steep"}, r"sensors\.imu\.tilt: 'steep' is neither a number nor"),
         ({"evaluation": "superposed"}, r"evaluation: .* use evaluation=direct"),
-        ({"engine": "expected"}, r"engine: expected needs the spectrum"),
+        ({"engine": "expected"}, r"motion: engine=expected, by which .* needs the spectrum"),
         ({"record__duration": 5.5}, r"record\.duration: 5.5 s is shorter than a wave of 6 s"),
         ({"structure__soil": None}, r"structure: it floats"),
         ({"structure": None}, r"structure: motion=plant needs one; use e.g. structure=ren2019"),
@@ -257,3 +259,25 @@ def test_commands_that_need_a_spectrum_say_so(command, tmp_path, capsys):
     assert main([command, "motion=plant", f"results={tmp_path}"]) == 2
     assert f"motion: `{command}` needs the spectrum of the motion" in capsys.readouterr().err
     assert not list(Path(tmp_path).iterdir())
+
+
+@pytest.mark.parametrize(
+    "flags", [[], ["--dry-run"], ["engine=batch"], ["engine=batch", "--dry-run"]]
+)
+def test_vary_needs_a_spectrum_and_says_so_first(flags, tmp_path, capsys):
+    words = ["motion=plant", "sensors.gnss.rate=1,2", f"results={tmp_path}", *flags]
+    assert main(["vary", *words]) == 2
+    told = capsys.readouterr().err
+    assert re.search(r"`vary`.* needs the spectrum of the motion.*; leave out motion=plant", told)
+    assert told.count("\n") == 1
+    assert not list(Path(tmp_path).iterdir())
+
+
+def test_show_lists_the_sea_states_of_a_run(tmp_path, capsys):
+    words = ["motion.hs=[2]", "motion.tp=[6,8]", "grid.replicates=1", "record.duration=30"]
+    schemes = ["schemes=[MKF]", "baselines=[]", "tuning=paper", "sensors.imu.rate=20"]
+    owtsweep.run(["motion=plant", *words, *schemes, f"results={tmp_path}", "name=run"])
+    assert main(["show", str(tmp_path / "run")]) == 0
+    (told,) = re.findall(r"\* \d{4}-.*", capsys.readouterr().out)
+    assert "hs (1), tp (2), blades (1), replicates 1, schemes MKF" in told
+    assert "natural_period" not in told
