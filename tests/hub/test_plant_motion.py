@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from tools import SMALL
 
 import owtsweep
@@ -30,6 +31,7 @@ from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 
+ROOT = Path(__file__).parents[2]
 SEA = {"hs": 2.0, "tp": 6.0, "blades": 0, "friction_angle": "layers"}
 CLAMPED = """
 name: clamped
@@ -74,6 +76,21 @@ def test_the_imu_feels_the_lean_of_each_mode():
     motion, slope = four.motion[0], four.source.vibration.slope[0]
     by_first = motion.acceleration - 9.81 * slope * motion.position
     assert np.abs(motion.specific_force - by_first).max() > 1e-3
+
+
+def test_the_lean_takes_the_structures_own_gravity(tmp_path):
+    plain = yaml.safe_load((ROOT / "conf/structure/ren2019.yaml").read_text())
+    (tmp_path / "moon.yaml").write_text(yaml.safe_dump(plain | {"gravity": 8.0}))
+    config: Any = compose(
+        ["motion=plant", f"structure={tmp_path}/moon.yaml", "tuning=matched", "motion.modes=1",
+         "record.duration=40"]
+    )  # fmt: skip
+    one = records(config)
+    motion, slope = one.motion[0], one.source.vibration.slope[0]  # type: ignore[attr-defined]
+    felt = motion.acceleration - 8.0 * slope * motion.position
+    np.testing.assert_allclose(motion.specific_force, felt, atol=1e-12)
+    assert one.sensors.lean == pytest.approx(8.0 * slope, rel=1e-12)
+    assert config.mkf.lean == pytest.approx(8.0 * slope, rel=1e-3)
 
 
 def test_a_matched_filter_believes_in_the_first_modes_slope():
