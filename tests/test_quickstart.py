@@ -28,9 +28,10 @@ SMALL = {
     "sweep": [*RECORDS, "grid.amplitude=[0.01,0.5]", "grid.replicates=3",
               "compute.backend=threading", "compute.workers=1"],
     "tune": [*RECORDS, "tune.trials=1", "tune.replicates=2", "schemes=[MKF,HME1]"],
+    "vary": ["record.duration=60", "schemes=[MKF,HME1]"],
 }  # fmt: skip
 #: What differs with the size of a run: numbers, names of schemes, marks, and folders' names.
-VARYING = re.compile(r"(?:paper|comparison)-\w+|\b(?:EKF|MKF|HME[12]|NONE)\b|[^A-Za-z²√]+")
+VARYING = re.compile(r"(?:paper|comparison|vary)-\w+|\b(?:EKF|MKF|HME[12]|NONE)\b|[^A-Za-z²√]+")
 
 
 class Terminal(io.StringIO):

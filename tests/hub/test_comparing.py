@@ -120,9 +120,9 @@ def test_boundaries_are_those_of_each_run(folder, compared):
 
 def test_the_report_says_what_all_runs_share_and_in_what_they_differ(folder, compared):
     told = (
-        "In all runs: tuning paper, IMU 0.15 m/s² 20 Hz, record length 30 s, IMU bias 0.05 m/s², "
-        "bias walk 0.001 m/s²/√s, records per cell 5, seed 2019. The runs differ in "
-        "GNSS (0.03 m 2 Hz delay 0.1 s, 0.03 m 2 Hz delay 0.5 s)."
+        "In all runs: tuning paper, GNSS noise 0.03 m, GNSS rate 2 Hz, IMU noise 0.15 m/s², "
+        "IMU rate 20 Hz, IMU bias 0.05 m/s², bias walk 0.001 m/s²/√s, record length 30 s, "
+        "records per cell 5, seed 2019. The runs differ in GNSS delay (0.1 s, 0.5 s)."
     )
     assert compared.findings.origin == told
     assert told in (compared.folder / "comparison.md").read_text().splitlines()

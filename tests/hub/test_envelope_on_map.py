@@ -60,7 +60,23 @@ def test_the_answer_names_scheme_and_sea():
     outside = points.assign(best_mine=["", "HME1", "HME1", "", "HME1", "HME1"])
     told = tell_best(outside, "mine")
     assert "HME1 in 67 %" in told
-    assert "33 % lie outside the map" in told
+    assert "; at 2 of 6 points (33 %) the map names no scheme. Without" in told
+    assert told.endswith("; at 2 of 6 seas (33 %) the map names no scheme.")
+    nowhere = tell_best(points.assign(best_mine=""), "mine")
+    assert nowhere == "Tuning mine: the map names a scheme at none of the 6 points."
+    one = pd.concat([points.assign(best_mine=""), points.iloc[:1].assign(blades=1)])
+    assert tell_best(one, "mine").endswith(
+        "; at 6 of 7 points (86 %) the map names no scheme. Without blades and with the soil as "
+        "described, no sea lies where the map names a scheme."
+    )
+
+
+def test_a_cell_without_a_result_names_no_scheme():
+    points = make_points(natural_period=[3.0, 5.0], amplitude=[0.1, 1.0])
+    config, best = compose(["tuning=paper"]), make_best()
+    assert find_best(config, best.iloc[:3], points) == ["A", ""]  # type: ignore[arg-type]
+    best.loc[3, "best"] = np.nan
+    assert find_best(config, best, points) == ["A", ""]  # type: ignore[arg-type]
 
 
 def test_figures_draws_the_envelope_over_the_map(

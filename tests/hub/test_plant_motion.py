@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -10,8 +11,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from tools import SMALL
 
+import owtsweep
 from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
@@ -32,6 +35,7 @@ from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 
+ROOT = Path(__file__).parents[2]
 SEA = {"hs": 2.0, "tp": 6.0, "blades": 0, "friction_angle": "layers"}
 CLAMPED = """
 name: clamped
@@ -76,6 +80,21 @@ def test_the_imu_feels_the_lean_of_each_mode():
     motion, slope = four.motion[0], four.source.vibration.slope[0]
     by_first = motion.acceleration - 9.81 * slope * motion.position
     assert np.abs(motion.specific_force - by_first).max() > 1e-3
+
+
+def test_the_lean_takes_the_structures_own_gravity(tmp_path):
+    plain = yaml.safe_load((ROOT / "conf/structure/ren2019.yaml").read_text())
+    (tmp_path / "moon.yaml").write_text(yaml.safe_dump(plain | {"gravity": 8.0}))
+    config: Any = compose(
+        ["motion=plant", f"structure={tmp_path}/moon.yaml", "tuning=matched", "motion.modes=1",
+         "record.duration=40"]
+    )  # fmt: skip
+    one = records(config)
+    motion, slope = one.motion[0], one.source.vibration.slope[0]  # type: ignore[attr-defined]
+    felt = motion.acceleration - 8.0 * slope * motion.position
+    np.testing.assert_allclose(motion.specific_force, felt, atol=1e-12)
+    assert one.sensors.lean == pytest.approx(8.0 * slope, rel=1e-12)
+    assert config.mkf.lean == pytest.approx(8.0 * slope, rel=1e-3)
 
 
 def test_a_matched_filter_believes_in_the_first_modes_slope():
@@ -241,7 +260,7 @@ def test_a_file_with_more_than_a_structure_is_refused(tmp_path, more, told):
         ({"motion__modes": 5000}, r"motion\.modes: 5000 of structure ren2019; give 1 to \d+"),
         ({"sensors__imu__tilt": "steep"}, r"sensors\.imu\.tilt: 'steep' is neither a number nor"),
         ({"evaluation": "superposed"}, r"evaluation: .* use evaluation=direct"),
-        ({"engine": "expected"}, r"engine: expected needs the spectrum"),
+        ({"engine": "expected"}, r"motion: engine=expected, by which .* needs the spectrum"),
         ({"record__duration": 5.5}, r"record\.duration: 5.5 s is shorter than a wave of 6 s"),
         ({"structure__soil": None}, r"structure: it floats"),
         ({"structure": None}, r"structure: motion=plant needs one; use e.g. structure=ren2019"),
@@ -310,3 +329,23 @@ def test_figures_3_and_4_show_the_sea_of_the_paper():
     assert np.asarray(frequency)[np.argmax(density)] == pytest.approx(first, abs=0.005)
     assert lines["first mode"].get_xdata()[0] == pytest.approx(first)
     assert lines["peak of the waves"].get_xdata()[0] == pytest.approx(0.125)
+@pytest.mark.parametrize(
+    "flags", [[], ["--dry-run"], ["engine=batch"], ["engine=batch", "--dry-run"]]
+)
+def test_vary_needs_a_spectrum_and_says_so_first(flags, tmp_path, capsys):
+    words = ["motion=plant", "sensors.gnss.rate=1,2", f"results={tmp_path}", *flags]
+    assert main(["vary", *words]) == 2
+    told = capsys.readouterr().err
+    assert re.search(r"`vary`.* needs the spectrum of the motion.*; leave out motion=plant", told)
+    assert told.count("\n") == 1
+    assert not list(Path(tmp_path).iterdir())
+
+
+def test_show_lists_the_sea_states_of_a_run(tmp_path, capsys):
+    words = ["motion.hs=[2]", "motion.tp=[6,8]", "grid.replicates=1", "record.duration=30"]
+    schemes = ["schemes=[MKF]", "baselines=[]", "tuning=paper", "sensors.imu.rate=20"]
+    owtsweep.run(["motion=plant", *words, *schemes, f"results={tmp_path}", "name=run"])
+    assert main(["show", str(tmp_path / "run")]) == 0
+    (told,) = re.findall(r"\* \d{4}-.*", capsys.readouterr().out)
+    assert "hs (1), tp (2), blades (1), replicates 1, schemes MKF" in told
+    assert "natural_period" not in told

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 from dataclasses import replace
@@ -11,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from rich.console import Console
 
 sys.path.insert(0, str(Path(__file__).parent))
 from tools import SMALL
@@ -25,6 +27,7 @@ from owtsweep.studies.hub.tuning.judging import errors_on_records
 from owtsweep.studies.hub.varying.errors import Errors, compute
 from owtsweep.studies.hub.varying.facts import list_common_facts
 from owtsweep.studies.hub.varying.sentences import answer_each
+from owtsweep.studies.hub.varying.varied import VariedErrors
 
 RATE = Condition("value", "sensors.gnss.rate", "Hz", "log")
 #: Two schemes and a baseline on short records, at one motion.
@@ -127,6 +130,23 @@ def test_a_fact_that_differs_is_left_out() -> None:
     facts = list_common_facts(list(configs.values()))  # type: ignore[arg-type]
     assert {"tuning matched", "GNSS rate 2 Hz", "IMU bias 0.05 m/s²"} < set(facts)
     assert not any("noise" in fact for fact in facts)
+
+
+def test_a_terminal_of_80_columns_cuts_no_number() -> None:
+    schemes, baselines = ("EKF", "MKF", "HME1", "HME2"), ("NONE", "HOLD", "DELTA")
+    mse = np.random.default_rng(0).uniform(0.001, 0.01, (7, 3, 1))
+    errors = Errors(
+        along=Condition("value", "sensors.gnss.rate", "Hz"), values=(1.0, 2.5, 10.0),
+        schemes=schemes, baselines=baselines, motions=((4.0, 0.5),), criterion="position",
+        mse={"position": mse}, bounds={"position": np.full(3, 0.00123)}, facts=("tuning x",),
+        notes=(),
+    )  # fmt: skip
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(VariedErrors(errors).answer())
+    told = console.export_text()
+    assert "…" not in told
+    for number in np.sqrt(mse).flat:
+        assert f" {number:.3g} " in told
 
 
 def test_the_sentences_say_what_the_numbers_are() -> None:

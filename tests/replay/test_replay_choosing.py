@@ -93,7 +93,7 @@ def test_a_still_record_needs_no_estimator_and_the_report_begins_so(tmp_path, mo
     assert (row["best"], row["recommended"], row["baseline"]) == ("MKF", "NONE", "NONE")
     assert row["value_baseline"] < row["value_best"]
     sentence = write_sentence(row.fillna("").to_dict() | {"same_as": ""})
-    assert "no estimator needed (NONE): motion below the sensors" in sentence
+    assert "no estimator needed, motion below the sensors (NONE)" in sentence
     assert "no scheme is better; MKF, the best scheme, has" in sentence
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from replay_tools import config_of, motion, write_csv
 
@@ -22,6 +23,8 @@ from owtsweep.studies.replay.identification.floor import measure_floor
 from owtsweep.studies.replay.identification.integral import integrate_twice
 from owtsweep.studies.replay.identification.likelihood import pose
 from owtsweep.studies.replay.identification.of_record import estimate_noise
+from owtsweep.studies.replay.identification.rows import name_second_run
+from owtsweep.studies.replay.results import aggregate
 
 STEP = 0.02
 DIRECTION = np.array([0.8, 0.6])
@@ -54,14 +57,23 @@ def fit(duration: float, seed: int) -> Fit:
     return fit_noise(problem, TRUTH, measure_floor(force))
 
 
-def recording(path: Path, duration: float, *, turn: Array | None = None, **how: float) -> Path:
-    force, fixes, _ = record(duration, **how)
+def recording(
+    path: Path,
+    duration: float,
+    *,
+    turn: Array | None = None,
+    reference: bool = False,
+    **how: float,
+) -> Path:
+    force, fixes, positions = record(duration, **how)
     came = np.full(force.shape, np.nan)
     came[:: round(1.0 / STEP)] = fixes
     force = force if turn is None else force @ turn.T
     columns = {"time": STEP * np.arange(len(force))}
     columns |= {f"specific_force_{axis}": force[:, i] for i, axis in enumerate("xy")}
     columns |= {f"fix_{axis}": came[:, i] for i, axis in enumerate("xy")}
+    if reference:
+        columns |= {f"reference_{axis}": positions[:, i] for i, axis in enumerate("xy")}
     return write_csv(path, columns)
 
 
@@ -134,6 +146,33 @@ def test_the_advice_stands_for_the_stated_and_for_the_estimated_noise(tmp_path, 
     assert ratio <= 1.0
     shown = set(replay.errors()["scheme"])  # the table shows the stated run
     assert shown == {"MKF", "no_estimate", "last_fix", "last_two_fixes"}
+
+
+def test_baselines_beside_the_second_run_have_the_estimated_delay(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file = recording(Path("late.csv"), 60.0, delay=0.3, seed=1, reference=True)
+
+    def run(*words: str) -> running.Replay:
+        words = ("sensors.imu.rate=50", "schemes=[MKF]", *words)
+        return running.Replay(running.execute(running.configure([str(file)], words)).run)
+
+    def errors(rows: pd.DataFrame, scheme: str) -> list[float]:
+        kept = rows[(rows["scheme"] == scheme) & (rows["measure"] == "position")]
+        return kept.sort_values("window")["value"].to_list()
+
+    stated = run()
+    rows = stated.run.cases()
+    known = run("sensors.gnss.delay=0.3", "replay.noise=stated").run.cases()
+    again = name_second_run("last_two_fixes")
+    assert errors(rows, again) == pytest.approx(errors(known, "last_two_fixes"), rel=1e-12)
+    assert errors(rows, "last_two_fixes") != pytest.approx(errors(rows, again), rel=1e-3)
+    # the advice takes these rows: if DELTA were without error, it would be recommended
+    rows.loc[rows["scheme"] == again, "value"] = 1e-9
+    advice = aggregate(stated.run.config, rows)["advice"].query("source == 'record'")
+    assert advice.set_index("noise")["recommended"].to_dict() == {
+        "stated": "MKF",
+        "estimated": "DELTA",
+    }
 
 
 def test_swapped_axes_are_refused_unless_insisted_on(tmp_path):

@@ -111,3 +111,10 @@ def test_recommendations():
     alone = recommend(pd.DataFrame([row | {"runner_up": np.nan}]))
     assert alone == "recommended: run HME1; its position error is 0.2 m (root mean square)"
     assert recommend(pd.DataFrame([row]).iloc[:0]) == ""
+    other = row | {"noise": "estimated", "best": "MKF", "runner_up": "HME1"}
+    contradicted = recommend(pd.DataFrame([row | {"noise": "stated"}, by_map, other]))
+    assert contradicted.startswith(
+        "recommended: run MKF with the noise that the record shows (noise.csv), not the stated one;"
+    )
+    zero = recommend(pd.DataFrame([row | {"recommended": "NONE", "value_recommended": 0.01}]))
+    assert "no estimator needed, motion below the sensors (NONE); its position error" in zero

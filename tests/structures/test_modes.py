@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from owtsweep.errors import InputError
 from owtsweep.structures import Structure, compute_modes, read_structure
 from owtsweep.structures.beam import assemble
+from owtsweep.structures.description import Point
 from owtsweep.structures.soil import initial_modulus
 
 CONF = Path(__file__).parents[2] / "conf" / "structure"
@@ -137,6 +138,8 @@ def test_stiffness_of_the_soil_is_that_of_the_diagram():
         ({"soil": {"layers": [{"bottom": 5.0}]}}, "friction_angle"),
         ({"soil": {"layers": [{"bottom": 5.0, "friction_angle": 20.0}]}}, "28"),
         ({"points": [{"name": "top", "height": 101.0, "mass": 1.0}]}, "height 101 m"),
+        ({"tubes": [{"top": 1e-4}]}, "tubes.tube: it is only 0.0001 m long; make it 0.001 m"),
+        ({"water": {}}, "structure.gravity: 0 m/s^2 leaves no waves on the structure's water"),
     ],
 )
 def test_a_structure_that_cannot_be_is_refused_in_one_line(tmp_path, change, words):
@@ -150,6 +153,21 @@ def test_a_structure_that_cannot_be_is_refused_in_one_line(tmp_path, change, wor
         read_structure(path)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_rounding_makes_no_short_element():
+    """Gaps between tubes, and points just beside them, of the size of rounding."""
+    whole, close = slender(), 0.5e-9
+    tube = whole.tubes[0]
+    body = Point(name="body", height=50.0 + 3.0 * close, mass=1000.0)
+    lower = tube.model_copy(update={"name": "lower", "top": 50.0})
+    upper = tube.model_copy(update={"name": "upper", "bottom": 50.0 + close})
+    cut = whole.model_copy(update={"tubes": [lower, upper], "mudline": close, "points": [body]})
+    cut.check()
+    assert np.diff(assemble(cut).heights).min() > 0.1
+    exact = whole.model_copy(update={"points": [body.model_copy(update={"height": 50.0})]})
+    found, expected = (compute_modes(one, 2).frequency for one in (cut, exact))
+    np.testing.assert_allclose(found, expected, rtol=1e-7)
 
 
 def test_more_modes_than_degrees_of_freedom_are_refused():

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.cli.program import DONE
 from owtsweep.errors import InputError, printable
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from owtsweep.sweep.asked import Question
     from owtsweep.sweep.runs import Run
 
@@ -84,7 +82,7 @@ def _describe_questions(opened: Run) -> dict[str, str]:
     home = opened.home or opened.folder
     found = list(list_questions(home))
     lines = {
-        one.hash: f"{'* ' if is_shown(home, one.hash) else ''}{_describe_question(home, one)}"
+        one.hash: f"{'* ' if is_shown(home, one.hash) else ''}{_describe_question(opened, one)}"
         for one in found[:MOST_QUESTIONS]
     }
     left = len(found) - len(lines)
@@ -92,7 +90,7 @@ def _describe_questions(opened: Run) -> dict[str, str]:
     return lines | ({"...": f"{left} more"} if left else {}) | notes
 
 
-def _describe_question(home: Path, question: Question) -> str:
+def _describe_question(opened: Run, question: Question) -> str:
     """Return when a question was asked last, its tunings, the sizes of its grid, and its schemes.
 
     Whatever the stored configuration holds there is taken as text.
@@ -102,19 +100,37 @@ def _describe_question(home: Path, question: Question) -> str:
 
     if question.trouble:
         return question.trouble
+    home = opened.home or opened.folder
     try:
         when = str(read_manifest(question_folder(home, question.hash)).get("started"))
     except InputError:
         when = "time unknown"
-    grid, schemes = question.config.get("grid"), question.config.get("schemes")
+    schemes = question.config.get("schemes")
     parts = [when]
     if question.config.get("tuning"):
         parts.append(f"tuning {_as_line(question.config['tuning'], 0)}")
-    if isinstance(grid, Mapping):
-        parts += [f"{name} {_count(value)}" for name, value in grid.items()]
+    parts += [f"{name} {_count(value)}" for name, value in _list_grid(opened, question)]
     if isinstance(schemes, list):
         parts.append("schemes " + " ".join(map(_name_scheme, schemes)))
     return ", ".join(parts)[:LONGEST_LINE]
+
+
+def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, Any]]:
+    """Yield name and values of each axis of a question's grid, then the grid's further numbers.
+
+    An axis that the run's conditions do not have is left out: with motion=plant the hub study has
+    sea states in place of natural periods and amplitudes.
+    """
+    conditions = {condition.name for condition in opened.study.conditions(opened.config)}
+    for key in opened.config.swept:
+        section, _, name = key.rpartition(".")
+        values = question.config.get(section)
+        if name in conditions and isinstance(values, Mapping) and values.get(name) is not None:
+            yield name, values[name]
+    grid = question.config.get("grid")
+    for name, values in grid.items() if isinstance(grid, Mapping) else ():
+        if name in conditions or not isinstance(values, list):
+            yield name, values
 
 
 def _count(value: Any) -> str:

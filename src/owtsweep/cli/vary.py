@@ -52,14 +52,16 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         return DONE
     one = next(iter(configs.values()))
     folder = choose_folder(key, configs)
+    study: Any = get_study(one.study)
+    along = Condition("value", key, _find_unit(one, key), _choose_scale(list(configs)))
+    with blame(study):
+        study.check_vary(along, configs)
     if options.dry_run:
         print("Nothing was computed or written. This command without --dry-run would do:")
         print(f"folder  {printable(str(folder))}/")
         print(f"values  {len(configs)} of {key}; each takes some seconds the first time")
         return DONE
-    study: Any = get_study(one.study)
     check_writable(folder)
-    along = Condition("value", key, _find_unit(one, key), _choose_scale(list(configs)))
     with blame(study):
         with show_steps():
             varied = study.vary(along, configs)

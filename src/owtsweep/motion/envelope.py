@@ -43,7 +43,10 @@ POOLED = 0.15
 
 
 def list_seas() -> list[Sea]:
-    """Return the sea states of `HEIGHTS` and `PERIODS`, without those that break (`is_found`)."""
+    """Return the sea states of `HEIGHTS` and `PERIODS` that are found at sea (`Sea.is_found`).
+
+    The limit is lower than that of a single wave that breaks (`Sea.breaks`).
+    """
     seas = [Sea(hs, tp) for hs in HEIGHTS for tp in PERIODS]
     return [sea for sea in seas if sea.is_found]
 

@@ -25,6 +25,7 @@ from owtsweep.config import (
     typed,
 )
 from owtsweep.config.stored import read_stored
+from owtsweep.gravity import GRAVITY
 
 #: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
 ANGLES = (28.0, 40.0)
@@ -32,6 +33,9 @@ ANGLES = (28.0, 40.0)
 LONGEST = 1000.0
 #: Largest gap between two tubes that counts as none, m.
 TOUCH = 1e-9
+#: Shortest tube, and shortest piece of a tube that is computed by itself, m. Elements far shorter
+#: than this would spoil the stiffness by rounding.
+SHORTEST = 1e-3
 
 
 class Tube(Section):
@@ -72,6 +76,11 @@ class Tube(Section):
         require(
             self.top > self.bottom,
             f"{where}: top {self.top:g} m must be above bottom {self.bottom:g} m",
+        )
+        require(
+            self.top - self.bottom >= SHORTEST,
+            f"{where}: it is only {self.top - self.bottom:.3g} m long; make it {SHORTEST:g} m or "
+            "longer, or leave it out",
         )
         for diameter, thickness, end in zip(
             self.diameter, self.thickness, ("bottom", "top"), strict=True
@@ -167,7 +176,7 @@ class Structure(Section):
     clamped: bool = key("whether the lower end is clamped", default=False)
     water: Water | None = key("null: no water", default=None)
     damping: float = key("ratio of every mode", ge=0.0, lt=1.0)
-    gravity: NotNegative = key("acceleration of gravity", unit="m/s^2", default=9.81)
+    gravity: NotNegative = key("acceleration of gravity", unit="m/s^2", default=GRAVITY)
 
     @property
     def bottom(self) -> float:
@@ -182,15 +191,19 @@ class Structure(Section):
     def spans(self) -> Iterator[tuple[Tube, float, float]]:
         """Yield pieces of tubes that neither the mudline nor the sea level divides.
 
-        Each is the tube and the heights of the piece's lower and upper end, m.
+        Each is the tube and the heights of the piece's lower and upper end, m. A piece begins where
+        the piece below ends; so a gap of rounding between two tubes is closed. No piece is shorter
+        than `SHORTEST`: a cut that is nearer to the last one, or to the tube's top, is left out.
         """
+        cuts = sorted((self.mudline, 0.0, *(p.height for p in self.points)))
+        low = self.bottom
         for tube in self.tubes:
-            cuts = {
-                cut for cut in (self.mudline, 0.0, *(p.height for p in self.points))
-                if tube.bottom < cut < tube.top
-            }  # fmt: skip
-            for low, high in pairwise(sorted({tube.bottom, tube.top} | cuts)):
-                yield tube, low, high
+            for cut in cuts:
+                if low + SHORTEST <= cut <= tube.top - SHORTEST:
+                    yield tube, low, cut
+                    low = cut
+            yield tube, low, tube.top
+            low = tube.top
 
     def check(self) -> None:
         """Raise `InputError` if the numbers do not describe a structure that stands."""
@@ -211,6 +224,11 @@ class Structure(Section):
             self.clamped or (self.soil is not None and self.bottom < self.mudline),
             "structure: it floats, because it has neither soil around its lower end nor "
             "clamped: true",
+        )
+        require(
+            self.gravity > 0.0 or self.water is None,
+            "structure.gravity: 0 m/s^2 leaves no waves on the structure's water; give a number "
+            "above zero, or leave out water",
         )
         if self.soil is not None:
             depths = [layer.bottom for layer in self.soil.layers]

@@ -38,8 +38,19 @@ class Varying(Protocol):
         The command leaves out an override whose key the user sets, or whose section.
         """
 
+    def check_vary(self, along: Condition, configs: Mapping[Value, Any]) -> None:
+        """Check that the errors can be computed with these configurations, and shown together.
+
+        The arguments are those of `vary`.
+
+        Raises
+        ------
+        InputError
+            If they cannot be computed or shown together.
+        """
+
     def vary(self, along: Condition, configs: Mapping[Value, Any]) -> Varied:
-        """Compute the errors of all schemes with each configuration.
+        """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
 
         Parameters
         ----------
@@ -51,5 +62,5 @@ class Varying(Protocol):
         Raises
         ------
         InputError
-            If the configurations cannot be shown together, or a scheme cannot be computed.
+            If a scheme cannot be computed.
         """

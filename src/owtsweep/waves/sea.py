@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
+from owtsweep.gravity import GRAVITY
 
 #: Frequencies (Hz) between which waves have lines. Above the upper edge the spectrum of a sea with
 #: a peak period of 3 s or more is below a hundredth of its peak.
@@ -52,7 +53,7 @@ class Sea:
         )
         require(self.gamma >= 1.0, f"gamma: {self.gamma:g} must be 1 or more")
 
-    def steepness(self, gravity: float = 9.81) -> float:
+    def steepness(self, gravity: float = GRAVITY) -> float:
         """Compute H_s over the length of a deep-water wave of the period T_p."""
         return self.hs / (gravity * self.tp**2 / (2.0 * np.pi))
 
@@ -63,7 +64,11 @@ class Sea:
 
     @property
     def is_found(self) -> bool:
-        """Whether sea states as steep as this one are found (`STEEPEST_SEAS`)."""
+        """Whether sea states as steep as this one are found (`STEEPEST_SEAS`).
+
+        The limit is about half of that at which a single wave breaks (`breaks`), because a sea
+        loses its height in its largest waves.
+        """
         return bool(self.steepness() <= np.interp(self.tp, *STEEPEST_SEAS))
 
     def density(self, frequency: Array) -> Array:
@@ -97,7 +102,7 @@ class Waves:
     period: float
     elevation: NDArray[np.complex128]
     depth: float
-    gravity: float = 9.81
+    gravity: float = GRAVITY
 
     @property
     def omega(self) -> Array:
@@ -130,7 +135,7 @@ class Waves:
         return np.asarray(1j * self.omega * self.velocity(height))
 
 
-def find_wave_number(omega: Array, depth: float, gravity: float = 9.81) -> Array:
+def find_wave_number(omega: Array, depth: float, gravity: float = GRAVITY) -> Array:
     """Solve the dispersion relation omega^2 = g k tanh k d of linear waves for k, rad/m.
 
     `omega` is in rad/s, above 0, any shape; `depth` in m; `gravity` in m/s^2. Newton's method on
@@ -148,7 +153,7 @@ def find_wave_number(omega: Array, depth: float, gravity: float = 9.81) -> Array
 
 
 def draw_waves(
-    sea: Sea, phase: np.random.Generator, *, period: float, depth: float, gravity: float = 9.81
+    sea: Sea, phase: np.random.Generator, *, period: float, depth: float, gravity: float = GRAVITY
 ) -> Waves:
     """Draw a realisation of a sea: deterministic amplitudes, uniform random phases.
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from owtsweep.errors import InputError
-
-STANDARD_GRAVITY = 9.80665  # m/s^2, by definition
+from owtsweep.gravity import STANDARD_GRAVITY
 
 #: dimension -> (SI unit, unit -> factor to SI)
 DIMENSIONS: dict[str, tuple[str, dict[str, float]]] = {

@@ -163,6 +163,15 @@ class HubStudy:
 
         return DEFAULTS
 
+    def check_vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> None:
+        """Check that `vary` can compute the errors with these configurations.
+
+        `along` describes the key that is varied; `configs` maps its values to configurations.
+        """
+        from owtsweep.studies.hub.varying.errors import check
+
+        check(along, configs)
+
     def vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> Varied:
         """Compute the settled errors of all schemes and baselines with each configuration.
 

@@ -9,9 +9,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
-
-#: Acceleration of gravity, m/s^2.
-GRAVITY = 9.81
+from owtsweep.gravity import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from owtsweep.structures import Structure
     from owtsweep.studies.hub.config import HubConfig
 
-#: What stands for the best scheme of a point that lies outside the map.
-OUTSIDE = ""
+#: What stands for the best scheme of a point where the map names none: the point lies outside the
+#: map, or in a cell without a result.
+UNNAMED = ""
 #: Value of the key `normalise` -> the column of the points that the run's amplitudes are.
 SIZES = {"peak": "amplitude", "rms": "rms"}
 
@@ -67,7 +68,8 @@ def find_best(config: HubConfig, best: pd.DataFrame, points: pd.DataFrame) -> li
     Returns
     -------
     list of str
-        One name per point; `OUTSIDE` if the point lies outside the map.
+        One name per point; `UNNAMED` if the point lies outside the map or in a cell without a
+        result.
 
     Raises
     ------
@@ -87,8 +89,9 @@ def find_best(config: HubConfig, best: pd.DataFrame, points: pd.DataFrame) -> li
         )
     columns = _find_cells(points["natural_period"].to_numpy(), across)
     lines = _find_cells(np.log(points[SIZES[config.normalise]].to_numpy()), np.log(upwards))
+    named = named.fillna(UNNAMED)
     return [
-        str(named.iat[int(i), int(j)]) if np.isfinite(i + j) else OUTSIDE
+        str(named.iat[int(i), int(j)]) if np.isfinite(i + j) else UNNAMED
         for i, j in zip(columns, lines, strict=True)
     ]
 
@@ -114,16 +117,24 @@ def tell_best(points: pd.DataFrame, tuning: str, size: str = "amplitude") -> str
         The column of the size of the motion, "amplitude" or "rms".
     """
     best = points[f"best_{tuning}"]
-    shares = best[best != OUTSIDE].value_counts() / len(best)
+    shares = best[best != UNNAMED].value_counts() / len(best)
+    if shares.empty:
+        return f"Tuning {tuning}: the map names a scheme at none of the {len(best)} points."
     told = [
         f"{name} in {100.0 * share:.0f} % ({_tell_range(points.loc[best == name, size])})"
         for name, share in shares.items()
     ]
-    outside = float((best == OUTSIDE).mean())
-    beyond = f"; {100.0 * outside:.0f} % lie outside the map" if outside else ""
+    beyond = _tell_unnamed(best, "points")
     first = f"Tuning {tuning}: over all seas, blades and soils, best is {', '.join(told)}{beyond}."
     bare = points[(points["blades"] == 0) & points["friction_angle"].isna()]
-    return f"{first} {_tell_seas(bare, f'best_{tuning}')}".strip()
+    return f"{first} {_tell_seas(bare, f'best_{tuning}')}"
+
+
+def _tell_unnamed(best: pd.Series[str], what: str) -> str:
+    """Say at how many of the points the map names no scheme; "" if it names one at each."""
+    count = int((best == UNNAMED).sum())
+    share = f"{count} of {len(best)} {what} ({100.0 * count / max(len(best), 1):.0f} %)"
+    return f"; at {share} the map names no scheme" if count else ""
 
 
 def _tell_range(sizes: pd.Series[float]) -> str:
@@ -133,12 +144,13 @@ def _tell_range(sizes: pd.Series[float]) -> str:
 def _tell_seas(bare: pd.DataFrame, column: str) -> str:
     """Say from which wave height on the scheme of the highest sea is best, for each peak period.
 
-    `bare` are the points of the structure as it is described, without blades. Return "" if none of
-    them is on the map.
+    `bare` are the points of the structure as it is described, without blades.
     """
-    bare = bare[bare[column] != OUTSIDE]
+    start = "Without blades and with the soil as described,"
+    beyond = _tell_unnamed(bare[column], "seas")
+    bare = bare[bare[column] != UNNAMED]
     if bare.empty:
-        return ""
+        return f"{start} no sea lies where the map names a scheme."
     highest = str(bare.sort_values("amplitude")[column].iloc[-1])
     least: dict[float, list[float]] = {}  # wave height -> peak periods
     lower: set[str] = set()
@@ -155,10 +167,7 @@ def _tell_seas(bare: pd.DataFrame, column: str) -> str:
     )
     never = f", in none at Tp {_tell_periods(least[np.inf])} s" if np.inf in least else ""
     rest = f"; in lower seas {' or '.join(sorted(lower))}" if lower else ""
-    return (
-        f"Without blades and with the soil as described, {highest} is best in seas from Hs {told} "
-        f"on{never}{rest}."
-    )
+    return f"{start} {highest} is best in seas from Hs {told} on{never}{rest}{beyond}."
 
 
 def _tell_periods(periods: Sequence[float]) -> str:

@@ -65,14 +65,15 @@ class Gnss(Section):
         """Whether fixes may be lost."""
         return self.loss.probability > 0.0
 
-    def describe_faults(self) -> str:
-        """Return outliers, losses and red noise in words, each after a comma; "" without any."""
-        words = ""
+    def list_faults(self) -> dict[str, str]:
+        """Return name -> value, in words, of outliers, outages and red noise, if there are any."""
+        told = {}
         if self.outliers.rate > 0.0:
             burst = f" in bursts of {self.outliers.length}" if self.outliers.length > 1 else ""
-            words += f", {self.outliers.rate:.3g} outliers of {self.outliers.size:g} sigma{burst}"
+            told["GNSS outliers"] = f"{self.outliers.rate:.3g} of {self.outliers.size:g} sigma{burst}"
         if self.loses:
-            words += f", outages of {self.loss.length} with {self.loss.probability:.3g} per fix"
+            told["GNSS outages"] = f"of {self.loss.length} with {self.loss.probability:.3g} per fix"
         if self.correlation.sigma > 0.0:
-            words += f", red noise {self.correlation.sigma:g} m of {self.correlation.time:g} s"
-        return words
+            red = self.correlation
+            told["GNSS red noise"] = f"{red.sigma:g} m of {red.time:g} s"
+        return told

@@ -132,6 +132,12 @@ def check_plant(config: HubConfig) -> None:
         require(structure is None, "structure: motion=spectrum has none; add motion=plant")
         return
     require(
+        config.engine != "expected",
+        "motion: engine=expected, by which `vary` computes, needs the spectrum of the motion, "
+        "which motion=plant has not; leave out motion=plant, or simulate records (`sweep` with "
+        "engine=batch)",
+    )
+    require(
         structure is not None,
         "structure: motion=plant needs one; use e.g. structure=ren2019, or structure=FILE.yaml",
     )
@@ -139,11 +145,6 @@ def check_plant(config: HubConfig) -> None:
         config.evaluation == "direct",
         "evaluation: the motion of motion=plant has its own size, so there are no amplitudes to "
         "superpose; use evaluation=direct",
-    )
-    require(
-        config.engine != "expected",
-        "engine: expected needs the spectrum of the motion, which motion=plant has not; use "
-        "engine=batch",
     )
     require(
         config.sensors.imu.rate > 2.0 * HIGHEST,

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.planning import explain_anew, scheme_content
-    from owtsweep.studies.hub.schemes import BASELINES, resolve_all
+    from owtsweep.studies.hub.schemes import BASELINES, INSTEAD, resolve_all
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
     from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
@@ -46,13 +46,48 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.tuning.following import follow_sensors
 
 __all__ = [
-    "BASELINES", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig",
-    "Lanes", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
-    "believe", "bias_of", "chain_for_runs", "chunks", "compare", "compile_kernels",
-    "error_spectrum", "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
-    "has_acceleration", "lag_of", "look_constant", "make_lanes", "make_sensors", "noise_floor",
-    "require_scheme", "resolve_all", "scheme_content", "scheme_products", "score",
-    "simulate_bias", "state_chunks", "trajectories",
+    "BASELINES",
+    "INSTEAD",
+    "ROOMS",
+    "WIDTH",
+    "Chain",
+    "ErrorSpectrum",
+    "ForceNoise",
+    "Grid",
+    "HubConfig",
+    "Lanes",
+    "NoiseFloor",
+    "OnePassSeries",
+    "Scheme",
+    "Sensors",
+    "at_amplitude",
+    "backend",
+    "believe",
+    "bias_of",
+    "chain_for_runs",
+    "chunks",
+    "compare",
+    "compile_kernels",
+    "error_spectrum",
+    "expected_mse",
+    "explain_anew",
+    "fix_count",
+    "fix_noise",
+    "follow_sensors",
+    "has_acceleration",
+    "lag_of",
+    "look_constant",
+    "make_lanes",
+    "make_sensors",
+    "noise_floor",
+    "require_scheme",
+    "resolve_all",
+    "scheme_content",
+    "scheme_products",
+    "score",
+    "simulate_bias",
+    "state_chunks",
+    "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
@@ -71,7 +106,7 @@ _HOMES = {
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
     "planning": ["explain_anew", "scheme_content"],
-    "schemes": ["BASELINES", "require_scheme", "resolve_all"],
+    "schemes": ["BASELINES", "INSTEAD", "require_scheme", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "tilt_cost": ["believe"],

@@ -14,6 +14,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.gravity import GRAVITY
 from owtsweep.motion.plant import PlantMotion
 from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import spectrum
@@ -99,8 +100,10 @@ class Records:
             history=self.sensors.delay,
         )
         if self.config.sensors.imu.tilt == STRUCTURE:
+            structure = self.config.structure
             assert isinstance(motion, PlantMotion)  # checked with the configuration
-            leaning = sensing.lean_as(motion, motion.slope)
+            assert structure is not None
+            leaning = sensing.lean_as(motion, motion.slope, structure.gravity)
         else:
             leaning = sensing.lean(motion, self.sensors)
         return sensing.couple(leaning, self.sensors)
@@ -175,7 +178,9 @@ def make_records_at(
         return make_records(config, float(conditions["natural_period"]), replicates)
     source, sensors = make_plant(config, conditions), sensing.sensors(config.sensors)
     if config.sensors.imu.tilt == STRUCTURE:
-        sensors = replace(sensors, tilt=float(source.vibration.slope[0]))
+        tilt = float(source.vibration.slope[0])
+        # estimators multiply the tilt by GRAVITY, whatever the structure's own gravity
+        sensors = replace(sensors, tilt=tilt * (source.structure.gravity / GRAVITY))
     return Records(
         config=config,
         conditions=dict(conditions),

@@ -12,8 +12,8 @@ from pydantic import BeforeValidator, Field
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.section import require_magnitude
+from owtsweep.gravity import GRAVITY
 from owtsweep.structures.description import ANGLES
-from owtsweep.studies.hub.contract import GRAVITY
 from owtsweep.studies.hub.gnss import Gnss
 
 #: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.

@@ -20,7 +20,7 @@ from owtsweep.sensing.gauss_markov import draw_gauss_markov
 from owtsweep.sensing.losses import Losses
 from owtsweep.sensing.noise import WhiteNoise, WienerBias
 from owtsweep.sensing.outliers import draw_outliers
-from owtsweep.studies.hub.contract import GRAVITY, Sensors
+from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.sections import SensorConfig
 
 
@@ -75,9 +75,12 @@ def lean(motion: Motion, sensors: Sensors) -> Motion:
     return replace(motion, felt=motion.acceleration - sensors.lean * motion.position)
 
 
-def lean_as(motion: Motion, slope: Array) -> Motion:
-    """Return a motion with what an IMU feels of it that leans by `slope`, rad, shape (steps,)."""
-    return replace(motion, felt=motion.acceleration - GRAVITY * slope)
+def lean_as(motion: Motion, slope: Array, gravity: float) -> Motion:
+    """Return a motion with what an IMU feels of it that leans by `slope`, rad, shape (steps,).
+
+    `gravity` is the acceleration of gravity at the structure, m/s^2.
+    """
+    return replace(motion, felt=motion.acceleration - gravity * slope)
 
 
 def couple(motion: Motion, sensors: Sensors) -> Motion:

@@ -9,8 +9,8 @@ from typing import Any
 
 from owtsweep.config import typed
 from owtsweep.errors import InputError
+from owtsweep.gravity import GRAVITY
 from owtsweep.structures import Structure, compute_modes
-from owtsweep.studies.hub.contract import GRAVITY
 from owtsweep.studies.hub.sections import Imu, MotionConfig, SensorConfig
 
 logger = logging.getLogger(__name__)
@@ -25,6 +25,9 @@ def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
     If the IMU leans as the structure does, the tilt is the slope of the first mode, with the least
     of `motion.blades` and the structure's own soil. It has four digits, so that it is the same on
     every machine. It is 0 if there is no such structure; the configuration's checks tell that.
+
+    A filter multiplies the tilt by `GRAVITY`. If the structure has another acceleration of gravity,
+    the tilt makes up for the difference.
     """
     if not isinstance(imu.tilt, str):
         return imu.tilt
@@ -32,7 +35,7 @@ def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
         structure = typed(Structure, plain.get("structure"))
         structure.check()
         blades = min(typed(MotionConfig, plain.get("motion")).blades or [0])
-        slope = compute_modes(structure, 1, blades).slope[0]
+        slope = compute_modes(structure, 1, blades).slope[0] * (structure.gravity / GRAVITY)
     except InputError:
         return 0.0
     return float(f"{slope:.4g}")

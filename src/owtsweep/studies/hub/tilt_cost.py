@@ -16,7 +16,11 @@ from owtsweep.config import changed
 from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.error_spectrum import error_spectrum, expected_mse
+from owtsweep.studies.hub.error_spectrum import (
+    error_spectrum,
+    expected_mse,
+    look_constant,
+)
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.hub.tuning.bound import bound_of_axis
@@ -79,8 +83,7 @@ def compare_knowledge(
             sensors = sensing.sensors(changed(config.sensors, imu=imu))
         believing = believe(config, 0.0 if factor is None else factor * tilt)
         frequency = np.geomspace(low, high, POINTS)
-        cycles = frequency * sensors.fix_step
-        frequency = frequency[np.abs(cycles - np.round(cycles)) > 0.02]
+        frequency = frequency[~look_constant(frequency * sensors.fix_step)]
         bound = 2.0 * bound_of_axis(sensors)[0]
         for scheme in resolve_all(believing.schemes, believing):
             chain = scheme.kernel(sensors, believing)  # type: ignore[attr-defined]

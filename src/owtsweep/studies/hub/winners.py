@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from owtsweep.studies.hub import baseline_names, scheme_names
+from owtsweep.studies.hub.schemes import INSTEAD
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.studies.hub.config import HubConfig
 
-#: Baseline -> what it is, and what to do where no scheme is better.
-MEANING = {
-    "NONE": "an estimate of zero beats every scheme: no estimator needed, motion below the sensors",
-    "HOLD": "the last fix beats every scheme: hold the fix",
-    "DELTA": "a straight line through the last two fixes beats every scheme: hold the fix",
+#: Baseline -> what it is, in the note on a map.
+ESTIMATES = {
+    "NONE": "an estimate of zero",
+    "HOLD": "the last fix",
+    "DELTA": "a straight line through the last two fixes",
 }
 
 #: What a map says of baselines that have the least error in some cells, but do not win there.
@@ -101,4 +102,4 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
 
 def explain(baselines: list[str]) -> list[str]:
     """Return a sentence on each baseline that beats every scheme somewhere on a map."""
-    return [f"{name}: {MEANING[name]}." for name in baselines]
+    return [f"{name}: {ESTIMATES[name]} beats every scheme: {INSTEAD[name]}." for name in baselines]

@@ -93,10 +93,11 @@ def plan(config: ReplayConfig) -> list[Block]:
 def _plan_noise(
     config: ReplayConfig, label: str, file: str, content: Mapping[str, Any], *, apart: bool
 ) -> Iterator[Block]:
-    """Yield a block on a record's noise, and one per scheme if the stated noise is not that.
+    """Yield a block on a record's noise; if the stated noise is not that, those of a second run.
 
-    `content` is what the record's blocks have in common; `apart` says whether each scheme is a
-    group.
+    The second run has a block for the baselines, whose errors depend on the estimated delay, and
+    one per scheme. `content` is what the record's blocks have in common; `apart` says whether each
+    scheme is a group.
     """
     noise = Noise()
     with suppress(InputError):  # `verify` says so before anything runs
@@ -110,6 +111,7 @@ def _plan_noise(
         return
     other = use_estimates(config, noise)
     shared = {**content, **_collect_shared_content(other), "noise": ESTIMATED}
+    yield Block(label, f"{label}, its baselines again", {**shared, "scheme": RECORD}, 1)
     for scheme, entry in zip(resolve_all(other.schemes, other), other.schemes, strict=True):
         name, anew = f"{label}, {name_second_run(scheme.name)}", explain_anew(entry, scheme)
         second = {**shared, **scheme_content(other, entry, scheme)}
@@ -182,9 +184,12 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
                 rows = [_make_row(label, NOISE, 0, one) for one in found]
             elif noise == ESTIMATED:
                 other = use_estimates(config, estimate_noise(config, files[label]))
-                scheme = {one.name: one for one in resolve_all(other.schemes, other)}[name]
                 known = make_sensors(other.sensors)
-                rows = _run_scheme(other, record, label, scheme, known, settled)
+                if name == RECORD:
+                    rows = _measure_baselines(other, record, label, known, settled)
+                else:
+                    scheme = {one.name: one for one in resolve_all(other.schemes, other)}[name]
+                    rows = _run_scheme(other, record, label, scheme, known, settled)
                 rows = [(row[0], name_second_run(row[1]), *row[2:]) for row in rows]
             elif name == RECORD:
                 rows = _describe_record(config, record, label, sensors, settled)
@@ -212,6 +217,14 @@ def _describe_record(
         The first step after the settling time.
     """
     rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
+    return rows + _measure_baselines(config, record, label, sensors, settled)
+
+
+def _measure_baselines(
+    config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
+) -> list[Row]:
+    """Make the rows of errors of the baselines; the arguments are those of `_describe_record`."""
+    rows: list[Row] = []
     sums = sum_motion(record, sensors, settled)
     for replicate in range(count_replicates(config, record)):
         fixes = listen(config, sensors, record, replicate).fixes

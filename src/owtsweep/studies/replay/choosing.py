@@ -17,6 +17,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.statistics.student import t_quantile
 from owtsweep.statistics.sums import mean_and_error
+from owtsweep.studies.hub.public import BASELINES
 
 #: A margin (an error / the least error - 1) below this does not matter for the choice.
 LEAST_MARGIN = 0.05
@@ -27,8 +28,6 @@ LARGE_MARGIN = 1.0
 FEWEST_PAIRS = 5
 #: Name -> place in the order of simplicity; other schemes come after these.
 SIMPLICITY = {"NONE": 0, "HOLD": 1, "DELTA": 2, "EKF": 3, "MKF": 3, "HME1": 4, "HME2": 5}
-#: The baselines, the simplest first.
-BASELINES = ("NONE", "HOLD", "DELTA")
 #: The map advises for a record only if the fitted spectrum covers this share of its variance. A
 #: curve of the right shape covers 0.87, and a curve fitted to one of two equal peaks some 0.56.
 LEAST_COVERED = 0.6

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.studies.replay.sentences import INSTEAD
+from owtsweep.studies.hub.public import INSTEAD
+from owtsweep.studies.replay.identification.rows import ESTIMATED
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,12 +23,15 @@ ERRORS = {
 def recommend(advised: pd.DataFrame) -> str:
     """Write the recommendation for one record as one sentence; "" if there is no advice.
 
-    The record's own errors, or its fixes, count before the expected map. `advised` is the table of
-    advice of a run with a single record.
+    The record's own errors, or its fixes, count before the expected map. If the record contradicts
+    the stated noise, so that the schemes were run with the estimated noise too, that run counts.
+    `advised` is the table of advice of a run with a single record.
     """
     if advised.empty:
         return ""
     own = advised[advised["source"] != "map"]
+    if "noise" in own and (own["noise"] == ESTIMATED).any():
+        own = own[own["noise"] == ESTIMATED]
     row = (own if len(own) else advised).iloc[0].dropna().to_dict()
     if not row.get("advises", True):
         return ""  # the map covers too little of the record
@@ -35,7 +39,10 @@ def recommend(advised: pd.DataFrame) -> str:
     what = ERRORS.get(row["criterion"], f"error of {row['criterion']}")
     chosen = row.get("recommended", row["best"])
     size = np.sqrt(row.get("value_recommended", row["value_best"]))
-    told = f"{INSTEAD.get(chosen, f'run {chosen}')}; its {what} is {size:.3g} {unit}"
+    what_to_do = f"{INSTEAD[chosen]} ({chosen})" if chosen in INSTEAD else f"run {chosen}"
+    if row.get("noise") == ESTIMATED:
+        what_to_do += " with the noise that the record shows (noise.csv), not the stated one"
+    told = f"{what_to_do}; its {what} is {size:.3g} {unit}"
     told = f"recommended: {told} (root mean square)"
     best = [row["best"], *row.get("same_as", "").split()]
     if chosen not in best:

@@ -6,16 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.studies.replay.choosing import BASELINES
+from owtsweep.studies.hub.public import BASELINES, INSTEAD
 
 #: A margin (an error / the best error - 1) of at least this is stated as a factor, not in percent.
 MARGIN_IN_TIMES = 2.0
-#: What to do if a baseline is recommended.
-INSTEAD = {
-    "NONE": "no estimator needed (NONE): motion below the sensors",
-    "HOLD": "hold the fix (HOLD)",
-    "DELTA": "extend the line of the last two fixes (DELTA)",
-}
 SOURCES = {
     "record": "this record's own errors",
     "fixes": "the distance from the fixes that came later",
@@ -84,8 +78,8 @@ def _recommend_baseline(row: dict[str, Any], chosen: str) -> str:
         better += " by a difference that matters"
     size = _describe_size(row, value)
     if best == chosen:  # a baseline that stands among the schemes
-        return f"{INSTEAD[chosen]}, {size}: {better}"
-    return f"{INSTEAD[chosen]}, {size}: {better}; {best}, the best scheme, has {told}"
+        return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}"
+    return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}; {best}, the best scheme, has {told}"
 
 
 def _describe_rival(row: dict[str, Any]) -> str:

@@ -92,7 +92,7 @@ def make_region(
         f"Outlined: where the structure {structure.name} is, some {100.0 * SHARE:g} % of its "
         f"points around each natural period. Its {len(points)} points are sea states of Hs "
         f"{heights.min():g} to {heights.max():g} m and Tp {periods.min():g} to {periods.max():g} s "
-        "that do not break, "
+        "that are no steeper than seas are found to be (Hs over wave length at most 1/15), "
         f"with 0 to {points['blades'].max()} blades and soils of several friction angles, all of "
         "the same weight."
     )

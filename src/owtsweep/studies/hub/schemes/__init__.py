@@ -28,6 +28,12 @@ BASELINES = {
     "HOLD": "the last fix, zero velocity",
     "DELTA": "the last fix, moved on with the velocity of the last two fixes",
 }
+#: Name -> what to do where no scheme is better than the baseline.
+INSTEAD = {
+    "NONE": "no estimator needed, motion below the sensors",
+    "HOLD": "hold the fix",
+    "DELTA": "extend the line of the last two fixes",
+}
 
 #: Attributes and methods that a scheme may have besides name, linear and start.
 OPTIONAL = ("under", "told", "kernel", "own_kernel", "stream", "sections")

@@ -24,6 +24,7 @@ from owtsweep.studies.hub import baseline_names, criteria, scheme_names
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.answers import expected
 from owtsweep.studies.hub.expected.engine import rows
+from owtsweep.studies.hub.plant import require_spectrum
 from owtsweep.studies.hub.tuning.bound import kalman_bounds
 from owtsweep.studies.hub.varying.facts import list_common_facts
 from owtsweep.studies.hub.varying.notes import list_notes
@@ -105,14 +106,14 @@ class Errors:
 def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
     """Compute the errors of all schemes and baselines, and the Kalman bound, at each value.
 
+    `check` has passed the configurations.
+
     Raises
     ------
     InputError
-        If the configurations ask for records, or for other motions, schemes or criteria than the
-        first; or if a scheme cannot be computed.
+        If a scheme cannot be computed.
     """
     one = next(iter(configs.values()))
-    _check(along, list(configs.values()))
     schemes, baselines, measures = scheme_names(one), baseline_names(one), criteria(one)
     amplitudes = np.array(one.grid.amplitude, dtype=float)
     periods = sorted(one.grid.natural_period)
@@ -144,9 +145,18 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
     )
 
 
-def _check(along: Condition, configs: Sequence[HubConfig]) -> None:
-    one = configs[0]
-    for config in configs:
+def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
+    """Check that the errors can be computed, and shown in one figure.
+
+    Raises
+    ------
+    InputError
+        If the configurations ask for records, or for other motions, schemes or criteria than the
+        first.
+    """
+    one = next(iter(configs.values()))
+    for config in configs.values():
+        require_spectrum(config, "`vary`")
         require(
             config.engine == "expected",
             f"engine: `vary` computes means over all records, and engine={config.engine} simulates "

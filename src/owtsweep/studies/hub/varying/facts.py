@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.tuning.rules import take_facts
+from owtsweep.studies.hub.origin import list_sensors
 
 
 def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
@@ -18,16 +18,10 @@ def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
 
 
 def _list_facts(config: HubConfig) -> list[str]:
-    imu, known = config.sensors.imu, take_facts(config.sensors)
+    sensors = [f"{name} {value}" for name, value in list_sensors(config.sensors).items()]
     return [
         f"tuning {config.tuning_name}",
-        f"GNSS noise {known.gnss_sigma:g} m",
-        f"GNSS rate {known.gnss_rate:g} Hz",
-        f"GNSS delay {known.delay:g} s",
-        f"IMU noise {known.imu_sigma:g} m/s²",
-        f"IMU rate {known.imu_rate:g} Hz",
-        f"IMU bias {imu.bias_initial:g} m/s²",
-        f"bias walk {imu.bias_walk:g} m/s²/√s",
+        *sensors,
         f"mean over all records of {config.record.duration:g} s, without the first "
         f"{config.measures.settling_time:g} s",
     ]

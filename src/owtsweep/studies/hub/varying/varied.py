@@ -60,13 +60,17 @@ class VariedErrors:
         errors, best = self.errors, find_best(self.errors)[number]
         table = Table(
             title=Text(
-                f"Settled {describe_error(errors)}; {describe_motion(*errors.motions[number])}"
+                f"Settled {describe_error(errors)} over {errors.along.title}; "
+                f"{describe_motion(*errors.motions[number])}"
             ),
             box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
+            padding=(0, 1, 0, 0),
         )  # fmt: skip
-        for column in (errors.along.title, *errors.names, "bound"):
-            table.add_column(Text(column), justify="right")
-        table.add_column("best scheme")
+        # Numbers are never cut: ten columns of them fit into 80 characters.
+        table.add_column(Text(errors.along.unit or "value"), justify="right", overflow="fold")
+        for column in (*errors.names, "bound"):
+            table.add_column(Text(column), justify="right", no_wrap=True)
+        table.add_column("best")
         rms, bound = errors.rms()[:, :, number], errors.rms_of_bound()
         for n, value in enumerate(errors.values):
             cells = [f"{error:.3g}" for error in (*rms[:, n], bound[n])]

@@ -10,7 +10,8 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.results.conditions import Condition
 from owtsweep.statistics.contest import agree, contest, group_coinciding
-from owtsweep.studies.replay.choosing import BASELINES, LEAST_COVERED, LEAST_MARGIN
+from owtsweep.studies.hub.public import BASELINES
+from owtsweep.studies.replay.choosing import LEAST_COVERED, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import name_file
 from owtsweep.studies.replay.measures import QUANTILE

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.studies.replay.choosing import BASELINES, LEAST_MARGIN
+from owtsweep.studies.hub.public import BASELINES
+from owtsweep.studies.replay.choosing import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.gravity import STANDARD_GRAVITY
 from owtsweep.studies.replay.identification.fit import (
     Fit,
     decode,
@@ -22,7 +23,6 @@ EVIDENCE = 10.0
 SMALLER = 2.0
 #: Step between the delays at which readings are compared, s.
 COARSE = 0.1
-GRAVITY = 9.80665
 
 
 def list_readings() -> dict[str, Array]:
@@ -35,8 +35,8 @@ def list_readings() -> dict[str, Array]:
         "its axes swapped and both signs turned": -swapped,
         "the sign of x turned": np.diag([-1.0, 1.0]),
         "the sign of y turned": np.diag([1.0, -1.0]),
-        "the unit g instead of m/s^2": GRAVITY * unit,
-        "the unit m/s^2 instead of g": unit / GRAVITY,
+        "the unit g instead of m/s^2": STANDARD_GRAVITY * unit,
+        "the unit m/s^2 instead of g": unit / STANDARD_GRAVITY,
         "a unit a thousand times smaller": 1e-3 * unit,
         "a unit a thousand times larger": 1e3 * unit,
     }
