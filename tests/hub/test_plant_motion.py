@@ -329,6 +329,8 @@ def test_figures_3_and_4_show_the_sea_of_the_paper():
     assert np.asarray(frequency)[np.argmax(density)] == pytest.approx(first, abs=0.005)
     assert lines["first mode"].get_xdata()[0] == pytest.approx(first)
     assert lines["peak of the waves"].get_xdata()[0] == pytest.approx(0.125)
+
+
 @pytest.mark.parametrize(
     "flags", [[], ["--dry-run"], ["engine=batch"], ["engine=batch", "--dry-run"]]
 )

@@ -150,7 +150,6 @@ def _fixes(data: Any, sensors: Any) -> Any:
     [
         (["skf.states=7"], "skf.states: 7 is odd"),
         (["skf.states=26"], "skf.states"),
-        (["skf.knowledge=adaptive"], "skf.knowledge"),
         (["engine=expected"], "engine=expected shares one run among all amplitudes"),
         (["motion=plant"], "SKF needs the spectrum of the motion"),
     ],

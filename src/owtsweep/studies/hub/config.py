@@ -21,10 +21,10 @@ from owtsweep.studies.hub.sections import (
     MotionConfig,
     Record,
     SensorConfig,
-    Skf,
     SpectrumConfig,
     Tuning,
 )
+from owtsweep.studies.hub.skf_section import Skf
 from owtsweep.studies.hub.tuning.settings import Tune
 
 #: In a run of several tunings, these sections stand in `tunings.<name>`, not at the top.
@@ -99,7 +99,8 @@ class HubConfig(Config):
     hme2: FilterTuning = key("the filter of HME2", default=_ABSENT)
     hme: Hme = key("smoother of HME1 and HME2, MHE of HME2", default=_ABSENT)
     skf: Skf = key(
-        "SKF, which knows the spectrum of the motion; on request, schemes=[...,SKF]",
+        "SKF and SKFA, which know the spectrum of the motion, or track it; on request, "
+        "schemes=[...,SKF,SKFA]",
         default=Skf(),
         younger=True,
     )

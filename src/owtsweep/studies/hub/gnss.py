@@ -70,7 +70,9 @@ class Gnss(Section):
         told = {}
         if self.outliers.rate > 0.0:
             burst = f" in bursts of {self.outliers.length}" if self.outliers.length > 1 else ""
-            told["GNSS outliers"] = f"{self.outliers.rate:.3g} of {self.outliers.size:g} sigma{burst}"
+            told["GNSS outliers"] = (
+                f"{self.outliers.rate:.3g} of {self.outliers.size:g} sigma{burst}"
+            )
         if self.loses:
             told["GNSS outages"] = f"of {self.loss.length} with {self.loss.probability:.3g} per fix"
         if self.correlation.sigma > 0.0:

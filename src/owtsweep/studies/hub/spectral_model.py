@@ -13,7 +13,7 @@ from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
-from owtsweep.studies.hub.sections import Skf
+from owtsweep.studies.hub.skf_section import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
 
 #: Least share of an axis in the variance of the motion. An axis without any motion would have a

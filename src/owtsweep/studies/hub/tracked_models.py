@@ -18,7 +18,7 @@ from owtsweep.motion.tracking import VARIANCES, Candidate
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.known_motion import find_noise_density
-from owtsweep.studies.hub.sections import Skf
+from owtsweep.studies.hub.skf_section import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
 from owtsweep.studies.hub.spectral_model import FLOOR
 

@@ -21,6 +21,7 @@ from owtsweep.studies.replay.place import (
     compute_rms_in_band,
     expect_map,
     find_place,
+    list_left_out,
 )
 
 if TYPE_CHECKING:
@@ -74,12 +75,18 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             " one sea state. The map: motions of the spectrum translated (bandwidth"
             f" {config.spectrum.bandwidth:g} s⁻²) in"
             f" band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the largest to the"
-            f" rms displacement in the band, {ratio:.2f}.",
+            f" rms displacement in the band, {ratio:.2f}.{_name_left_out(config)}",
             coinciding=alike,
             baselines=baselines,
         )
         _mark(figure.axes[0], (period, amplitude), ends)
     return figure
+
+
+def _name_left_out(config: ReplayConfig) -> str:
+    """Say which schemes are not in the map; "" if all are."""
+    names = list_left_out(config)
+    return f" Not in the map: {', '.join(names)}." if names else ""
 
 
 def _describe_coverage(record: Any) -> str:
