@@ -157,3 +157,8 @@ def test_motion_above_the_band_is_measured() -> None:
     assert above.velocity == pytest.approx(np.var(swing) * (2.0 * np.pi * 1.7) ** 2, rel=0.12)
     below = 0.05 * np.sin(2.0 * np.pi * 0.3 * time) * -((2.0 * np.pi * 0.3) ** 2)
     assert SpectrumTracker(0.01, 0.0, 0.0, BAND).measure_above(below).velocity < 1e-9
+
+
+def test_records_without_time_for_a_look_are_warned_of(caplog: pytest.LogCaptureFixture) -> None:
+    configure("schemes=[SKFA]", "record.duration=29", "measures.settling_time=5")
+    assert "schemes: SKFA chooses a spectrum after 30 s; records of 29 s" in caplog.text

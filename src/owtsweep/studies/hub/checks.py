@@ -5,6 +5,7 @@ Types and bounds of single keys are declared in `owtsweep.studies.hub.config` an
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from owtsweep.config.section import fields_along
 from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
+from owtsweep.motion.tracking import LEAST
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.fix_rules import check_fix_rules
 from owtsweep.studies.hub.plant import check_plant, is_plant, require_spectrum
@@ -27,6 +29,8 @@ from owtsweep.studies.hub.sizes import (
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.sections import Mhe
+
+logger = logging.getLogger(__name__)
 
 #: Longest record that fits a machine's memory: 1e8 steps take gigabytes.
 MOST_STEPS = 100_000_000
@@ -62,6 +66,13 @@ def check(config: HubConfig) -> None:
         _check_mhe(config, config.hme.mhe)
     if any(scheme.name == "SKF" for scheme in schemes):
         _check_skf(config)
+    if any(scheme.name == "SKFA" for scheme in schemes) and config.record.duration < LEAST:
+        logger.warning(
+            "schemes: SKFA chooses a spectrum after %g s; records of %g s leave it no time, so it "
+            "assumes next to nothing of the motion",
+            LEAST,
+            config.record.duration,
+        )
     _check_tune(config)
     if config.engine == "expected":
         _check_expected(config, schemes)

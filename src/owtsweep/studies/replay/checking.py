@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from owtsweep.errors import InputError, printable
+from owtsweep.motion.tracking import LEAST
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.identification.of_record import estimate_noise
 from owtsweep.studies.replay.loading import load_record
@@ -54,7 +55,12 @@ def verify(config: ReplayConfig) -> Verified:
     for file in files:
         name = f"{printable(Path(file).name)}: " if len(files) > 1 else ""
         try:
-            notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
+            record = load_record(config, file)
+            notes |= {f"{name}{note}": None for note in record.notes}
+            if "SKFA" in config.schemes and record.steps * record.step < LEAST:
+                notes[f"{name}SKFA had no time to choose a spectrum, which takes {LEAST:g} s"] = (
+                    None
+                )
             if config.replay.noise == "estimate" and (
                 said := estimate_noise(config, file).disagreement
             ):

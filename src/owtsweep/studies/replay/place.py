@@ -20,7 +20,6 @@ from owtsweep.studies.hub.public import (
     ErrorSpectrum,
     HubConfig,
     NoiseFloor,
-    Scheme,
     Sensors,
     error_spectrum,
     expected_mse,

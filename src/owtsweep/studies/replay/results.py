@@ -197,6 +197,7 @@ def advise_from_map(
         return None
     criterion = "velocity" if config.measures.criterion == "velocity" else "position"
     errors = {name: both[criterion == "velocity"] for name, both in expected.items()}
+    schemes = [name for name in schemes if name in errors]  # SKFA has no place in the map
     compared = advice.compare(np.array([[errors[name]] for name in schemes]), schemes)
     if compared is None:
         return None
