@@ -120,7 +120,9 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
         "the run has no plan.json that fits its config.yaml; only its tables can be read",
     )
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
-    tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
+    values = {section: _plain(attrgetter(section)(config)) for section in sections}
+    # An empty section is one of younger keys alone, at their defaults.
+    tuning = {section: value for section, value in values.items() if value != {}}
     content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
     if isinstance(entry, Mapping):
         content["entry"] = {str(key): value for key, value in entry.items()}

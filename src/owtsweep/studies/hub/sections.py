@@ -275,6 +275,17 @@ class Hme(Section):
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
     )
     mhe: Mhe = key("the moving horizon estimator of HME2")
+class Predictor(Section):
+    """The settings of the predictor of HME1 and HME2, Algorithm 9 of Ren et al. (2019)."""
+
+    hold: Literal["zero", "first"] = key(
+        "specific force between two IMU samples: zero: the older sample, as in the paper; first: "
+        "linear from sample to sample",
+        default="zero",
+        younger=True,
+    )
+
+
 
 
 class Measures(Section):
@@ -282,6 +293,28 @@ class Measures(Section):
 
     settling_time: NotNegative = key("left out of the window settled", unit="s")
     window: Literal["full", "settled"] = key("the window that the map judges")
+    predictor: Predictor = key("the predictor", default=Predictor(), younger=True)
+
+
+class Switch(Section):
+    """The settings of the scheme SWITCH, which hands out one of two schemes."""
+
+    below: str = key("scheme below the boundary", default="HME2")
+    above: str = key("scheme above the boundary", default="HME1")
+    boundary: list[list[Positive]] | None = key(
+        "pairs of natural period (s) and amplitude (m); null: where the expected errors of the two "
+        "schemes are equal",
+        default=None,
+    )
+    crest: Positive = key("amplitude of the motion per rms of the displacement", default=3.5)
+    memory: Positive = key("memory of the estimated amplitude and period", unit="s", default=30.0)
+    hysteresis: float = key(
+        "factor on the boundary to switch upwards, and divisor to switch downwards",
+        default=1.2,
+        ge=1.0,
+        le=100.0,
+    )
+    blend: NotNegative = key("time to pass from one scheme to the other", unit="s", default=5.0)
     criterion: Literal["position", "velocity", "x", "y"] = key(
         "the MSE that the map judges: position is x + y, velocity is vx + vy"
     )

@@ -25,6 +25,7 @@ def online_chain(
     delay: int | None = None,
     mhe: Horizon | None = None,
     solver: str = "qrqp",
+    hold: str = "zero",
     origin: ArrayLike | None = ZERO,
 ) -> OnlineEstimator:
     """Make a new online estimator from settings: [MHE ->] filter [-> smoother -> predictor].
@@ -46,6 +47,8 @@ def online_chain(
         The moving horizon estimator; None for a scheme without one.
     solver
         Name of the solver for the MHE's windows that break a constraint.
+    hold
+        What the predictor's input does between samples, one of `estimation.discretisation.HOLDS`.
     origin
         The point about which the scheme starts from zero, shape (2,), m in NED; None for the first
         fix, whose noise is then the uncertainty of the first position.
@@ -59,6 +62,6 @@ def online_chain(
     axis = axis_filter(tuning, sensors)
     if point is None:
         axis, mhe = start_at_first_fix(axis, mhe)
-    predict = None if delay is None else input_model(tuning, sensors)
+    predict = None if delay is None else input_model(tuning, sensors, hold)
     settings = filter_settings(axis, sensors, tuning.update_rule, delay or 0, window, predict)
     return OnlineEstimator(sensors, settings, horizon_settings(mhe, sensors), mhe, solver, point)
