@@ -30,7 +30,7 @@ def describe_draws(config: HubConfig) -> str:
 def describe_origin(config: HubConfig) -> str:
     """Return the truth, and the number of records per cell with their seed.
 
-    It is one line; with motion=plant, a line about the plant comes first.
+    It is one line; with motion=plant or motion.envelope, a line about the motion comes first.
     """
     return f"Truth: {_describe_motion(config)}{describe_truth(config)}; {describe_draws(config)}"
 
@@ -38,7 +38,7 @@ def describe_origin(config: HubConfig) -> str:
 def describe_one_record(config: HubConfig) -> str:
     """Return the truth and the seed, for a figure that shows a single record.
 
-    It is one line; with motion=plant, a line about the plant comes first.
+    It is one line; with motion=plant or motion.envelope, a line about the motion comes first.
     """
     return f"Truth: {_describe_motion(config)}{describe_truth(config)}; seed {config.seed}"
 
@@ -62,4 +62,8 @@ def list_origin(config: HubConfig) -> dict[str, str]:
 
 
 def _describe_motion(config: HubConfig) -> str:
-    return f"{describe_plant(config)};\n" if is_plant(config) else ""
+    if is_plant(config):
+        return f"{describe_plant(config)};\n"
+    points = config.motion.envelope or []
+    told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
+    return f"amplitude times {told};\n" if told else ""

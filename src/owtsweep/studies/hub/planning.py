@@ -90,6 +90,8 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
         content |= describe_content(config)
     else:
         content |= {key: whole[key] for key in ("spectrum", "normalise", "band")}
+        if config.motion.envelope is not None:
+            content["envelope"] = config.motion.envelope
     content["settling_time"] = config.measures.settling_time
     content["extremes"] = config.measures.extremes
     return content

@@ -47,7 +47,8 @@ class Grid(Section):
 class MotionConfig(Section):
     """Where the motion comes from: a spectrum, or a structure under waves (the plant).
 
-    All keys but `kind` belong to the plant; sea states and blades are null without a plant.
+    All keys but `kind` and `envelope` belong to the plant; sea states and blades are null without a
+    plant.
     """
 
     kind: Literal["spectrum", "plant"] = key(
@@ -70,6 +71,12 @@ class MotionConfig(Section):
     modes: int = key("modes of the structure that answer", default=4, ge=1)
     damping: float | None = key(
         "damping ratio of every mode; null: the structure's own", default=None, gt=0.0, lt=1.0
+    )
+    envelope: list[list[Finite]] | None = key(
+        "pairs of time (s) and factor on the amplitude, e.g. [[0,0.1],[1000,10]]: a sea that grows "
+        "and falls (motion=spectrum only); null: none",
+        default=None,
+        younger=True,
     )
 
 
