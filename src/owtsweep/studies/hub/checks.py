@@ -23,6 +23,7 @@ from owtsweep.studies.hub.sizes import (
     check_grid,
     check_horizon,
 )
+from owtsweep.studies.hub.switching.checks import check_switch
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -52,6 +53,8 @@ def check(config: HubConfig) -> None:
     if not is_plant(config):
         _check_band(config)
         _check_spectrum(config)
+    if "SWITCH" in config.schemes:
+        check_switch(config.switch)
     schemes = resolve_all(config.schemes, config)
     for scheme in schemes:
         _check_sections(config, scheme)

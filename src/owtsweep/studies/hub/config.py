@@ -22,6 +22,7 @@ from owtsweep.studies.hub.sections import (
     Record,
     SensorConfig,
     SpectrumConfig,
+    Switch,
     Tuning,
 )
 from owtsweep.studies.hub.tuning.settings import Tune
@@ -96,6 +97,7 @@ class HubConfig(Config):
     hme1: FilterTuning = key("the filter of HME1", default=_ABSENT)
     hme2: FilterTuning = key("the filter of HME2", default=_ABSENT)
     hme: Hme = key("smoother of HME1 and HME2, MHE of HME2", default=_ABSENT)
+    switch: Switch = key("the scheme SWITCH", default=Switch(), younger=True)
     measures: Measures = key("what is measured, and what the map judges")
     tune: Tune = key("what the command `tune` searches", default=Tune(), younger=True)
 

@@ -275,13 +275,6 @@ class Mhe(Section):
         return p, v, b
 
 
-class Hme(Section):
-    """The settings that HME1 and HME2 share, and the settings of HME2's MHE."""
-
-    smoother_window: int = key(
-        "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
-    )
-    mhe: Mhe = key("the moving horizon estimator of HME2")
 class Predictor(Section):
     """The settings of the predictor of HME1 and HME2, Algorithm 9 of Ren et al. (2019)."""
 
@@ -293,13 +286,13 @@ class Predictor(Section):
     )
 
 
+class Hme(Section):
+    """The settings that HME1 and HME2 share, and the settings of HME2's MHE."""
 
-
-class Measures(Section):
-    """The measures to compute, and the criterion by which schemes are ranked."""
-
-    settling_time: NotNegative = key("left out of the window settled", unit="s")
-    window: Literal["full", "settled"] = key("the window that the map judges")
+    smoother_window: int = key(
+        "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
+    )
+    mhe: Mhe = key("the moving horizon estimator of HME2")
     predictor: Predictor = key("the predictor", default=Predictor(), younger=True)
 
 
@@ -322,6 +315,13 @@ class Switch(Section):
         le=100.0,
     )
     blend: NotNegative = key("time to pass from one scheme to the other", unit="s", default=5.0)
+
+
+class Measures(Section):
+    """The measures to compute, and the criterion by which schemes are ranked."""
+
+    settling_time: NotNegative = key("left out of the window settled", unit="s")
+    window: Literal["full", "settled"] = key("the window that the map judges")
     criterion: Literal["position", "velocity", "x", "y"] = key(
         "the MSE that the map judges: position is x + y, velocity is vx + vy"
     )
