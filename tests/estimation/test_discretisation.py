@@ -46,3 +46,30 @@ def test_first_order_is_the_print_made_symmetric() -> None:
 def test_other_methods_are_refused() -> None:
     with pytest.raises(ValueError, match="method is 'euler'"):
         discretise(any_model(), STEP, "euler")
+
+
+def test_a_first_order_hold_is_the_integral_over_a_linear_input() -> None:
+    model = any_model()
+    discrete = discretise(model, STEP, hold="first")
+    assert discrete.B_next is not None
+    begin, end = np.random.default_rng(1).normal(size=(2, 2))
+
+    def driven(t: float) -> np.ndarray:
+        return expm(model.A * (STEP - t)) @ model.B @ (begin + (end - begin) * t / STEP)
+
+    found = discrete.B @ begin + discrete.B_next @ end
+    np.testing.assert_allclose(found, quad_vec(driven, 0.0, STEP)[0], rtol=1e-10)
+
+
+def test_the_prints_order_is_kept_under_a_linear_input() -> None:
+    # T B + T^2/2 A B, shared out: an input of t / T gives T/2 B + T^2/6 A B
+    model = any_model()
+    A, B = model.A, model.B
+    discrete = discretise(model, STEP, "first_order", hold="first")
+    np.testing.assert_allclose(discrete.B_next, STEP / 2 * B + STEP**2 / 6 * A @ B)
+    np.testing.assert_allclose(discrete.B, STEP / 2 * B + STEP**2 / 3 * A @ B)
+
+
+def test_an_unknown_hold_is_refused() -> None:
+    with pytest.raises(ValueError, match="hold is 'second'"):
+        discretise(any_model(), STEP, hold="second")

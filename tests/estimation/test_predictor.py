@@ -56,3 +56,22 @@ def test_powers() -> None:
     A = np.array([[0.5, 1.0], [0.1, 0.2]])
     for i, power in enumerate(powers(A, 4)):
         np.testing.assert_allclose(power, np.linalg.matrix_power(A, i))
+
+
+def test_a_first_order_hold_is_exact_for_a_linear_force() -> None:
+    steps, jerk = 30, 1.7
+    t = STEP * np.arange(steps + 1)
+    x = predict(discretise(MODEL, STEP, hold="first"), np.zeros(3), jerk * t[:, None])
+    end = t[-1]
+    np.testing.assert_allclose(x, [jerk * end**3 / 6, jerk * end**2 / 2, 0.0], rtol=1e-12)
+
+
+def test_with_a_first_order_hold_noise_is_the_response_to_one_more_input() -> None:
+    discrete = discretise(MODEL, STEP, hold="first")
+    for steps in (0, 1, 7):
+        noise = prediction_noise(discrete, steps)
+        assert noise.response.shape == (steps + 1, 3)
+        for i in range(steps + 1):
+            unit = np.zeros((steps + 1, 1))
+            unit[i] = 1.0
+            np.testing.assert_allclose(noise.response[i], predict(discrete, np.zeros(3), unit))

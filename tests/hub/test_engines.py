@@ -8,6 +8,7 @@ from tools import assert_same, configure, measured, run_batch, run_reference
 
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.planning import plan
 from owtsweep.studies.hub.schemes import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -93,6 +94,10 @@ def test_delays(name: str, delay: float) -> None:
         ("hme.smoother_window=13",),  # longer than the fix interval
         ("hme2.model=sigma2", "hme1.model=sigma2", "hme1.discretisation=first_order"),
         ("hme.mhe.smoother_window=2",),
+        ("hme.predictor.hold=first",),
+        ("hme.predictor.hold=first", "hme.smoother_window=0", "sensors.gnss.delay=0.05"),
+        ("hme.predictor.hold=first", "hme.smoother_window=0", "sensors.gnss.delay=0"),
+        ("hme.predictor.hold=first", "hme1.tilt=0.02", "hme2.tilt=0.02"),
     ],
     ids=str,
 )
@@ -115,3 +120,15 @@ def test_chunks_do_not_show(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     parts = run_batch(resolve(name), config, data, sensors)
     assert_same(parts.state, whole.state, "estimate", 1e-12)
     assert_same(parts.innovation[::10], whole.innovation[::10], "innovation", 1e-12)
+
+
+def test_the_hold_names_the_blocks_of_the_schemes_that_predict() -> None:
+    zero, first = (
+        {
+            block.content["scheme"]: block.content["tuning"]
+            for block in plan(configure(f"hme.predictor.hold={hold}"))
+        }
+        for hold in ("zero", "first")
+    )
+    assert [name for name in SCHEMES if zero[name] != first[name]] == ["HME1", "HME2"]
+    assert "hme.predictor" not in zero["HME1"]  # stored results of before keep their names

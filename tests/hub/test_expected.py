@@ -76,9 +76,11 @@ def test_noise_is_that_of_the_dense_covariance(name: str, tuning: str) -> None:
             assert found.constant[measure, window] == pytest.approx(constant, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", SCHEMES)
-def test_one_line_simulated(name: str) -> None:
-    config = configure(tuning="matched")
+@pytest.mark.parametrize(
+    ("name", "hold"), [*((name, "zero") for name in SCHEMES), ("HME1", "first"), ("HME2", "first")]
+)
+def test_one_line_simulated(name: str, hold: str) -> None:
+    config = configure(f"hme.predictor.hold={hold}", tuning="matched")
     chain, sensors, steps, settled = probe_of(name, config)
     omega, time = 2 * np.pi * 0.2345, sensors.step * np.arange(steps)
     late = time[:: sensors.fix_interval] - sensors.delay * sensors.step

@@ -96,6 +96,9 @@ def test_every_arrival_and_input(arrival: str, inputs: str) -> None:
     ("hme.smoother_window=13", "sensors.gnss.delay=0.65"),
     ("hme1.model=sigma2", "hme1.discretisation=first_order"),
     ("hme1.update_rule=mask_columns",),
+    ("hme.predictor.hold=first",),
+    ("hme.predictor.hold=first", "hme.smoother_window=0", "sensors.gnss.delay=0"),
+    ("hme.predictor.hold=first", "hme1.tilt=0.02"),
     ("hme1.update_rule=mask_rows", "hme1.r_gnss.scale=100"),
 ])  # fmt: skip
 def test_windows_delays_models_and_rules(changes: tuple[str, ...]) -> None:
@@ -113,6 +116,13 @@ def test_windows_delays_models_and_rules(changes: tuple[str, ...]) -> None:
 @pytest.mark.parametrize("name", SCHEMES)
 def test_missing_fixes(name: str, tuning: str) -> None:
     config = configure("record.duration=15", tuning=tuning)
+    data, sensors = measured(config)
+    assert_as_reference(name, config, dropouts(data, sensors), data, sensors)
+
+
+@pytest.mark.parametrize("name", ["HME1", "HME2"])
+def test_missing_fixes_and_a_linear_force(name: str) -> None:
+    config = configure("record.duration=15", "hme.predictor.hold=first", tuning="matched")
     data, sensors = measured(config)
     assert_as_reference(name, config, dropouts(data, sensors), data, sensors)
 

@@ -17,13 +17,15 @@ LAST = 24
 @pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize(("window", "delay"), [(5, 0.2), (0, 0.3), (3, 0.0)])
 @pytest.mark.parametrize("last", [LAST - 2, LAST])
-def test_every_noise_counts_once(window: int, delay: float, last: int) -> None:
+@pytest.mark.parametrize("hold", ["zero", "first"])
+def test_every_noise_counts_once(window: int, delay: float, last: int, hold: str) -> None:
     """The predictor's inputs share their noise with the smoothed state that it starts from."""
     config = configure(
         "sensors.imu.rate=10",
         "sensors.imu.sigma=0.5",
         f"sensors.gnss.delay={delay}",
         f"hme.smoother_window={window}",
+        f"hme.predictor.hold={hold}",
         tuning="matched",
     )
     known = sensors(config.sensors)
@@ -40,9 +42,14 @@ def test_every_noise_counts_once(window: int, delay: float, last: int) -> None:
 
     T, steps = known.step, known.delay + window
     A = np.array([[1.0, T, T**2 / 2], [0.0, 1.0, T], [0.0, 0.0, 1.0]])
-    B = np.array([T**2 / 2, T, 0.0])
+    held, linear = (
+        np.array([[T**2 / 2, T, 0.0]]),
+        np.array([[T**2 / 3, T / 2, 0.0], [T**2 / 6, T / 2, 0.0]]),
+    )
+    columns = held if hold == "zero" else linear  # of the inputs at the beginning, at the end
     start = last - window
-    error = np.zeros((3, noises + steps))  # the last ones: forces that the smoother has not seen
+    # the last ones: forces that the smoother has not seen
+    error = np.zeros((3, noises + steps + 1))
     error[:, :noises] = dense.error[start + 1][[0, 1, 3]]
     walk = known.bias_walk**2 * np.array(
         [
@@ -54,8 +61,9 @@ def test_every_noise_counts_once(window: int, delay: float, last: int) -> None:
     gathered = np.zeros((3, 3))
     for i in range(steps):
         error = A @ error
-        seen = start + i <= last
-        error[:, of_force + start + i if seen else noises + i] += known.force_sigma * B
+        for j, B in enumerate(columns, start=i):
+            seen = start + j <= last
+            error[:, of_force + start + j if seen else noises + j] += known.force_sigma * B
         gathered = A @ gathered @ A.T + walk
     expected = error @ error.T + gathered
     np.testing.assert_allclose(chain.covariance[last], expected[:2, :2], rtol=1e-7)

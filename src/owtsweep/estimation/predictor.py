@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -23,10 +24,16 @@ def predict(model: Discrete, state: Array, inputs: Array) -> Array:
     state
         The state before the first step, shape (states,).
     inputs
-        The inputs of the steps, shape (steps, inputs), oldest first.
+        The inputs of the steps, shape (steps, inputs), oldest first. If the model's inputs are
+        linear over a step (`model.B_next`), there is one more row: the input at the end of the last
+        step.
     """
-    for u in inputs:
-        state = model.A @ state + model.B @ u
+    if model.B_next is None:
+        for u in inputs:
+            state = model.A @ state + model.B @ u
+        return state
+    for u, after in pairwise(inputs):
+        state = model.A @ state + model.B @ u + model.B_next @ after
     return state
 
 
@@ -46,15 +53,16 @@ def powers(A: Array, count: int) -> Array:
 class PredictionNoise:
     """The effects of noise on the predicted state, after a number of steps.
 
-    A and B are the matrices of the model x[k+1] = A x[k] + B u[k] + w[k].
+    A, B and B_next are the matrices of the model x[k+1] = A x[k] + B u[k] + B_next u[k+1] + w[k].
 
     Attributes
     ----------
     transition
         A^steps, shape (states, states): the effect of an error in the first state.
     response
-        Shape (steps, states): row i is A^(steps-1-i) B, the effect of an error in the input of step
-        i.
+        Row i is the effect of an error in input i, shape (steps, states). Without B_next, row i is
+        A^(steps-1-i) B. With B_next there is one more row: input i acts at the beginning of step i
+        and at the end of the step before.
     process
         Covariance of the predicted state due to the noise w of all steps, shape (states, states).
     """
@@ -71,7 +79,12 @@ def prediction_noise(model: Discrete, steps: int) -> PredictionNoise:
     """
     A = powers(model.A, steps)
     response = np.array([A[steps - 1 - i] @ model.B[:, 0] for i in range(steps)])
+    response = response.reshape(steps, len(model.A))
+    if model.B_next is not None:
+        at_end = np.array([A[steps - 1 - i] @ model.B_next[:, 0] for i in range(steps)])
+        response = np.pad(response, [(0, 1), (0, 0)])
+        response[1:] += at_end.reshape(steps, len(model.A))
     process = np.zeros_like(model.Q)
     for i in range(steps):
         process += A[i] @ model.Q @ A[i].T
-    return PredictionNoise(A[steps], response.reshape(steps, len(model.A)), process)
+    return PredictionNoise(A[steps], response, process)

@@ -42,10 +42,11 @@ class HubStudy:
 
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme and baseline that the study provides."""
-        from owtsweep.studies.hub.schemes import BASELINES, REGISTERED
+        from owtsweep.studies.hub.schemes import BASELINES, ON_REQUEST, REGISTERED
 
         told = {name: f"baseline (baselines=[...]): {what}" for name, what in BASELINES.items()}
-        return REGISTERED | told
+        further = {name: f"on request (schemes=[...]): {what}" for name, what in ON_REQUEST.items()}
+        return REGISTERED | further | told
 
     def config_type(self) -> type[HubConfig]:
         """Return the class of the study's configurations."""

@@ -20,7 +20,7 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule, schedule
-from owtsweep.estimation.predictor import powers, prediction_noise
+from owtsweep.estimation.predictor import prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.contract import Sensors
@@ -29,10 +29,10 @@ from owtsweep.studies.hub.kernels.layout import (
     NO_LEAN,
     FilterArrays,
     HorizonArrays,
-    LeanTerms,
     PredictorArrays,
 )
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
+from owtsweep.studies.hub.predictor import predictor_arrays
 from owtsweep.vectors import choose
 
 if TYPE_CHECKING:
@@ -254,8 +254,9 @@ def chain(
     window
         The smoother's lag N_s in steps; 0 for no smoother.
     predict
-        The predictor's model over one step, with the states position, velocity, bias. The
-        predictor covers input_delay + window steps. None for no predictor.
+        The predictor's model over one step, with the states position, velocity, bias; its input
+        is held over a step or linear. The predictor covers input_delay + window steps. None for no
+        predictor.
     horizon
         The MHE whose positions replace the position fixes; None for no MHE.
     steps
@@ -295,7 +296,7 @@ def chain(
             window=window,
             fix_interval=M,
         ),
-        predictor=_predictor_arrays(predict, ahead, sensors.step),
+        predictor=predictor_arrays(predict, ahead, sensors.step),
         mhe=horizon.arrays(gains, sensors) if horizon else NO_HORIZON,
         axis=axis,
         input_model=predict,
@@ -306,33 +307,3 @@ NO_HORIZON = HorizonArrays(
     active=False, maps=np.zeros((1, 3, 1)), horizon=1, interval=1, first=0, arrival=False,
     inputs=0, step=0.0, growth=np.zeros((1, 2, 3)), lean=NO_LEAN,
 )  # fmt: skip
-
-
-def _predictor_arrays(model: Discrete | None, steps: int, step: float) -> PredictorArrays:
-    if model is None or steps == 0:
-        return PredictorArrays(0, step, 0.0, 0.0, 0.0, 0.0, 0.0)
-    A = powers(model.A, steps)[steps]
-    half = float(model.B[0, 0])
-    arrays = PredictorArrays(
-        steps=steps, step=step, half=half, pv=A[0, 1], pb=A[0, 2], vb=A[1, 2],
-        old_p=half + steps * step * step,
-    )  # fmt: skip
-    if model.A[1, 0] == 0.0:
-        return arrays
-    left = A @ model.B[:, 0]
-    one = model.A
-    return arrays._replace(
-        old_p=left[0],
-        old_v=left[1] - step,
-        pp=A[0, 0] - 1.0,
-        vp=A[1, 0],
-        vv=A[1, 1] - 1.0,
-        lean=LeanTerms(
-            pp=one[0, 0] - 1.0,
-            pv=one[0, 1] - step,
-            pu=0.0,  # `half` has it
-            vp=one[1, 0],
-            vv=one[1, 1] - 1.0,
-            vu=float(model.B[1, 0]) - step,
-        ),
-    )

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config.section import fields_along
 from owtsweep.errors import InputError, require
+from owtsweep.motion.modulation import Modulation
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.motion.tracking import LEAST
@@ -25,6 +26,7 @@ from owtsweep.studies.hub.sizes import (
     check_grid,
     check_horizon,
 )
+from owtsweep.studies.hub.switching.checks import check_switch
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -53,9 +55,12 @@ def check(config: HubConfig) -> None:
     _check_record(config)
     check_plant(config)
     check_fix_rules(config)
+    _check_envelope(config)
     if not is_plant(config):
         _check_band(config)
         _check_spectrum(config)
+    if "SWITCH" in config.schemes:
+        check_switch(config.switch)
     schemes = resolve_all(config.schemes, config)
     for scheme in schemes:
         _check_sections(config, scheme)
@@ -111,6 +116,24 @@ def _check_tune(config: HubConfig) -> None:
         low <= high,
         f"tune.amplitude: the ends [{low:g}, {high:g}] m are reversed; use "
         f"tune.amplitude=[{high:g},{low:g}]",
+    )
+
+
+def _check_envelope(config: HubConfig) -> None:
+    """Raise InputError for an amplitude envelope that is none, or with which no engine can work."""
+    envelope = config.motion.envelope
+    if envelope is None:
+        return
+    Modulation(envelope, "motion.envelope")
+    require(
+        not is_plant(config),
+        "motion.envelope: the sea of motion=plant neither grows nor falls; leave out motion=plant, "
+        "or use motion.envelope=null",
+    )
+    require(
+        config.engine != "expected",
+        "motion.envelope: engine=expected needs motion that neither grows nor falls; use "
+        "engine=batch",
     )
 
 

@@ -22,6 +22,7 @@ from owtsweep.studies.hub.sections import (
     Record,
     SensorConfig,
     SpectrumConfig,
+    Switch,
     Tuning,
 )
 from owtsweep.studies.hub.skf_section import Skf
@@ -104,6 +105,7 @@ class HubConfig(Config):
         default=Skf(),
         younger=True,
     )
+    switch: Switch = key("the scheme SWITCH", default=Switch(), younger=True)
     measures: Measures = key("what is measured, and what the map judges")
     tune: Tune = key("what the command `tune` searches", default=Tune(), younger=True)
 

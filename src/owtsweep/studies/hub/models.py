@@ -124,11 +124,13 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
     )
 
 
-def input_model(tuning: FilterTuning, sensors: Sensors) -> Discrete:
+def input_model(tuning: FilterTuning, sensors: Sensors, hold: str) -> Discrete:
     """Return the predictor's model: Sigma_2 of Ren et al. (2019), discretised over one IMU step.
 
     The model's states are position, velocity and bias. The input is the specific force, without
-    noise.
+    noise. `hold`, one of `estimation.discretisation.HOLDS`, says what the input does between
+    samples.
     """
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
-    return discretise(sigma_2(0.0, q_b, tuning.lean), sensors.step, tuning.discretisation)
+    model = sigma_2(0.0, q_b, tuning.lean)
+    return discretise(model, sensors.step, tuning.discretisation, hold=hold)

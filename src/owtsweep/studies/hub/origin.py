@@ -65,8 +65,8 @@ def describe_draws(config: HubConfig) -> str:
 def describe_origin(config: HubConfig) -> str:
     """Return the truth, and the number of records per cell with their seed.
 
-    It is one line. Before it comes a line about the plant with motion=plant, and a line about the
-    sensors if they have what the paper's have not, e.g. a tilt.
+    It is one line. Before it come a line about the motion, with motion=plant or motion.envelope, and a
+    line about the sensors if they have what the paper's have not, e.g. a tilt.
     """
     return _tell(config, describe_draws(config))
 
@@ -86,8 +86,8 @@ def list_origin(config: HubConfig) -> dict[str, str]:
         **list_sensors(config.sensors),
         "record length": f"{config.record.duration:g} s",
     }
-    if is_plant(config):
-        told["motion"] = describe_plant(config)
+    if motion := _describe_motion(config):
+        told["motion"] = motion
     if config.engine == "expected":
         return told | {"records per cell": "infinitely many (expected value)"}
     return told | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
@@ -96,7 +96,7 @@ def list_origin(config: HubConfig) -> dict[str, str]:
 def _tell(config: HubConfig, draws: str) -> str:
     """Return the truth in lines that fit the width of a figure; `draws` ends the last one."""
     faults = [f"{name} {value}" for name, value in _list_faults(config.sensors).items()]
-    lines = [describe_plant(config)] if is_plant(config) else []
+    lines = [motion] if (motion := _describe_motion(config)) else []
     lines += [", ".join(faults)] if faults else []
     return "Truth: " + ";\n".join([*lines, f"{_describe_records(config)}; {draws}"])
 
@@ -107,3 +107,12 @@ def _describe_records(config: HubConfig) -> str:
         f"records of {config.record.duration:g} s, IMU bias {imu.bias_initial:g} m/s² and walk "
         f"{imu.bias_walk:g} m/s²/√s"
     )
+
+
+def _describe_motion(config: HubConfig) -> str:
+    """Return the plant or the envelope of the motion in words; "" for a plain spectrum."""
+    if is_plant(config):
+        return describe_plant(config)
+    points = config.motion.envelope or []
+    told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
+    return f"amplitude times {told}" if told else ""

@@ -95,6 +95,8 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
         content |= describe_content(config)
     else:
         content |= {key: whole[key] for key in ("spectrum", "normalise", "band")}
+        if config.motion.envelope is not None:
+            content["envelope"] = config.motion.envelope
     content["settling_time"] = config.measures.settling_time
     content["extremes"] = config.measures.extremes
     return content
@@ -125,7 +127,9 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
         "the run has no plan.json that fits its config.yaml; only its tables can be read",
     )
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
-    tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
+    values = {section: _plain(attrgetter(section)(config)) for section in sections}
+    # An empty section is one of younger keys alone, at their defaults.
+    tuning = {section: value for section, value in values.items() if value != {}}
     content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
     if isinstance(entry, Mapping):
         content["entry"] = {str(key): value for key, value in entry.items()}

@@ -42,11 +42,19 @@ def is_plant(config: HubConfig) -> bool:
 
 
 def require_spectrum(config: HubConfig, what: str) -> None:
-    """Raise InputError if the motion has no spectrum of Eq. (1); `what` needs one, in words."""
+    """Raise InputError if the motion has no spectrum of Eq. (1), or grows and falls.
+
+    `what` says in words what needs the spectrum.
+    """
     require(
         not is_plant(config),
         f"motion: {what} needs the spectrum of the motion, which motion=plant has not; leave out "
         "motion=plant",
+    )
+    require(
+        config.motion.envelope is None,
+        f"motion.envelope: {what} needs motion that neither grows nor falls; use "
+        "motion.envelope=null",
     )
 
 
@@ -124,7 +132,8 @@ def check_plant(config: HubConfig) -> None:
             "sensors.imu.tilt: `structure` needs a structure, but motion=spectrum has none; give "
             "rad/m, or add motion=plant",
         )
-        for name in MotionConfig.model_fields:
+        of_plant = [name for name in MotionConfig.model_fields if name != "envelope"]
+        for name in of_plant:
             require(
                 getattr(motion, name) == getattr(MotionConfig(), name),
                 f"motion.{name}: motion=spectrum has neither waves nor structure; add motion=plant",

@@ -15,6 +15,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.gravity import GRAVITY
+from owtsweep.motion.modulation import ModulatedSource, Modulation
 from owtsweep.motion.plant import PlantMotion
 from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import spectrum
@@ -153,12 +154,16 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
     Motion and noise are made at first use.
     """
     low, high = config.band
+    envelope = config.motion.envelope
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
+    source: Source = SpectralSource(shape, (low, high), config.normalise)
+    if envelope is not None:
+        source = ModulatedSource(source, Modulation(envelope))
     return Records(
         config=config,
         conditions={"natural_period": natural_period},
         in_streams=(natural_period,),
-        source=SpectralSource(shape, (low, high), config.normalise),
+        source=source,
         sensors=sensing.sensors(config.sensors),
         replicates=tuple(replicates),
         direction=_direction(config),

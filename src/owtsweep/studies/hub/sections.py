@@ -48,7 +48,8 @@ class Grid(Section):
 class MotionConfig(Section):
     """Where the motion comes from: a spectrum, or a structure under waves (the plant).
 
-    All keys but `kind` belong to the plant; sea states and blades are null without a plant.
+    All keys but `kind` and `envelope` belong to the plant; sea states and blades are null without a
+    plant.
     """
 
     kind: Literal["spectrum", "plant"] = key(
@@ -71,6 +72,12 @@ class MotionConfig(Section):
     modes: int = key("modes of the structure that answer", default=4, ge=1)
     damping: float | None = key(
         "damping ratio of every mode; null: the structure's own", default=None, gt=0.0, lt=1.0
+    )
+    envelope: list[list[Finite]] | None = key(
+        "pairs of time (s) and factor on the amplitude, e.g. [[0,0.1],[1000,10]]: a sea that grows "
+        "and falls (motion=spectrum only); null: none",
+        default=None,
+        younger=True,
     )
 
 
@@ -285,6 +292,17 @@ class Mhe(Section):
         return p, v, b
 
 
+class Predictor(Section):
+    """The settings of the predictor of HME1 and HME2, Algorithm 9 of Ren et al. (2019)."""
+
+    hold: Literal["zero", "first"] = key(
+        "specific force between two IMU samples: zero: the older sample, as in the paper; first: "
+        "linear from sample to sample",
+        default="zero",
+        younger=True,
+    )
+
+
 class Hme(Section):
     """The settings that HME1 and HME2 share, and the settings of HME2's MHE."""
 
@@ -292,6 +310,28 @@ class Hme(Section):
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
     )
     mhe: Mhe = key("the moving horizon estimator of HME2")
+    predictor: Predictor = key("the predictor", default=Predictor(), younger=True)
+
+
+class Switch(Section):
+    """The settings of the scheme SWITCH, which hands out one of two schemes."""
+
+    below: str = key("scheme below the boundary", default="HME2")
+    above: str = key("scheme above the boundary", default="HME1")
+    boundary: list[list[Positive]] | None = key(
+        "pairs of natural period (s) and amplitude (m); null: where the expected errors of the two "
+        "schemes are equal",
+        default=None,
+    )
+    crest: Positive = key("amplitude of the motion per rms of the displacement", default=3.5)
+    memory: Positive = key("memory of the estimated amplitude and period", unit="s", default=30.0)
+    hysteresis: float = key(
+        "factor on the boundary to switch upwards, and divisor to switch downwards",
+        default=1.2,
+        ge=1.0,
+        le=100.0,
+    )
+    blend: NotNegative = key("time to pass from one scheme to the other", unit="s", default=5.0)
 
 
 class Measures(Section):

@@ -149,6 +149,10 @@ class ReplayConfig(HubConfig):
             self.motion.kind == "spectrum",
             "motion: a replay takes its motion from the record; leave out motion=plant",
         )
+        require(
+            self.motion.envelope is None,
+            "motion.envelope: a replay takes its motion from the record; use null",
+        )
         super().check()
         require(
             "SKF" not in self.schemes or None not in (self.skf.natural_period, self.skf.amplitude),

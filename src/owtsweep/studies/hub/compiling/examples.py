@@ -126,8 +126,8 @@ def _of_online() -> Examples:
     two = np.zeros((1, 2))
     f = FilterSettings(
         square, row, square, row, row, 0.0, 0.0, 0, square, 1, 0, 0, True,
-        three, np.zeros(3), three, np.zeros((1, 3)), three, np.zeros((2, 2)), np.zeros(2),
-        0, 0.0, 0,
+        three, np.zeros(3), np.zeros(3), three, np.zeros((1, 3)), three, np.zeros((2, 2)),
+        np.zeros(2), 0, 0.0, 0,
     )  # fmt: skip
     h = HorizonSettings(
         False,

@@ -194,6 +194,9 @@ def predict(i, at, dv, dp, force, predictor, X):
     n, T, half, lean = predictor.steps, predictor.step, predictor.half, predictor.lean
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
     new, old = load(force, at), load(force, at - n)
+    if predictor.linear:
+        x = x + (predictor.new_p * new - predictor.first_p * old)
+        w = w + (predictor.new_v * new - predictor.first_v * old)
     leaning = lean.vp * dp + lean.vv * dv + lean.vu * new - predictor.old_v * old
     dp = dp + (T * dv + half * new - predictor.old_p * old) + (lean.pp * dp + lean.pv * dv)
     dv = dv + T * (new - old) + leaning

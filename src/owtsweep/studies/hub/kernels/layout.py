@@ -60,8 +60,7 @@ class LeanTerms(NamedTuple):
     """What an IMU that leans as it moves adds in one step of integrating its specific force.
 
     In one step the position also grows by `pp` times itself, `pv` times the velocity and `pu` times
-    the input; the velocity grows by `vp` times the position, `vv` times itself and `vu` times the
-    input. All are zero without a lean.
+    the input; the velocity by `vp`, `vv` and `vu` times these three. All are zero without a lean.
     """
 
     pp: float
@@ -78,12 +77,14 @@ NO_LEAN = LeanTerms(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 class PredictorArrays(NamedTuple):
     """A prediction without measurements over `steps` steps of `step` seconds.
 
-    The states are position, velocity, bias. `half` is step^2 / 2, the change of position in one
-    step per unit of input. Over all steps, a unit of velocity adds `pv` to the position, and a unit
-    of bias adds `pb` to the position and `vb` to the velocity. An IMU that leans (`lean`) also has
-    a unit of position add `pp` to the position and `vp` to the velocity, and a unit of velocity add
-    `vv` to the velocity; an input that is older than all steps has left `old_p` in the position and
-    `old_v`, beside `step`, in the velocity.
+    The states are position, velocity, bias. In one step a unit of input adds `half` to the position
+    (step^2 / 2 if inputs are held). Over all steps, a unit of velocity adds `pv` to the position,
+    and a unit of bias adds `pb` to the position and `vb` to the velocity. An IMU that leans
+    (`lean`) also has a unit of position add `pp` to the position and `vp` to the velocity, and a
+    unit of velocity add `vv` to the velocity; an input that is older than all steps has left
+    `old_p` in the position and `old_v`, beside `step`, in the velocity. If inputs are `linear`
+    between samples, `new_p` and `new_v` times the newest input are added to position and velocity,
+    and `first_p` and `first_v` times the first input of the prediction are subtracted.
     """
 
     steps: int
@@ -98,6 +99,11 @@ class PredictorArrays(NamedTuple):
     vp: float = 0.0
     vv: float = 0.0
     lean: LeanTerms = NO_LEAN
+    linear: bool = False
+    new_p: float = 0.0
+    new_v: float = 0.0
+    first_p: float = 0.0
+    first_v: float = 0.0
 
 
 class HorizonArrays(NamedTuple):
@@ -334,10 +340,8 @@ class Weights(NamedTuple):
     precision
         Elements pp, pv, vv of the inverse covariance of position p and velocity v along an axis,
         shape (rows, 3).
-    innovation
-        Inverse of the innovation's variance, shape (rows,).
-    fresh
-        Whether there is an innovation, shape (rows,).
+    innovation, fresh
+        Inverse of the innovation's variance, and whether there is an innovation, shape (rows,).
     """
 
     precision: Array

@@ -64,9 +64,11 @@ class FilterSettings(NamedTuple):
         Whether there is a predictor.
     input_A, input_B
         The predictor's transition matrix (3, 3) and input column (3,) for one step.
+    input_next
+        The predictor's column (3,) for the input at the end of a step; zero if inputs are held.
     ahead, response, added
         The predictor's transition matrix over all its steps (3, 3), its response to the noise of
-        each input (steps, 3), and the covariance that noise during the prediction adds (3, 3).
+        each input (inputs, 3), and the covariance that noise during the prediction adds (3, 3).
     rotation, gravity
         Rotation (2, 2) from the IMU's frame to NED, and gravity (2,) in NED, m/s^2.
     fix_rule, fix_limit
@@ -91,6 +93,7 @@ class FilterSettings(NamedTuple):
     predicts: bool
     input_A: Array
     input_B: Array
+    input_next: Array
     ahead: Array
     response: Array
     added: Array

@@ -56,7 +56,7 @@ def output(f, m, state, covariance):
         return
     if window > 0 and k > 0:
         smoother_gain(f.A, m.Pf[row - 1], m.Pm[row], m.work, m.C[row - 1])
-    A, B = f.input_A, f.input_B
+    A, B, N = f.input_A, f.input_B, f.input_next
     for axis in range(2):
         s0 = s1 = s2 = s3 = 0.0
         if k >= window:
@@ -73,10 +73,10 @@ def output(f, m, state, covariance):
         else:
             p = v = b = 0.0  # the smoother's register is not full yet
         for j in range(row - f.delay - window, row):
-            u = m.force[j, axis]
+            u, after = m.force[j, axis], m.force[j + 1, axis]
             p, v = (
-                p + A[0, 1] * v + A[0, 2] * b + B[0] * u + (A[0, 0] - 1.0) * p,
-                v + A[1, 2] * b + B[1] * u + (A[1, 0] * p + (A[1, 1] - 1.0) * v),
+                p + A[0, 1] * v + A[0, 2] * b + B[0] * u + (A[0, 0] - 1.0) * p + N[0] * after,
+                v + A[1, 2] * b + B[1] * u + (A[1, 0] * p + (A[1, 1] - 1.0) * v) + N[1] * after,
             )
         state[axis], state[2 + axis] = p, v
     output_covariance(f, m, covariance)

@@ -26,6 +26,7 @@ def online_chain(
     delay: int | None = None,
     mhe: Horizon | None = None,
     solver: str = "qrqp",
+    hold: str = "zero",
     origin: ArrayLike | None = ZERO,
 ) -> OnlineEstimator:
     """Make a new online estimator from settings: [MHE ->] filter [-> smoother -> predictor].
@@ -47,6 +48,8 @@ def online_chain(
         The moving horizon estimator; None for a scheme without one.
     solver
         Name of the solver for the MHE's windows that break a constraint.
+    hold
+        What the predictor's input does between samples, one of `estimation.discretisation.HOLDS`.
     origin
         The point about which the scheme starts from zero, shape (2,), m in NED; None for the first
         fix, whose noise is then the uncertainty of the first position.
@@ -60,7 +63,7 @@ def online_chain(
     axis = axis_filter(tuning, sensors)
     if point is None:
         axis, mhe = start_at_first_fix(axis, mhe)
-    predict = None if delay is None else input_model(tuning, sensors)
+    predict = None if delay is None else input_model(tuning, sensors, hold)
     # an MHE weighs the fixes itself; the filter then takes the positions of the MHE as they are
     fix_rule = make_fix_rule(tuning) if mhe is None else FixRule()
     settings = filter_settings(

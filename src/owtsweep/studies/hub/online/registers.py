@@ -49,6 +49,7 @@ def filter_settings(
         How much the positions count that the filter gets.
     """
     steps = delay + window
+    linear = None if predict is None else predict.B_next
     ahead: Array = np.eye(3)
     response: Array = np.zeros((1, 3))
     added: Array = np.zeros((3, 3))
@@ -72,6 +73,7 @@ def filter_settings(
         predicts=predict is not None,
         input_A=np.eye(3) if predict is None else np.ascontiguousarray(predict.A),
         input_B=np.zeros(3) if predict is None else predict.B[:, 0].copy(),
+        input_next=np.zeros(3) if linear is None else linear[:, 0].copy(),
         ahead=np.ascontiguousarray(ahead),
         response=np.ascontiguousarray(response),
         added=np.ascontiguousarray(added),

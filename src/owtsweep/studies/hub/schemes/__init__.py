@@ -35,6 +35,11 @@ INSTEAD = {
     "DELTA": "extend the line of the last two fixes",
 }
 
+#: Name -> description of further schemes, which run only if the key `schemes` names them.
+ON_REQUEST = {
+    "SWITCH": "HME1 or HME2, by estimated amplitude and period",
+}
+
 #: Attributes and methods that a scheme may have besides name, linear and start.
 OPTIONAL = ("under", "told", "kernel", "own_kernel", "stream", "sections")
 
@@ -45,9 +50,9 @@ def resolve(entry: Any) -> Scheme:
     Parameters
     ----------
     entry
-        A name in `REGISTERED`; a mapping `{_target_: package.Class, ...}` whose other keys are the
-        arguments of the class; or a `StoredScheme`, which stands for a user's scheme in a stored
-        run and is returned as it is.
+        A name in `REGISTERED`, `BASELINES` or `ON_REQUEST`; a mapping
+        `{_target_: package.Class, ...}`, whose other keys are the arguments of the class; or a
+        `StoredScheme`, which stands for a user's scheme in a stored run and is returned as it is.
 
     Raises
     ------
@@ -56,8 +61,8 @@ def resolve(entry: Any) -> Scheme:
         `name`, `linear` or `start`, or the entry is none of these three.
     """
     if isinstance(entry, str):
-        if entry not in REGISTERED and entry not in BASELINES:
-            names = ", ".join([*REGISTERED, *BASELINES])
+        if entry not in {**REGISTERED, **BASELINES, **ON_REQUEST}:
+            names = ", ".join([*REGISTERED, *BASELINES, *ON_REQUEST])
             raise InputError(
                 f"schemes: there is no scheme {entry!r}; use {names} or {{_target_: package.Class}}"
             )

@@ -48,6 +48,8 @@ class DelayedChain:
         The properties of the sensors.
     gains
         The scheme in its form for the batch engine, with precomputed covariances.
+    hold
+        The value of the key `hme.predictor.hold`.
     fix_rule
         How much the positions count that the filter gets; None: all alike.
     """
@@ -58,6 +60,7 @@ class DelayedChain:
         window: int,
         sensors: Sensors,
         gains: Chain,
+        hold: str,
         fix_rule: FixRule | None = None,
     ) -> None:
         axis = axis_filter(tuning, sensors)
@@ -66,7 +69,7 @@ class DelayedChain:
         self.on_schedule = fix_rule is None or fix_rule.name == "plain"
         self.filter = MultirateKalmanFilter(axis, sensors.rotation, tuning.update_rule, fix_rule)
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
-        self.input_model = input_model(tuning, sensors)
+        self.input_model = input_model(tuning, sensors, hold)
         self.count = 0
         # Register 1 delays samples by N_d steps (the GNSS delay); the paper prints N_d - 1.
         # Register u_s keeps the last N_s samples that have left register 1; N_s is the length of
@@ -108,7 +111,9 @@ class DelayedChain:
         step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
         state: Array = np.zeros(8) if smoothed is None else smoothed[0]
-        inputs = np.array(self.samples)[:-1] @ self.sensors.rotation.T  # all but the newest
+        inputs = np.array(self.samples) @ self.sensors.rotation.T
+        if self.input_model.B_next is None:  # held: the newest sample acts after the present
+            inputs = inputs[:-1]
         start = np.array([state[:2], state[2:4], state[6:8]])  # x1, x2, x4 of both axes
         now = np.array([predict(self.input_model, start[:, i], inputs[:, [i]]) for i in range(2)])
         covariance = np.kron(self._covariance(full=smoothed is not None), np.eye(2))
@@ -133,8 +138,9 @@ class HME1Estimator:
 
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         self.sensors = sensors
-        window, fix_rule = tuning.hme.smoother_window, make_fix_rule(tuning.hme1)
-        self.chain = DelayedChain(tuning.hme1, window, sensors, gains, fix_rule)
+        window, hold = tuning.hme.smoother_window, tuning.hme.predictor.hold
+        fix_rule = make_fix_rule(tuning.hme1)
+        self.chain = DelayedChain(tuning.hme1, window, sensors, gains, hold, fix_rule)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
@@ -150,12 +156,13 @@ class HME1Estimator:
 class HME1:
     """The scheme HME1 (hub motion estimator 1 of Ren et al. 2019).
 
-    Its tuning is the configuration's section `hme1` and key `hme.smoother_window`.
+    Its tuning is the configuration's sections `hme1` and `hme.predictor`, and the key
+    `hme.smoother_window`.
     """
 
     name = "HME1"
     linear = True
-    sections = ("hme1", "hme.smoother_window")
+    sections = ("hme1", "hme.smoother_window", "hme.predictor")
 
     def start(self, sensors: Sensors, tuning: Any) -> HME1Estimator:
         """Return a new estimator that runs step by step."""
@@ -170,6 +177,7 @@ class HME1:
             sensors,
             window=tuning.hme.smoother_window,
             delay=sensors.delay,
+            hold=tuning.hme.predictor.hold,
             origin=origin,
         )
 
@@ -186,7 +194,7 @@ class HME1:
             rule=tuning.hme1.update_rule,
             input_delay=sensors.delay,
             window=tuning.hme.smoother_window,
-            predict=input_model(tuning.hme1, sensors),
+            predict=input_model(tuning.hme1, sensors, tuning.hme.predictor.hold),
             steps=steps,
         )
 

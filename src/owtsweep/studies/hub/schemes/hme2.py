@@ -152,7 +152,8 @@ class HME2Estimator:
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         mhe = make_horizon(tuning, sensors)
         self.sensors = sensors
-        self.chain = DelayedChain(tuning.hme2, choose_window(tuning), sensors, gains)
+        window, hold = choose_window(tuning), tuning.hme.predictor.hold
+        self.chain = DelayedChain(tuning.hme2, window, sensors, gains, hold)
         self.mhe = MovingHorizonEstimator(mhe, sensors, gains, tuning.hme.mhe.solver)
         self.settings = mhe
         self.step = 0
@@ -232,6 +233,7 @@ class HME2:
             delay=sensors.delay,
             mhe=make_horizon(tuning, sensors),
             solver=tuning.hme.mhe.solver,
+            hold=tuning.hme.predictor.hold,
             origin=origin,
         )
 
@@ -253,7 +255,7 @@ class HME2:
             rule=tuning.hme2.update_rule,
             input_delay=sensors.delay,
             window=choose_window(tuning),
-            predict=input_model(tuning.hme2, sensors),
+            predict=input_model(tuning.hme2, sensors, tuning.hme.predictor.hold),
             horizon=make_horizon(tuning, sensors),
             steps=steps,
         )

@@ -1,0 +1,120 @@
+"""The boundary of two schemes: the amplitude at which they are equally good, over the period."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isnan, log
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import changed
+from owtsweep.errors import InputError
+
+#: Number of frequencies in the band at which a computed boundary is tabulated.
+FREQUENCIES = 40
+
+
+#: Logarithms of the amplitudes (m) that stand for "none" and for "any": far from every motion.
+NONE, ANY = -30.0, 30.0
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """A table of amplitudes over periods.
+
+    Attributes
+    ----------
+    log_period
+        Logarithms of the periods in s, rising, shape (n,).
+    log_amplitude
+        Logarithms of the amplitudes in m, shape (n,). `NONE`: the scheme above the boundary is
+        better at every amplitude; `ANY`: the scheme below it is.
+    """
+
+    log_period: Array
+    log_amplitude: Array
+
+    def amplitude(self, period: float) -> float:
+        """Return the amplitude (m) at a period (s), interpolated between logarithms.
+
+        Beyond its ends the table is continued by its end values. If the period is NaN, the result
+        is the least amplitude of the table.
+        """
+        if isnan(period):
+            return float(np.exp(self.log_amplitude.min()))
+        return float(np.exp(np.interp(log(period), self.log_period, self.log_amplitude)))
+
+
+def read_boundary(points: Sequence[Sequence[float]]) -> Boundary:
+    """Return the boundary that the key `switch.boundary` states.
+
+    Raises
+    ------
+    InputError
+        If the points are no table of rising periods (s) and amplitudes (m) above zero.
+    """
+    example = "give pairs of natural period (s) and amplitude (m), e.g. [[4,0.7],[8,1.2]]"
+    if not points or any(len(point) != 2 for point in points):
+        raise InputError(f"switch.boundary: {points!r} is no list of pairs; {example}")
+    table = np.array(points, dtype=float)
+    if not np.all(table > 0.0):
+        raise InputError(
+            f"switch.boundary: the number {table.min():g} is not above zero; {example}"
+        )
+    if np.any(np.diff(table[:, 0]) <= 0.0):
+        raise InputError("switch.boundary: the periods do not rise; give them in order")
+    return Boundary(np.log(table[:, 0]), np.log(table[:, 1]))
+
+
+def compute_boundary(config: Any, below: str, above: str, crest: float) -> Boundary:
+    """Compute the boundary of two schemes from their expected errors, without records.
+
+    A motion that is almost a sinusoid of period T makes the settled mean square error
+    v C(1/T) + noise, where v is the motion's mean square and C the scheme's error by frequency
+    (`expected.curves`). The boundary is where the two schemes' errors are equal.
+
+    Parameters
+    ----------
+    config
+        The study's configuration.
+    below, above
+        Names of the scheme that is used below the boundary, and of the one that is used above it.
+    crest
+        Amplitude of the motion divided by the root mean square of the displacement.
+
+    Raises
+    ------
+    InputError
+        If a scheme's expected errors cannot be computed: it is not linear, or has no kernel.
+    """
+    from owtsweep.studies.hub.expected.engine import curves_of
+    from owtsweep.studies.hub.schemes import resolve, under
+
+    measure = int(config.measures.criterion == "velocity")
+    alone = changed(config, schemes=[below, above], baselines=[])
+    for name in (below, above):
+        scheme = under(resolve(name), alone)
+        if not (scheme.linear and hasattr(scheme, "kernel")):
+            raise InputError(
+                f"switch.boundary: {name} is not linear or has no kernel, so its boundary cannot "
+                "be computed; give a table of periods and amplitudes"
+            )
+    frequency = np.geomspace(config.band[1], config.band[0], FREQUENCIES)
+    motion, noise = [], []
+    for name in (below, above):
+        curve = curves_of(alone, name)
+        motion.append(curve.at(frequency)[measure, 1])
+        noise.append(2.0 * float(curve.noise[:, measure, 1].sum()))  # of both axes
+    gained, paid = motion[0] - motion[1], noise[1] - noise[0]
+    if paid <= 0.0:
+        # The scheme above has less noise too. Where it follows the motion worse, it is better at
+        # small amplitudes alone, and one boundary cannot say so: it is then never chosen.
+        amplitude = np.where(gained >= 0.0, NONE, ANY)
+    else:
+        amplitude = np.full(FREQUENCIES, ANY)
+        better = gained > 0.0
+        amplitude[better] = np.log(crest) + 0.5 * np.log(paid / gained[better])
+    return Boundary(-np.log(frequency), np.clip(amplitude, NONE, ANY))

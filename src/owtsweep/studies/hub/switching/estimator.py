@@ -1,0 +1,118 @@
+"""Runs two estimators side by side and hands out one of them, or a blend."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.evaluation.estimate import Estimate
+from owtsweep.evaluation.loop import run_steps
+from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.studies.hub.switching.sea import error_variances
+from owtsweep.studies.hub.switching.supervisor import Supervisor
+
+
+class SwitchingEstimator:
+    """Two estimators on the same measurements, of which a supervisor hands out one.
+
+    The supervisor watches the estimates of the scheme above the boundary, since that scheme follows
+    large motion. While it changes over, position and velocity are weighted means of both schemes.
+    The stated covariance is then the weighted mean of both covariances: by convexity of the square,
+    no weighted mean of two estimates has a larger one, however their errors are correlated. The
+    innovation is that of the scheme with the larger weight.
+
+    Parameters
+    ----------
+    below, above
+        The estimators of the schemes below and above the boundary, before their first step.
+    supervisor
+        Decides which one is handed out.
+    """
+
+    def __init__(self, below: Any, above: Any, supervisor: Supervisor) -> None:
+        self._below, self._above, self.supervisor = below, above, supervisor
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """Take an IMU sample, and a position fix or None; return the estimate of the present.
+
+        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
+        """
+        below = self._below.update(specific_force, position)
+        above = self._above.update(specific_force, position)
+        (x, y), (vx, vy) = above.position.tolist(), above.velocity.tolist()
+        weight = self.supervisor.step(x, y, vx, vy, error_variances(above.covariance))
+        if weight in (0.0, 1.0):
+            chosen: Estimate = above if weight else below
+            return chosen
+        covariance = None
+        if below.covariance is not None and above.covariance is not None:
+            covariance = _blend(weight, below.covariance, above.covariance)
+        return Estimate(
+            _blend(weight, below.position, above.position),
+            _blend(weight, below.velocity, above.velocity),
+            covariance,
+            above.innovation if weight >= 0.5 else below.innovation,
+        )
+
+    def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
+        """Take many IMU samples at once; return the estimates that `update` would give.
+
+        `specific_force` (m/s^2) and `positions` (m; NaN at steps without a fix) have the shape
+        (steps, 2) each.
+        """
+        below, above = (
+            run_steps(each, specific_force, positions) for each in (self._below, self._above)
+        )
+        noise = np.zeros((len(above.state), 2))
+        if above.covariance is not None:
+            variances = np.nan_to_num(np.einsum("kii->ki", above.covariance))
+            noise = variances.reshape(-1, 2, 2).sum(axis=2)
+        decide = self.supervisor.step
+        weight = np.array([
+            decide(x, y, vx, vy, (of_position, of_velocity))
+            for (x, y, vx, vy), (of_position, of_velocity) in zip(
+                above.state.tolist(), noise.tolist(), strict=True
+            )
+        ])  # fmt: skip
+        return _join(weight, below, above)
+
+
+def _blend(weight: Any, below: Array, above: Array) -> Array:
+    """Return the mean of two arrays; `weight` is that of the array `above`."""
+    return np.asarray(below + weight * (above - below))
+
+
+def _join(weight: Array, below: Trajectory, above: Trajectory) -> Trajectory:
+    """Return the blend of two trajectories; `weight` (steps,) is that of the trajectory `above`."""
+    state = _blend(weight[:, None], below.state, above.state)
+    covariance = None
+    if below.covariance is not None and above.covariance is not None:
+        covariance = _blend(weight[:, None, None], below.covariance, above.covariance)
+        only = (weight == 0.0) | (weight == 1.0)  # the other scheme may state none at this step
+        chosen = (weight[only] == 1.0)[:, None, None]
+        covariance[only] = np.where(chosen, above.covariance[only], below.covariance[only])
+    mostly = weight >= 0.5
+    return Trajectory(
+        state,
+        covariance,
+        _pick(mostly, below.innovation, above.innovation),
+        _pick(mostly, below.innovation_covariance, above.innovation_covariance),
+    )
+
+
+def _pick(mostly: NDArray[np.bool_], below: Array | None, above: Array | None) -> Array | None:
+    """Return the rows of `above` where `mostly` is true, else those of `below`.
+
+    A scheme without these arrays has rows of NaN; the result is None if neither has them.
+    """
+    there = above if below is None else below
+    if there is None:
+        return None
+    none = np.full_like(there, np.nan)
+    shape = (-1, *(1,) * (there.ndim - 1))
+    return np.where(
+        mostly.reshape(shape), none if above is None else above, none if below is None else below
+    )
