@@ -33,8 +33,10 @@ def main(arguments: list[str]) -> int:
         for blades in (0, 1, 2) if structure.blade else (0,):
             modes = compute_modes(structure, 2, blades)
             f1, f2 = modes.frequency
-            lean = structure.gravity * modes.slope[0]
-            print(f"{blades} blades: {f1:.3f} and {f2:.2f} Hz; the tilt adds {lean:.3f} 1/s^2")
+            print(
+                f"blades mounted: {blades}; natural frequencies {f1:.3f} and {f2:.2f} Hz; the hub "
+                f"leans by {modes.slope[0]:.4f} rad per metre"
+            )
         draw = partial(stream, 1, "hub", (), 0)
         position = Plant(structure, SEA).realise(draw, steps=20_000, step=0.05).position
         print(

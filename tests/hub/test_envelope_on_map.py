@@ -60,14 +60,17 @@ def test_the_answer_names_scheme_and_sea():
     outside = points.assign(best_mine=["", "HME1", "HME1", "", "HME1", "HME1"])
     told = tell_best(outside, "mine")
     assert "HME1 in 67 %" in told
-    assert "; at 2 of 6 points (33 %) the map names no scheme. Without" in told
+    assert (
+        "; at 2 of 6 points (33 %) the map names no scheme (motion of 0.05 to 0.1 m). Without"
+        in told
+    )
     assert told.endswith("; at 2 of 6 seas (33 %) the map names no scheme.")
     nowhere = tell_best(points.assign(best_mine=""), "mine")
     assert nowhere == "Tuning mine: the map names a scheme at none of the 6 points."
     one = pd.concat([points.assign(best_mine=""), points.iloc[:1].assign(blades=1)])
     assert tell_best(one, "mine").endswith(
-        "; at 6 of 7 points (86 %) the map names no scheme. Without blades and with the soil as "
-        "described, no sea lies where the map names a scheme."
+        "; at 6 of 7 points (86 %) the map names no scheme (motion of 0.05 to 0.4 m). Without "
+        "blades and with the soil as described, no sea lies where the map names a scheme."
     )
 
 

@@ -29,7 +29,7 @@ def test_the_example_walks_from_a_description_to_the_answer(
     main = runpy.run_path(str(EXAMPLES / "own_structure.py"))["main"]
     assert main([str(EXAMPLES / "my_tower.yaml"), str(run.folder)]) == 0
     told = capsys.readouterr().out
-    assert "0 blades: 0.336 and 1.66 Hz" in told
+    assert "blades mounted: 0; natural frequencies 0.336 and 1.66 Hz; the hub leans by 0.01" in told
     assert "Tuning matched: over all seas" in told
     assert (tmp_path / "my_tower" / "envelope.csv").is_file()
     assert (tmp_path / "my_tower" / "envelope.png").is_file()

@@ -139,6 +139,8 @@ def test_stiffness_of_the_soil_is_that_of_the_diagram():
         ({"soil": {"layers": [{"bottom": 5.0, "friction_angle": 20.0}]}}, "28"),
         ({"points": [{"name": "top", "height": 101.0, "mass": 1.0}]}, "height 101 m"),
         ({"tubes": [{"top": 1e-4}]}, "tubes.tube: it is only 0.0001 m long; make it 0.001 m"),
+        ({"tubes": [{"diamter": [0.2, 0.2]}]}, "did you mean tubes[0].diameter?"),
+        ({"name": "../mine"}, "structure.name: '../mine' cannot be part of a file's name"),
         ({"water": {}}, "structure.gravity: 0 m/s^2 leaves no waves on the structure's water"),
     ],
 )
@@ -152,6 +154,7 @@ def test_a_structure_that_cannot_be_is_refused_in_one_line(tmp_path, change, wor
     with pytest.raises(InputError) as caught:
         read_structure(path)
     assert words in str(caught.value)
+    assert str(caught.value).startswith(f"{path}: ")
     assert "\n" not in str(caught.value)
 
 

@@ -35,6 +35,10 @@ def in_one_line(error: ValidationError, model: Any) -> str:
     steps = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     key = "".join(steps).removeprefix(".")
     if kind == "extra_forbidden":
+        section, _, _ = key.rpartition(".")
+        if section.endswith("]"):  # an entry of a list of sections
+            entry = item_type(fields_along(model, path[:-1])[-1].annotation)
+            return explain_unknown_key(key, list_keys(entry, f"{section}."))
         return explain_unknown_key(key, list_keys(model))
     if kind == "missing":
         return f"{key}: this key has no value; give it one"

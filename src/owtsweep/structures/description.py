@@ -6,6 +6,7 @@ units (angles in degrees).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -25,10 +26,13 @@ from owtsweep.config import (
     typed,
 )
 from owtsweep.config.stored import read_stored
+from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 
 #: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
 ANGLES = (28.0, 40.0)
+#: Names of structures, which may be part of a file's name.
+NAME = re.compile(r"\w[\w .+-]{0,59}")
 #: Greatest length of a structure, m.
 LONGEST = 1000.0
 #: Largest gap between two tubes that counts as none, m.
@@ -207,6 +211,11 @@ class Structure(Section):
 
     def check(self) -> None:
         """Raise `InputError` if the numbers do not describe a structure that stands."""
+        require(
+            NAME.fullmatch(self.name) is not None,
+            f"structure.name: {self.name!r} cannot be part of a file's name; use letters, "
+            "digits, blanks, . _ - +, and begin with a letter or digit",
+        )
         for tube in self.tubes:
             tube.check()
         require(
@@ -259,8 +268,11 @@ def read_structure(path: str | Path) -> Structure:
         structure that stands.
     """
     plain, _ = read_stored(Path(path))
-    structure = typed(Structure, plain)
-    structure.check()
+    try:
+        structure = typed(Structure, plain)
+        structure.check()
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
     return structure
 
 

@@ -178,7 +178,9 @@ class PlantEngine(RecordsEngine):
     def backend(self, config: HubConfig) -> str:
         """Return the joblib backend, as without a plant; warn of sea states that would break."""
         for told in list_breaking(config):
-            logger.warning("%s: waves this steep break; linear waves say too much of them", told)
+            logger.warning(
+                "motion: %s: waves this steep break, so the linear theory makes them too high", told
+            )
         return super().backend(config)
 
 

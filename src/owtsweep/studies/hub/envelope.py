@@ -125,6 +125,8 @@ def tell_best(points: pd.DataFrame, tuning: str, size: str = "amplitude") -> str
         for name, share in shares.items()
     ]
     beyond = _tell_unnamed(best, "points")
+    if beyond:
+        beyond += f" ({_tell_range(points.loc[best == UNNAMED, size])})"
     first = f"Tuning {tuning}: over all seas, blades and soils, best is {', '.join(told)}{beyond}."
     bare = points[(points["blades"] == 0) & points["friction_angle"].isna()]
     return f"{first} {_tell_seas(bare, f'best_{tuning}')}"
