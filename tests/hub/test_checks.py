@@ -130,7 +130,10 @@ VALUES = [
     ("hme.mhe.q_a=0", "must be a finite number above zero"),
     ("hme.mhe.p0=[1,1]", "three finite variances above zero"),
     ("schemes=[MKF,MKF]", "stands there twice"),
-    ("schemes=[FOO]", "no scheme 'FOO'; use EKF, MKF, HME1, HME2, SKF, NONE, HOLD, DELTA or"),
+    (
+        "schemes=[FOO]",
+        "no scheme 'FOO'; use EKF, MKF, HME1, HME2, NONE, HOLD, DELTA, SKF, SKFA, SWITCH or",
+    ),
     ("schemes=[{_target_: hold_last_fix.Missing}]", "cannot be made .AttributeError"),
     ("schemes=[{_target_: hold_last_fix.HoldLastFix, gain: 2}]", "cannot be made .TypeError"),
     ("schemes=[{_target_: decimal.Decimal}]", "no class with a method start"),

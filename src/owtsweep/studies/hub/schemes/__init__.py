@@ -19,8 +19,6 @@ REGISTERED = {
     "MKF": "multirate Kalman filter on the undelayed IMU",
     "HME1": "delayed MKF, online smoother, predictor",
     "HME2": "HME1 fed by a moving horizon estimator",
-    "SKF": "Kalman filter that is told the spectrum and the amplitude of the motion",
-    "SKFA": "SKF that is told nothing, and tracks spectrum and amplitude itself",
 }
 #: Name -> description of the baselines. They are schemes too, with modules of their own.
 BASELINES = {
@@ -37,6 +35,8 @@ INSTEAD = {
 
 #: Name -> description of further schemes, which run only if the key `schemes` names them.
 ON_REQUEST = {
+    "SKF": "Kalman filter that is told the spectrum and the amplitude of the motion",
+    "SKFA": "SKF that is told nothing, and tracks spectrum and amplitude itself",
     "SWITCH": "HME1 or HME2, by estimated amplitude and period",
 }
 
