@@ -83,9 +83,11 @@ def test_each_script_draws_its_figure(capsys, monkeypatch):
         ROOT / "experiments" / name
         for name in (
             "agreement.py",
+            "better.py",
             "ekf_trade_off.py",
             "judge_rivals.py",
             "make_sample.py",
+            "moving_sea.py",
             "outliers.py",
             "plant.py",
             "plant_spectrum.py",

@@ -22,10 +22,10 @@ from owtsweep.studies.hub.sections import (
     Record,
     SensorConfig,
     SpectrumConfig,
-    Switch,
     Tuning,
 )
 from owtsweep.studies.hub.skf_section import Skf
+from owtsweep.studies.hub.switching.section import Switch
 from owtsweep.studies.hub.tuning.settings import Tune
 
 #: In a run of several tunings, these sections stand in `tunings.<name>`, not at the top.

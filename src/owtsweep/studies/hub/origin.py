@@ -65,8 +65,8 @@ def describe_draws(config: HubConfig) -> str:
 def describe_origin(config: HubConfig) -> str:
     """Return the truth, and the number of records per cell with their seed.
 
-    It is one line. Before it come a line about the motion, with motion=plant or motion.envelope, and a
-    line about the sensors if they have what the paper's have not, e.g. a tilt.
+    It is one line. With motion=plant or motion.envelope, a line about the motion comes before it; a
+    line about the sensors, if they have what the paper's have not, e.g. a tilt.
     """
     return _tell(config, describe_draws(config))
 

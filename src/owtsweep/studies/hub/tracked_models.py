@@ -66,7 +66,7 @@ def make_candidate(
     return make_axis(shaping, candidate.values[2], tuning, sensors)
 
 
-@lru_cache(96)
+@lru_cache(32)
 def tune_candidate(axis: SpectralAxis, rows: int) -> TunedAxis:
     """Compute the gains of a model for at least `rows` steps; 1 MB per 5000 steps."""
     return tune_axis(axis, rows)

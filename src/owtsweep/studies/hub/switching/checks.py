@@ -9,7 +9,7 @@ from owtsweep.studies.hub.schemes import BASELINES, ON_REQUEST, REGISTERED
 from owtsweep.studies.hub.switching.boundary import read_boundary
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.sections import Switch
+    from owtsweep.studies.hub.switching.section import Switch
 
 
 def check_switch(settings: Switch) -> None:
