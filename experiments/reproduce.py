@@ -63,7 +63,7 @@ KEPT = {
     "matched_on_paper": (*TABLES, "figures/figure_18*.png"),
     "rivals": ("config.yaml", "manifest.json", "*.csv"),
     "plant": ("*.csv", "*.png", "*.md"),
-    "better": ("efficiency.*", "bounds.csv", "moving_sea.csv"),
+    "better": ("*.csv", "*.png"),
     **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
 

@@ -1,0 +1,97 @@
+"""The numbers of docs/better.md and of the README's third picture are those of the tables."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TABLES = ROOT / "results" / "reference" / "better"
+PAGE = (ROOT / "docs" / "better.md").read_text("utf-8")
+README = (ROOT / "README.md").read_text("utf-8")
+FOUR = ["EKF", "MKF", "HME1", "HME2"]
+
+
+@pytest.fixture(scope="module")
+def errors() -> pd.DataFrame:
+    """Position MSE by natural period and amplitude, one column per scheme, and the bounds."""
+    table = pd.read_csv(TABLES / "efficiency.csv")
+    table = table[table["measure"] == "position"]
+    cells = ["natural_period", "amplitude"]
+    wide = table.pivot_table(index=cells, columns="scheme", values="mse")
+    bounds = table.drop_duplicates(cells).set_index(cells)[["bound_a", "bound_b"]]
+    return wide.join(bounds).assign(four=wide[FOUR].min(axis=1))
+
+
+def find(pattern: str, text: str = PAGE) -> list[float]:
+    """Return the numbers that a pattern's groups match; text may break lines at any blank."""
+    matched = re.search(pattern.replace(" ", r"\s+"), text)
+    assert matched is not None, pattern
+    return [float(number) for number in matched.groups()]
+
+
+def test_skfa_against_bound_four_and_skf(errors: pd.DataFrame) -> None:
+    efficiency = 100.0 * errors["bound_b"] / errors["SKFA"]
+    for text in (PAGE, README):
+        low, high = find(r"within (\d+) to (\d+) % of the least error", text)
+        assert np.round([efficiency.min(), efficiency.max()]).tolist() == [low, high]
+    gain = errors["four"] / errors["SKFA"]
+    assert gain.min() > 1.0
+    for amplitude, pattern in (
+        (0.05, r"is (\d+) to (\d+) times \(3 to 8 s\) smaller"),
+        (0.2, r"(\d+) to (\d+) times at \.2 m"),
+        (1.0, r"times at \.2 m, (\d+\.\d) to (\d+\.\d) times at 1 m"),
+    ):
+        at = gain.xs(amplitude, level="amplitude")
+        assert find(pattern) == pytest.approx([at.max(), at.min()], rel=0.05)
+    worse = errors["SKFA"] / errors["SKF"]
+    least, most = find(r"better still by (\d+) to (\d+) %")
+    assert np.round(100.0 * (worse.min() - 1.0)) == least
+    assert np.round(100.0 * (worse.max() - 1.0)) == most
+    assert (worse <= 1.3).all()  # wanted in 50 of 60 cells
+    assert (errors["SKFA"] <= 1.05 * errors["HME1"]).all()
+
+
+def test_skf_against_bound_and_all_others(errors: pd.DataFrame) -> None:
+    near = errors["SKF"] / errors["bound_b"]
+    assert find(r"(\.\d+) to (1\.\d+) times bound \(b\)") == pytest.approx(
+        [near.min(), near.max()], abs=0.006
+    )
+    (count,) = find(r"within 3 % in (\d+) of them")
+    assert (np.abs(near - 1.0) < 0.03).sum() == count
+    others = errors[[*FOUR, "NONE", "HOLD", "DELTA"]].min(axis=1)
+    assert (errors["SKF"] < others).all()
+    gain = errors["four"] / errors["SKF"]
+    assert (gain[gain.index.get_level_values("amplitude") <= 0.1] > 6.0).all()
+    assert (gain.xs(0.2, level="amplitude") > 2.8).all()
+
+
+def test_the_table_in_millimetres(errors: pd.DataFrame) -> None:
+    at = 1e3 * np.sqrt(errors.xs(4.0, level="natural_period"))
+    at = at.loc[[0.05, 0.2, 1.0, 10.0]]
+    for words, column in {
+        "best of the four": "four",
+        r"no estimator \(NONE\)": "NONE",
+        "SKFA, told nothing": "SKFA",
+        "SKF, told the sea": "SKF",
+        r"the least possible, bound \(b\)": "bound_b",
+    }.items():
+        number = r"([\d.]+)"
+        told = find(rf"\| {words} \| {number} \| {number} \| {number} \| {number} \|")
+        assert told == pytest.approx(at[column].tolist(), rel=0.035)
+
+
+def test_seas_that_move() -> None:
+    table = pd.read_csv(TABLES / "moving_sea.csv")
+    wide = table.pivot_table(index=["sea", "amplitude"], columns="scheme", values="mse")
+    ratio = wide["SKFA"] / wide["HME1"]
+    assert (ratio <= 1.1).all()
+    for amplitude, words in ((0.05, r"\.05 m"), (0.2, r"\.2 m"), (1.0, "1 m"), (10.0, "10 m")):
+        number = r"(\d?\.\d+)"
+        told = find(rf"\| {words} \| {number} \| {number} \| {number} \|\n")
+        seas = ["two peaks", "moving period", "growing"]
+        assert told == pytest.approx([ratio[sea, amplitude] for sea in seas], abs=0.006)
