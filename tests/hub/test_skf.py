@@ -6,12 +6,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+from scipy.stats import t as student
 from tools import Streaming, assert_same, configure, measured, ned, rows_of
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
-from owtsweep.studies.hub import planning
+from owtsweep.studies.hub import HubStudy, planning
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
 from owtsweep.studies.hub.online import online
@@ -87,6 +89,39 @@ def test_covariance_is_honest_and_the_errors_are_those_expected() -> None:
 
 
 @pytest.mark.usefixtures("kernels")
+@pytest.mark.parametrize("scale", [1.0, 1.02])
+def test_expected_engine_gives_the_mean_of_the_records_settled_errors(scale: float) -> None:
+    settings = (
+        "schemes=[MKF,SKF]", "skf.states=6", "normalise=rms", "record.duration=400",
+        "measures.settling_time=150", "measures.window=settled", "grid.replicates=12",
+        "grid.amplitude=[0.2,10]", f"sensors.gnss.scale={scale}",
+    )  # fmt: skip
+    config = configure(*settings, "engine=expected")
+    study = HubStudy().engine(config)
+    rows = pd.concat([rows for _, rows in study.run(config, study.plan(config))])
+    tables = study.tables(config, rows)
+    summary = tables["summary"].set_index(["scheme", "amplitude", "measure", "window"])["mean"]
+    records = rows_of(configure(*settings))
+    for amplitude in (0.2, 10.0):
+        true = find_expected_errors(config, 4.0, amplitude).true
+        for measure, expected in zip(("position", "velocity"), true.sum(axis=0), strict=True):
+            assert summary["SKF", amplitude, measure, "settled"] == pytest.approx(expected)
+            values = [
+                row["value"] for key, row in records.items()
+                if (key.scheme, key.measure, key.window) == ("SKF", measure, "settled")
+                and key.amplitude == amplitude
+            ]  # fmt: skip
+            assert len(values) == 12
+            half = student.ppf(0.9995, 11) * np.std(values, ddof=1) / np.sqrt(12.0)
+            assert np.mean(values) == pytest.approx(expected, abs=half)
+            assert half < 0.3 * expected
+        assert summary["SKF", amplitude, "x", "settled"] == pytest.approx(true[0, 0])
+        assert summary["SKF", amplitude, "vy", "settled"] == pytest.approx(true[1, 1])
+    assert ("SKF", 0.2, "position", "full") not in summary.index
+    assert set(tables["best_scheme"]["best"]) == {"SKF"}
+
+
+@pytest.mark.usefixtures("kernels")
 def test_batch_and_reference_engine_give_the_same_rows() -> None:
     rows = rows_of(configure("schemes=[SKF,MKF]", "skf.states=6"))
     reference = rows_of(configure("schemes=[SKF,MKF]", "skf.states=6", "engine=reference"))
@@ -150,7 +185,11 @@ def _fixes(data: Any, sensors: Any) -> Any:
     [
         (["skf.states=7"], "skf.states: 7 is odd"),
         (["skf.states=26"], "skf.states"),
-        (["engine=expected"], "engine=expected shares one run among all amplitudes"),
+        (["engine=expected"], "measures.window: engine=expected knows the errors of SKF once"),
+        (
+            ["engine=expected", "measures.window=settled", "sensors.imu.bias_walk=0"],
+            "schemes: without a bias walk SKF never settles",
+        ),
         (["motion=plant"], "SKF needs the spectrum of the motion"),
     ],
 )
