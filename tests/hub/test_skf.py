@@ -8,17 +8,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.text import Text
 from scipy.stats import t as student
 from tools import Streaming, assert_same, configure, measured, ned, rows_of
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
-from owtsweep.studies.hub import HubStudy, planning
+from owtsweep.studies.hub import HubStudy, planning, spectral_model
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
+from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
+from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.online import online
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.schemes.skf import SpectralScheme
+from owtsweep.studies.hub.spectral_axis import tune_axis
 from owtsweep.testing import check_scheme
 
 SKF: Any = resolve("SKF")
@@ -130,6 +134,35 @@ def test_batch_and_reference_engine_give_the_same_rows() -> None:
     for key, row in rows.items():
         if key.scheme == "SKF":
             assert row["value"] == pytest.approx(reference[key]["value"], rel=1e-7)
+
+
+@pytest.mark.usefixtures("kernels")
+def test_gains_are_made_once_for_all_records_of_a_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+
+    def tune(axis: Any, steps: int) -> Any:
+        made.append(axis)
+        return tune_axis(axis, steps)
+
+    monkeypatch.setattr(spectral_model, "tune_axis", tune)
+    settings = (
+        "schemes=[MKF,SKF]", "skf.states=6", "record.duration=31",
+        "grid.amplitude=[0.05,0.1,0.7,2,10]",
+    )  # fmt: skip
+    rows = rows_of(configure(*settings, "grid.replicates=9"))
+    assert len(made) == 2 * len({key.amplitude for key in rows if key.scheme == "SKF"}) == 10
+    assert {key.replicate for key in rows if key.scheme == "SKF"} == set(range(9))
+    for key, row in rows_of(configure(*settings, "grid.replicates=2")).items():
+        assert row["value"] == rows[key]["value"] or row["amplitude"] is None
+
+
+@pytest.mark.usefixtures("kernels")
+def test_time_histories_say_that_skf_is_left_out() -> None:
+    histories = simulate_histories(configure("schemes=[MKF,SKF,SKFA]"))
+    figure = draw_histories(histories, "position", tuning="matched")
+    shown = " ".join(" ".join(text.get_text() for text in figure.findobj(Text)).split())
+    for name in ("SKF", "SKFA"):
+        assert f"{name} is left out: it is none of the filter chains that this figure" in shown
 
 
 def test_skf_is_told_its_cell_unless_the_configuration_says_otherwise() -> None:
