@@ -256,7 +256,10 @@ def test_error_spectra_show_curves_and_floors(runs: dict[str, Run]) -> None:
     figure = error_spectra.draw(config, errors={k: bare[k] for k in ("MKF", "HME1")})
     shown = texts(figure)
     assert "matched: no bar (the noise does not settle) for HME1." in shown
-    assert "no curve (no kernel, or it does not settle) for EKF, HME2." in shown
+    assert (
+        "no curve (no kernel whose gains serve all motions, or it does not settle) for EKF, HME2."
+        in shown
+    )
     axes = figure.axes[0]
     drawn = {line.get_label(): line for line in axes.get_lines()}
     assert list(drawn["MKF"].get_ydata()) == list(errors["MKF"].spectrum.position)

@@ -6,17 +6,23 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+from matplotlib.text import Text
+from scipy.stats import t as student
 from tools import Streaming, assert_same, configure, measured, ned, rows_of
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
-from owtsweep.studies.hub import planning
+from owtsweep.studies.hub import HubStudy, planning, spectral_model
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
+from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
+from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.online import online
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.schemes.skf import SpectralScheme
+from owtsweep.studies.hub.spectral_axis import tune_axis
 from owtsweep.testing import check_scheme
 
 SKF: Any = resolve("SKF")
@@ -87,6 +93,39 @@ def test_covariance_is_honest_and_the_errors_are_those_expected() -> None:
 
 
 @pytest.mark.usefixtures("kernels")
+@pytest.mark.parametrize("scale", [1.0, 1.02])
+def test_expected_engine_gives_the_mean_of_the_records_settled_errors(scale: float) -> None:
+    settings = (
+        "schemes=[MKF,SKF]", "skf.states=6", "normalise=rms", "record.duration=400",
+        "measures.settling_time=150", "measures.window=settled", "grid.replicates=12",
+        "grid.amplitude=[0.2,10]", f"sensors.gnss.scale={scale}",
+    )  # fmt: skip
+    config = configure(*settings, "engine=expected")
+    study = HubStudy().engine(config)
+    rows = pd.concat([rows for _, rows in study.run(config, study.plan(config))])
+    tables = study.tables(config, rows)
+    summary = tables["summary"].set_index(["scheme", "amplitude", "measure", "window"])["mean"]
+    records = rows_of(configure(*settings))
+    for amplitude in (0.2, 10.0):
+        true = find_expected_errors(config, 4.0, amplitude).true
+        for measure, expected in zip(("position", "velocity"), true.sum(axis=0), strict=True):
+            assert summary["SKF", amplitude, measure, "settled"] == pytest.approx(expected)
+            values = [
+                row["value"] for key, row in records.items()
+                if (key.scheme, key.measure, key.window) == ("SKF", measure, "settled")
+                and key.amplitude == amplitude
+            ]  # fmt: skip
+            assert len(values) == 12
+            half = student.ppf(0.9995, 11) * np.std(values, ddof=1) / np.sqrt(12.0)
+            assert np.mean(values) == pytest.approx(expected, abs=half)
+            assert half < 0.3 * expected
+        assert summary["SKF", amplitude, "x", "settled"] == pytest.approx(true[0, 0])
+        assert summary["SKF", amplitude, "vy", "settled"] == pytest.approx(true[1, 1])
+    assert ("SKF", 0.2, "position", "full") not in summary.index
+    assert set(tables["best_scheme"]["best"]) == {"SKF"}
+
+
+@pytest.mark.usefixtures("kernels")
 def test_batch_and_reference_engine_give_the_same_rows() -> None:
     rows = rows_of(configure("schemes=[SKF,MKF]", "skf.states=6"))
     reference = rows_of(configure("schemes=[SKF,MKF]", "skf.states=6", "engine=reference"))
@@ -95,6 +134,35 @@ def test_batch_and_reference_engine_give_the_same_rows() -> None:
     for key, row in rows.items():
         if key.scheme == "SKF":
             assert row["value"] == pytest.approx(reference[key]["value"], rel=1e-7)
+
+
+@pytest.mark.usefixtures("kernels")
+def test_gains_are_made_once_for_all_records_of_a_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+
+    def tune(axis: Any, steps: int) -> Any:
+        made.append(axis)
+        return tune_axis(axis, steps)
+
+    monkeypatch.setattr(spectral_model, "tune_axis", tune)
+    settings = (
+        "schemes=[MKF,SKF]", "skf.states=6", "record.duration=31",
+        "grid.amplitude=[0.05,0.1,0.7,2,10]",
+    )  # fmt: skip
+    rows = rows_of(configure(*settings, "grid.replicates=9"))
+    assert len(made) == 2 * len({key.amplitude for key in rows if key.scheme == "SKF"}) == 10
+    assert {key.replicate for key in rows if key.scheme == "SKF"} == set(range(9))
+    for key, row in rows_of(configure(*settings, "grid.replicates=2")).items():
+        assert row["value"] == rows[key]["value"] or row["amplitude"] is None
+
+
+@pytest.mark.usefixtures("kernels")
+def test_time_histories_say_that_skf_is_left_out() -> None:
+    histories = simulate_histories(configure("schemes=[MKF,SKF,SKFA]"))
+    figure = draw_histories(histories, "position", tuning="matched")
+    shown = " ".join(" ".join(text.get_text() for text in figure.findobj(Text)).split())
+    for name in ("SKF", "SKFA"):
+        assert f"{name} is left out: it is none of the filter chains that this figure" in shown
 
 
 def test_skf_is_told_its_cell_unless_the_configuration_says_otherwise() -> None:
@@ -150,7 +218,11 @@ def _fixes(data: Any, sensors: Any) -> Any:
     [
         (["skf.states=7"], "skf.states: 7 is odd"),
         (["skf.states=26"], "skf.states"),
-        (["engine=expected"], "engine=expected shares one run among all amplitudes"),
+        (["engine=expected"], "measures.window: engine=expected knows the errors of SKF once"),
+        (
+            ["engine=expected", "measures.window=settled", "sensors.imu.bias_walk=0"],
+            "schemes: without a bias walk SKF never settles",
+        ),
         (["motion=plant"], "SKF needs the spectrum of the motion"),
     ],
 )

@@ -68,6 +68,7 @@ def find_motion_errors(
     gains: LateGains,
     outputs: Array,
     frequencies: tuple[Array, NDArray[np.complex128], float],
+    scale: float = 1.0,
 ) -> Array:
     """Compute the mean square errors that sinusoidal motions cause.
 
@@ -80,6 +81,8 @@ def find_motion_errors(
     frequencies
         The angular frequencies of the motions, rad/s, shape (m,); the fast measurement per
         displacement at each, s^-2, shape (m,); and the time of a step, s.
+    scale
+        The slow measurement per displacement, which the filter takes for 1.
 
     Returns
     -------
@@ -91,7 +94,7 @@ def find_motion_errors(
     steps, n = close_loop(model, gains), len(model.Q)
     N = gains.fast.shape[1]
     # All numbers turn with the motion: the displacement is 1 at every step.
-    back, late = np.exp(-1j * omega * step), np.exp(-1j * omega * step * model.delay)
+    back, late = np.exp(-1j * omega * step), scale * np.exp(-1j * omega * step * model.delay)
     state, loop = np.zeros((N, len(omega)), complex), np.eye(N)
     for each in steps:
         state = each.copy @ _follow(each, state, back, force, late)

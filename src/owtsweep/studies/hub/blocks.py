@@ -73,14 +73,14 @@ def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; yield each block with its rows.
 
-    Motion and noise are made once for all blocks, of all tunings.
+    Motion and noise are made once for all successive blocks of some replicates, of all tunings.
     """
-    first = blocks[0].content
-    conditions = {name: first[name] for name in list_condition_names(config)}
-    records = make_records_at(config, conditions, first["replicates"])
-    for _, of_tuning in groupby(blocks, lambda block: block.tunings[:1]):
-        chosen = list(of_tuning)
-        yield from _run_one_tuning(chosen[0].choose(config), chosen, records)
+    conditions = {name: blocks[0].content[name] for name in list_condition_names(config)}
+    for replicates, of_records in groupby(blocks, lambda block: block.content["replicates"]):
+        records = make_records_at(config, conditions, replicates)
+        for _, of_tuning in groupby(of_records, lambda block: block.tunings[:1]):
+            chosen = list(of_tuning)
+            yield from _run_one_tuning(chosen[0].choose(config), chosen, records)
 
 
 def _run_one_tuning(

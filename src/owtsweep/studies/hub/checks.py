@@ -17,6 +17,7 @@ from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.motion.tracking import LEAST
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.expected.checks import check_expected
 from owtsweep.studies.hub.fix_rules import check_fix_rules
 from owtsweep.studies.hub.plant import check_plant, is_plant, require_spectrum
 from owtsweep.studies.hub.schemes import list_baselines, resolve_all
@@ -80,7 +81,7 @@ def check(config: HubConfig) -> None:
         )
     _check_tune(config)
     if config.engine == "expected":
-        _check_expected(config, schemes)
+        check_expected(config, schemes)
     if config.measures.extremes:
         require(
             config.evaluation == "direct",
@@ -101,11 +102,6 @@ def _check_skf(config: HubConfig) -> None:
         states % 2 == 0,
         f"skf.states: {states} is odd, and the states of a shaping filter come in pairs; use "
         f"{states - 1} or {states + 1}",
-    )
-    require(
-        config.engine != "expected",
-        "schemes: engine=expected shares one run among all amplitudes, and SKF has other gains at "
-        "each; use engine=batch, or leave SKF out",
     )
 
 
@@ -168,51 +164,6 @@ def _check_baselines(config: HubConfig, schemes: Sequence[Scheme]) -> None:
             f"baselines: a scheme of yours is also named {name}; rename it, or leave {name} out of "
             "baselines",
         )
-
-
-def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Raise InputError for settings with which the engine `expected` cannot work.
-
-    This engine simulates no records, and it computes from the schemes' kernels.
-    """
-    require(
-        not config.measures.extremes,
-        "measures.extremes: largest errors need records; use engine=batch",
-    )
-    require(
-        config.evaluation == "superposed",
-        "evaluation: engine=expected runs no record, so it cannot run amplitudes directly; use "
-        "evaluation=superposed, or engine=batch",
-    )
-    require(
-        config.sensors.imu.high_pass is None,
-        "sensors.imu.high_pass: engine=expected cannot shift the phase of the force, as an AC "
-        "coupling does; use engine=batch",
-    )
-    for fault, there in _list_faults(config).items():
-        require(
-            not there,
-            f"sensors.gnss.{fault}: engine=expected knows white noise of fixes that all arrive; "
-            f"use engine=batch, or leave {fault} at its default",
-        )
-    for scheme in schemes:
-        require(
-            scheme.linear and hasattr(scheme, "kernel"),
-            f"schemes: {scheme.name} has no kernel or is not linear, and engine=expected needs a "
-            "linear scheme with a kernel; use `sweep` with engine=batch, or leave the scheme out "
-            "(HME2 is linear if hme.mhe.constraints is null, every scheme only with "
-            "fix_rule=plain)",
-        )
-
-
-def _list_faults(config: HubConfig) -> dict[str, bool]:
-    """Return key of sensors.gnss -> whether it sets a fault that theory of white noise lacks."""
-    gnss = config.sensors.gnss
-    return {
-        "outliers": gnss.outliers.rate > 0.0,
-        "loss": gnss.loses,
-        "correlation": gnss.correlation.sigma > 0.0,
-    }
 
 
 def _check_sensors(config: HubConfig) -> None:

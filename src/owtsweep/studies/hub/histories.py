@@ -79,7 +79,7 @@ class Histories:
     estimated
         Scheme -> its estimates.
     left_out
-        Scheme -> why the scheme could not run; a scheme without a kernel is not listed.
+        Scheme -> why the scheme was not run.
     sea
         The plant's conditions in words; "" with motion=spectrum.
     """
@@ -145,8 +145,8 @@ def simulate_histories(config: HubConfig) -> Histories:
     """Simulate one record, run the configured schemes on it, and return the time histories.
 
     The record is replicate 0 at `AMPLITUDE` and the period of `natural_period_of`; with
-    motion=plant it is that of the sea state nearest to `SEA`. Schemes without a kernel are skipped.
-    Schemes that refuse the tuning are listed in `left_out`.
+    motion=plant it is that of the sea state nearest to `SEA`. Schemes without a kernel, and those
+    that refuse the tuning, are listed in `left_out`.
     """
     records, period, factor, sea = _make_record(config)
     sensors, motion = records.sensors, records.motion[0]
@@ -165,6 +165,7 @@ def simulate_histories(config: HubConfig) -> Histories:
     left_out: dict[str, str] = {}
     for scheme in resolve_all(config.schemes, config):
         if not hasattr(scheme, "kernel"):
+            left_out[scheme.name] = "it is none of the filter chains that this figure runs"
             continue  # step by step it would take minutes
         if config.sensors.gnss.loses:
             left_out[scheme.name] = "its gains depend on the fixes that are lost"

@@ -50,13 +50,16 @@ def plan(config: HubConfig) -> list[Block]:
             for (part, anew), scheme in zip(by_scheme, schemes, strict=True):
                 for amplitude in _amplitudes(config, scheme):
                     content = {**part, **conditions, "replicates": replicates}
-                    label = f"{scheme.name}, {group}"
+                    label, shares = f"{scheme.name}, {group}", group
+                    if hasattr(scheme, "told"):
+                        # its gains, the same for all records of a cell, take longer than a motion
+                        shares = f"{scheme.name}, {_name(config, conditions)}, {amplitude:g} m"
                     if amplitude is not None:
                         content["amplitude"] = float(amplitude)
                         label += "" if is_plant(config) else f", {amplitude:g} m"
                     per_row = len(config.grid.amplitude) if amplitude is None else 1
                     cases = len(replicates) * per_row
-                    blocks.append(Block(group, label, content, cases, per_row, anew))
+                    blocks.append(Block(shares, label, content, cases, per_row, anew))
     return blocks
 
 

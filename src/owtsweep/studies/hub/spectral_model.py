@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from hashlib import blake2b
-from threading import Lock
+from threading import local
 from typing import Any
 
 import numpy as np
@@ -23,10 +22,19 @@ LEAST_SHARE = 1e-6
 #: noise has as a position: the filter sees more than a single sample does. With a tenth, what SKF
 #: states of its error is nearest to the truth.
 FLOOR = 0.1
-#: Most pairs of gains that are kept. The gains along x and y take 80 MB for records of 2000 s.
-KEPT = 4
-_TUNED: OrderedDict[Any, tuple[TunedAxis, TunedAxis]] = OrderedDict()
-_LOCK = Lock()
+
+
+class _Last(local):
+    """What a thread tuned last, which it often needs again: the gains take some 0.4 s.
+
+    More is not kept, because the gains along x and y take 80 MB for records of 2000 s.
+    """
+
+    what: tuple[Any, ...] | None = None
+    axes: tuple[TunedAxis, TunedAxis]
+
+
+_LAST = _Last()
 
 
 def make_axes(
@@ -57,13 +65,9 @@ def tune_axes(
     """Make the models along x and y with their gains, for records of up to `steps` IMU steps."""
     told = (known.frequency, known.density, known.variance)
     what = (*(array.tobytes() for array in told), repr(tuning), sensors, steps)
-    with _LOCK:
-        axes = _TUNED.get(what)
-    if axes is None:
+    if _LAST.what != what:
         x, y = make_axes(known, tuning, sensors)
-        axes = tune_axis(x, steps), tune_axis(y, steps)
-        with _LOCK:
-            _TUNED[what] = axes
-            while len(_TUNED) > KEPT:
-                _TUNED.popitem(last=False)
-    return axes
+        _LAST.what = None
+        _LAST.axes = tune_axis(x, steps), tune_axis(y, steps)
+        _LAST.what = what
+    return _LAST.axes

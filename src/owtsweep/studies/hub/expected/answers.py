@@ -70,9 +70,10 @@ class Expected:
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
     """Select one measure and one time window from a study's rows; return the expected errors.
 
-    `rows` are the rows that the expected engine has made. Failed rows are ignored, and schemes
-    without other rows are left out.
+    `rows` are the rows that the expected engine has made. Failed rows are ignored, and so are rows
+    of one amplitude, as SKF has. Schemes without other rows are left out.
     """
+    rows = rows[rows["amplitude"].isna()]
     # plain text instead of the store's categories, which sort differently
     rows = rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]

@@ -15,6 +15,7 @@ from owtsweep.studies.hub import baseline_names, criteria, figures, scheme_names
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.origin import describe_origin
+from owtsweep.studies.hub.schemes.skf import SCHEME
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,9 +70,10 @@ def draw_map(
 ) -> Figure:
     """Draw the map of the best schemes: amplitude (upwards) against natural period (across).
 
-    The map is smooth. If the grid has only one period or amplitude, or the spectrum exists only at
-    some periods, cells are drawn instead. `tables` are the run's tables, `rows` the rows that the
-    expected engine has made. `criterion` is the measure that is compared, "position" or "velocity".
+    The map is smooth. Cells are drawn instead if the grid has only one period or amplitude, if the
+    spectrum exists only at some periods, or if SKF takes part, whose errors are computed cell by
+    cell. `tables` are the run's tables, `rows` the rows that the expected engine has made.
+    `criterion` is the measure that is compared, "position" or "velocity".
     """
     from owtsweep.figures import smooth_map, style
 
@@ -81,6 +83,7 @@ def draw_map(
         len(grid.natural_period) > 1
         and len(grid.amplitude) > 1
         and config.spectrum.kind == "translated"
+        and SCHEME.name not in names
     )
     if not smooth:
         return figures.draw_cells(config, tables, rows, criterion, same)

@@ -1,7 +1,8 @@
 """The engine `expected`: plans the work of a study without records, and makes the study's rows.
 
 A block of work is one scheme at all natural periods. Most of the time goes into the curves of a
-scheme (its errors at each frequency), which do not depend on the period.
+scheme (its errors at each frequency), which do not depend on the period. SKF has other gains at
+each amplitude, so it has a block for each; see `expected.spectral`.
 """
 
 from __future__ import annotations
@@ -25,53 +26,61 @@ from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.expected.curves import Curves, curves
 from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_factors
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
+from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
 from owtsweep.studies.hub.planning import explain_anew, scheme_content, shared_content
 from owtsweep.studies.hub.schemes import list_entries, resolve, resolve_all
+from owtsweep.studies.hub.schemes.skf import SpectralScheme
 from owtsweep.sweep.study import Block
 
 #: Version of this engine's numbers. Raise it when they change and the study's `numerics_version`
 #: stays the same.
 EXPECTED_VERSION = 2
-MEASURES = ("position", "velocity")
-AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 
 
 def plan(config: HubConfig) -> list[Block]:
-    """Return the blocks of work of a study: one block per scheme, with all natural periods."""
+    """Return the blocks of work of a study, each with all natural periods.
+
+    There is one block per scheme, but one per amplitude for SKF.
+    """
     shared = shared_content(config)
     if config.normalise == "peak":
         shared["peak_records"] = RECORDS
     else:
         del shared["seed"]  # there is no record, so nothing is random
     periods = sorted(float(period) for period in config.grid.natural_period)
-    cells = len(periods) * len(config.grid.amplitude)
+    blocks = []
     entries = list_entries(config)
-    return [
-        Block(
-            group=scheme.name,
-            label=f"{scheme.name}, expected",
-            content={
-                **shared,
-                **scheme_content(config, entry, scheme),
-                "expected_version": EXPECTED_VERSION,
-                "natural_periods": periods,
-            },
-            cases=cells,
-            cases_per_row=cells,
-            anew=explain_anew(entry, scheme),
-        )
-        for entry, scheme in zip(entries, resolve_all(entries, config), strict=True)
-    ]
+    for entry, scheme in zip(entries, resolve_all(entries, config), strict=True):
+        content = {
+            **shared,
+            **scheme_content(config, entry, scheme),
+            "expected_version": EXPECTED_VERSION,
+            "natural_periods": periods,
+        }
+        anew = explain_anew(entry, scheme)
+        if isinstance(scheme, SpectralScheme):
+            for amplitude in map(float, config.grid.amplitude):
+                name = f"{scheme.name}, {amplitude:g} m"
+                of_cell = {**content, "amplitude": amplitude}
+                blocks.append(Block(name, f"{name}, expected", of_cell, len(periods), anew=anew))
+        else:
+            cells = len(periods) * len(config.grid.amplitude)
+            label = f"{scheme.name}, expected"
+            blocks.append(Block(scheme.name, label, content, cells, cells, anew))
+    return blocks
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Compute the rows of some blocks of work; yield each block with its rows.
 
-    A block of work is one scheme at all natural periods.
+    A block of work is one scheme at all natural periods, or SKF at these and one amplitude.
     """
     for block in blocks:
-        name, periods = block.content["scheme"], block.content["natural_periods"]
-        yield block, rows(block.choose(config), name, periods)
+        chosen, periods = block.choose(config), block.content["natural_periods"]
+        if "amplitude" in block.content:
+            yield block, make_rows(chosen, periods, block.content["amplitude"])
+        else:
+            yield block, rows(chosen, block.content["scheme"], periods)
 
 
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:

@@ -3,21 +3,32 @@
 SKF believes in a shaping filter, whose spectrum is near the true one, which has hard edges. Here
 the motion has the true spectrum, so the difference of this error from what SKF states of itself
 measures the fit.
+
+It is the limit of long records: the start has died away, and nothing depends on the settling time.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.late_errors import find_motion_errors, find_noise_errors
+from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known_motion import find_known_motion
 from owtsweep.studies.hub.schemes.skf import SCHEME
 from owtsweep.studies.hub.spectral_axis import LONGEST_TRANSIENT
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: The measures whose errors are computed, and each one's parts along x and y.
+MEASURES = ("position", "velocity")
+AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 
 
 class SpectralErrors(NamedTuple):
@@ -61,9 +72,37 @@ def find_expected_errors(
     true, stated = np.empty((2, 2)), np.empty((2, 2))
     for number, tuned in enumerate(axes):
         model, gains, outputs = tuned.axis.model, tuned.gains, tuned.axis.outputs
-        of_motion = find_motion_errors(model, gains, outputs, seen) @ power
+        of_motion = find_motion_errors(model, gains, outputs, seen, sensors.fix_scale) @ power
         of_noise = find_noise_errors(model, gains, outputs, noise)
         true[number] = truth.variance[number] * of_motion + of_noise
         settled = gains.covariance[-gains.cycle :]
         stated[number] = np.mean(np.diagonal(settled, axis1=1, axis2=2), axis=0)
     return SpectralErrors(true, stated)
+
+
+def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> pd.DataFrame:
+    """Make the rows of SKF at natural periods (s) and an amplitude (m), in the settled window.
+
+    A row has the expected mean square error of one measure as its value.
+
+    Raises
+    ------
+    InputError
+        As `find_expected_errors`.
+    """
+    import pandas as pd
+
+    rate = config.sensors.imu.rate
+    samples = round(config.record.duration * rate) - round(config.measures.settling_time * rate)
+    names = [name for measure in MEASURES for name in (*AXES[measure], measure)]
+    tables = []
+    for period in periods:
+        true = find_expected_errors(config, period, amplitude).true
+        # (name, product, replicate); the value is the last product
+        products = np.zeros((len(names), 3, 1))
+        products[:, 2, 0] = np.concatenate([true, true.sum(axis=0, keepdims=True)]).T.ravel()
+        windows, counts = ["settled"] * len(names), [samples] * len(names)
+        measured = measures.Measured(names, windows, products, counts)
+        conditions = {"natural_period": period}
+        tables.append(measures.table(conditions, [0], SCHEME.name, measured, amplitude))
+    return pd.concat([pd.DataFrame(table) for table in tables], ignore_index=True)

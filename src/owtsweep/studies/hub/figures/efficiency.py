@@ -36,7 +36,8 @@ DARK = 25.0
 EXPLANATION = (
     "Efficiency: the least mean square error that any linear estimator can have that knows the "
     "motion's spectrum and its variances along x and y, divided by the scheme's. 100 %: no such "
-    "estimator does better. It is of the steady state and in real time."
+    "estimator does better; above it: by chance, in few records. It is of the steady state and in "
+    "real time."
 )
 
 

@@ -173,7 +173,7 @@ def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
     theirs = [scheme.name for scheme in missing if isinstance(scheme, StoredScheme)]
     ours = [scheme.name for scheme in missing if not isinstance(scheme, StoredScheme)]
     without = {
-        "curve (no kernel, or it does not settle)": ours,
+        "curve (no kernel whose gains serve all motions, or it does not settle)": ours,
         "curve (code of the run's author is not run)": theirs,
         "bar (the noise does not settle)": [n for n in errors if errors[n].floor is None],
     }
