@@ -212,7 +212,8 @@ def test_a_sea_that_breaks_is_warned_about(caplog):
     config = plant(motion__hs=[2.0, 9.0])
     with caplog.at_level(logging.WARNING):
         get_study("hub").engine(config).backend(config)
-    assert [record.getMessage()[:19] for record in caplog.records] == ["hs 9 m with tp 6 s:"]
+    told = [record.getMessage() for record in caplog.records]
+    assert [line[:27] for line in told] == ["motion: hs 9 m with tp 6 s:"]
 
 
 def test_a_structure_may_be_a_file_of_values(tmp_path):
