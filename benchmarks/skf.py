@@ -1,4 +1,4 @@
-"""Measure what SKF costs: its kernel on eight records, its gains, and its online form.
+"""Measure what SKF costs (kernel on eight records, gains, online form), and what SKFA does.
 
 python -m benchmarks.skf
 """
@@ -13,12 +13,14 @@ import numpy as np
 import owtsweep
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels import spectral
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
 
-#: Greatest time of the kernel, ns per state, IMU step and series, and of an online step, us.
-GOALS = (4.0, 100.0)
+#: Greatest time of SKF's kernel, ns per state, IMU step and series; of an online step, us; and of
+#: SKFA over a record, ns per IMU step and series.
+GOALS = (4.0, 100.0, 300.0)
 PERIOD, AMPLITUDE = 4.0, 1.0
 
 
@@ -56,13 +58,42 @@ def main(seconds: float = 2000.0, repeats: int = 5) -> None:
         f"goal {GOALS[0]:g}"
     )
     told = [f"skf.natural_period={PERIOD}", f"skf.amplitude={AMPLITUDE}"]
-    estimator = owtsweep.online("SKF", told, origin=(0, 0))
-    zero, times = np.zeros(2), []
-    for k in range(20_000):
+    time_online("SKF", told, np.zeros((20_000, 2)), np.zeros((200, 2)))
+    force, fixes = (array[:, :2] for array in Lanes(records).at(AMPLITUDE))
+    time_adaptive(force, fixes, repeats)
+
+
+def time_adaptive(force: Any, fixes: Any, repeats: int) -> None:
+    """Print the times of SKFA over a record, shape (steps, 2) and (fixes, 2)."""
+    whole = np.full(force.shape, np.nan)
+    whole[:: len(force) // len(fixes)] = fixes
+    spent = []
+    for _ in range(repeats + 1):  # the first one makes the gains, and perhaps fits and compiles
+        estimator: Any = owtsweep.online("SKFA", ["sensors=strong_bias"], origin=(0, 0))
         began = time.perf_counter()
-        estimator.update(zero, None if k % 100 else zero)
+        estimator.run_record(force, whole)
+        spent.append(time.perf_counter() - began)
+    each = 2 * len(force)
+    print(
+        f"SKFA over a record: {np.median(spent[1:]) / each * 1e9:.0f} ns per step and series; goal "
+        f"{GOALS[2]:g}; the first time {spent[0] / each * 1e9:.0f}"
+    )
+    time_online("SKFA", ["sensors=strong_bias"], force, fixes)
+
+
+def time_online(name: str, overrides: list[str], force: Any, fixes: Any) -> None:
+    """Print the times of a scheme's online steps over a record."""
+    estimator = owtsweep.online(name, overrides, origin=(0, 0))
+    between, times = len(force) // len(fixes), []
+    for k, sample in enumerate(force):
+        fix = None if k % between else fixes[k // between]
+        began = time.perf_counter()
+        estimator.update(sample, fix)
         times.append(time.perf_counter() - began)
-    print(f"online: {np.median(times) * 1e6:.0f} us per step (median); goal {GOALS[1]:g}")
+    print(
+        f"{name} online: {np.median(times) * 1e6:.0f} us per step (median); goal {GOALS[1]:g}; "
+        f"longest {max(times) * 1e3:.1f} ms"
+    )
 
 
 if __name__ == "__main__":

@@ -122,11 +122,9 @@ class SpectrumTracker:
         """
         step, noise, _, band = self._given
         force = self._average(force)
-        frequency = np.fft.rfftfreq(len(force), step)
-        above = (frequency >= ABOVE * band[1]) & (frequency <= 0.4 / step)
+        above, second, fourth = _list_above(len(force), step, band[1])
         excess = (compute_periodogram(force, step)[above] - noise) / (len(force) * step)
-        omega = 2.0 * np.pi * frequency[above]
-        return Motion(float(np.sum(excess / omega**4)), float(np.sum(excess / omega**2)))
+        return Motion(float(np.sum(excess / fourth)), float(np.sum(excess / second)))
 
     def _average(self, force: Array) -> Array:
         """Return means over blocks of samples, of which the last ends with the record."""
@@ -137,9 +135,16 @@ class SpectrumTracker:
 
 def compute_periodogram(force: Array, step: float) -> Array:
     """Compute the one-sided periodogram of samples (n,), with a Hann window; their unit^2/Hz."""
-    window = np.hanning(len(force))
+    window, square = _make_window(len(force))
     ordinates = np.fft.rfft((force - force.mean()) * window)
-    return np.asarray(np.abs(ordinates) ** 2 * (2.0 * step / np.sum(window**2)))
+    return np.asarray(np.abs(ordinates) ** 2 * (2.0 * step / square))
+
+
+@lru_cache(64)
+def _make_window(length: int) -> tuple[Array, float]:
+    """Return the Hann window (length,) and the sum of its squares."""
+    window = np.hanning(length)
+    return window, float(np.sum(window**2))
 
 
 def compute_log_likelihood(
@@ -191,6 +196,18 @@ def _make_models(
         shapes[i, j] = spectrum.density(frequency) / np.trapezoid(spectrum.density(fine), fine)
     models = shapes[:, :, None] * np.array(VARIANCES)[:, None] * force + noise
     return 1.0 / models, np.log(models).sum(axis=-1), inside
+
+
+@lru_cache(64)
+def _list_above(length: int, step: float, edge: float) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Return where the ordinates above a band with an upper edge (Hz) are, and powers 2 and 4.
+
+    The powers are those of the angular frequencies, rad/s, of these ordinates.
+    """
+    frequency = np.fft.rfftfreq(length, step)
+    above = (frequency >= ABOVE * edge) & (frequency <= 0.4 / step)
+    omega = 2.0 * np.pi * frequency[above]
+    return above, omega**2, omega**4
 
 
 def _list_lengths(step: float) -> list[int]:

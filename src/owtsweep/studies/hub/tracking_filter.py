@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -196,10 +197,8 @@ def _score(estimates: AxisEstimates) -> Array:
 
 def _is_contradicted(scores: Array) -> bool:
     """Return whether the sum of squared scaled innovations, or of the last few, is no chance."""
-    from scipy.special import chdtri
-
     count = len(scores)
-    is_large = count > 0 and np.sum(scores) > chdtri(count, 1.0 - CONFIDENCE)
+    is_large = count > 0 and np.sum(scores) > _find_limit(count, 1.0 - CONFIDENCE)
     return bool(is_large) or _find_alarm(np.empty(0), scores) is not None
 
 
@@ -208,11 +207,17 @@ def _find_alarm(before: Array, scores: Array) -> int | None:
 
     The sum of the last `FEW` scores is tested; `before` are the scores before `scores`.
     """
+    sums = np.convolve(np.concatenate([before, scores]), np.ones(FEW))[len(before) :]
+    far = np.flatnonzero(sums[: len(scores)] > _find_limit(FEW, ALARM))
+    return int(far[0]) if len(far) else None
+
+
+@lru_cache(256)
+def _find_limit(count: int, probability: float) -> float:
+    """Return what a chi-squared sum of `count` squares exceeds with a probability."""
     from scipy.special import chdtri
 
-    sums = np.convolve(np.concatenate([before, scores]), np.ones(FEW))[len(before) :]
-    far = np.flatnonzero(sums[: len(scores)] > chdtri(FEW, ALARM))
-    return int(far[0]) if len(far) else None
+    return float(chdtri(count, probability))
 
 
 def _is_blind(stated: Array, above: Motion) -> bool:
