@@ -107,6 +107,10 @@ def test_flags_that_compute_nothing(
         (["grid.amplitude=[1],[2]"], "grid.amplitude: `vary` compares sensors, tunings and truths"),
         (["grid=small", "seed=1,2"], "grid: 20 motions are too many for a figure; give at most 6"),
         (["seed=1,2", "engine=batch"], "engine: `vary` computes means over all records, and "),
+        (
+            ["seed=1,2", "schemes=[MKF,SKF]", "measures.window=settled"],
+            "schemes: `vary` computes all amplitudes at once, and SKF has other gains at each",
+        ),
         (["seed=1,2", "name=x"], "name: `vary` names its folder by what is asked"),
         (["sensors.imu.sigma=1e-20,1e20", "tuning=printed", "schemes=[MKF]", "record.duration=50"],
          "sensors: the Kalman bound cannot be computed for noise of 0.03 m (GNSS) and 1e+20"),

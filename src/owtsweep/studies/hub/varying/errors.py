@@ -151,8 +151,8 @@ def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
     Raises
     ------
     InputError
-        If the configurations ask for records, or for other motions, schemes or criteria than the
-        first.
+        If the configurations ask for records, for SKF, or for other motions, schemes or criteria
+        than the first.
     """
     one = next(iter(configs.values()))
     for config in configs.values():
@@ -161,6 +161,11 @@ def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
             config.engine == "expected",
             f"engine: `vary` computes means over all records, and engine={config.engine} simulates "
             "records; leave out engine",
+        )
+        require(
+            "SKF" not in config.schemes,
+            "schemes: `vary` computes all amplitudes at once, and SKF has other gains at each; "
+            "leave SKF out, or use `sweep engine=expected measures.window=settled` for each value",
         )
         require(
             (config.grid, config.measures, config.schemes, config.baselines)
