@@ -10,8 +10,8 @@ LOOKS = {
     "MKF": SchemeStyle("#009E73", "D", (0, (4, 2))),
     "HME1": SchemeStyle("#0072B2", "o", "-"),
     "HME2": SchemeStyle("#E69F00", "^", (0, (6, 1, 1, 1))),
-    "SKF": SchemeStyle("#B3261E", "p", "-"),
-    "SKFA": SchemeStyle("#E57373", "h", (0, (4, 2))),
+    "SKF": SchemeStyle("#4D4D4D", "p", "-"),
+    "SKFA": SchemeStyle("#B3261E", "h", (0, (4, 2))),
     # the baselines: pale, and of one hue that no scheme has
     "NONE": SchemeStyle("#D3CCE3", "*", "-"),
     "HOLD": SchemeStyle("#B8AED0", "d", (0, (4, 2))),
