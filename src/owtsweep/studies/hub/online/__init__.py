@@ -26,8 +26,8 @@ def online(
     Parameters
     ----------
     scheme
-        EKF, MKF, HME1, HME2 or SKF. SKF must be told the motion and the origin: see the keys of
-        the section `skf`.
+        EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH. SKF and SKFA must be told the origin, SKF the
+        motion too: see the keys of the section `skf`.
     overrides
         The sensors and the tuning, as on the command line, e.g. `["tuning=paper",
         "sensors.gnss.delay=0.3"]`. Without an override, the tuning is `matched`.
@@ -56,7 +56,9 @@ def online(
 
     registered: Any = resolve(scheme)
     if not hasattr(registered, "stream"):
-        raise InputError(f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1, HME2 or SKF")
+        raise InputError(
+            f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH"
+        )
     if not isinstance(overrides, str):  # a string is refused below
         given = {override.partition("=")[0] for override in overrides}
         ours = [word for word in DEFAULTS if word.partition("=")[0] not in given]
