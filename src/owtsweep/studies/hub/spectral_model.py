@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from hashlib import blake2b
 from threading import local
 from typing import Any
 
 import numpy as np
 
-from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
+from owtsweep.studies.hub.shape_cache import fit_or_recall
 from owtsweep.studies.hub.skf_section import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
 
@@ -47,14 +45,7 @@ def make_axes(
     """
     variance = np.maximum(known.variance, LEAST_SHARE * np.sum(known.variance))
     floor = FLOOR * find_noise_density(sensors, known.frequency) / np.max(variance)
-    given = (known.frequency, known.density, floor)
-    what = {
-        "what": "shaping filter",
-        "states": tuning.states,
-        "spectrum": blake2b(b"".join(array.tobytes() for array in given)).hexdigest(),
-    }
-    fitted = cached(what, lambda: vars(fit_shaping_filter(*given[:2], tuning.states, floor)))
-    shaping = ShapingFilter(**fitted)  # type: ignore[arg-type]
+    shaping = fit_or_recall(known.frequency, known.density, tuning.states, floor)
     x, y = (make_axis(shaping, float(one), tuning, sensors) for one in variance)
     return x, y
 

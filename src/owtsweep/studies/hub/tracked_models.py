@@ -16,8 +16,8 @@ from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.known_motion import find_noise_density
+from owtsweep.studies.hub.shape_cache import fit_or_recall
 from owtsweep.studies.hub.skf_section import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
 from owtsweep.studies.hub.spectral_model import FLOOR
@@ -83,14 +83,7 @@ def _fit(
     inside = (frequency >= band[0]) & (frequency <= band[1])
     density = np.where(inside, translated(natural_period, k).density(frequency), 0.0)
     floor = FLOOR * find_noise_density(sensors, frequency) / variance
-    what = {
-        "what": "shaping filter of a candidate",
-        "spectrum": [natural_period, k, *band],
-        "floor": floor.tolist(),
-        "states": STATES,
-    }
-    fitted = cached(what, lambda: vars(fit_shaping_filter(frequency, density, STATES, floor)))
-    return ShapingFilter(**fitted)  # type: ignore[arg-type]
+    return fit_or_recall(frequency, density, STATES, floor)
 
 
 @lru_cache(8)

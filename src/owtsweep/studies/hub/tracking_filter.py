@@ -22,7 +22,6 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.tracking import (
     INTERVAL,
-    LEAST,
     OF_SHAPE,
     Candidate,
     Motion,
@@ -89,11 +88,6 @@ class TrackingFilter:
         self._filter = start(self._make(None, tuning.bias_variance), 0.0)
         self._force_sigma = np.inf  # of an IMU sample, by the model
         self._stated = np.zeros((2, 2))  # covariance of the last estimate
-
-    @property
-    def has_looked(self) -> bool:
-        """Whether the record was long enough for a look at the spectrum."""
-        return self._steps * self._sensors.step >= LEAST
 
     @property
     def bias(self) -> float:

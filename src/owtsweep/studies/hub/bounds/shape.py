@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from owtsweep.arrays import Array
-from owtsweep.config import as_mapping
-from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
+from owtsweep.motion.shaping import ShapingFilter
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.known_motion import find_noise_density, find_spectrum
+from owtsweep.studies.hub.shape_cache import fit_or_recall
 
 #: States of the filter. With these the bounds of the default study are within 1 % of those on a
 #: window (experiments/better.py).
@@ -40,29 +36,8 @@ def find_shape(
     InputError
         As `find_spectrum`.
     """
-    what: dict[str, Any] = {
-        "what": "shaping filter of a bound",
-        "spectrum": as_mapping(config.spectrum),
-        "band": list(config.band),
-        "sensors": as_mapping(config.sensors),
-        "period": natural_period,
-        "roll_off": roll_off,
-    }
-
-    def fit() -> dict[str, Array]:
-        frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
-        place = np.floor(np.log(frequency / (DENSE_UP_TO * config.band[1])) / APART)
-        kept = (place < 0.0) | (np.diff(place, prepend=-1.0) > 0.0)
-        noise = find_noise_density(sensing.sensors(config.sensors), frequency[kept])
-        shape = fit_shaping_filter(frequency[kept], density[kept], STATES, noise / VARIANCE)
-        return {name: np.asarray(value) for name, value in vars(shape).items()}
-
-    kept = cached(what, fit)
-    return ShapingFilter(
-        A=kept["A"],
-        B=kept["B"],
-        position=kept["position"],
-        velocity=kept["velocity"],
-        acceleration=kept["acceleration"],
-        error=float(kept["error"]),
-    )
+    frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
+    place = np.floor(np.log(frequency / (DENSE_UP_TO * config.band[1])) / APART)
+    kept = (place < 0.0) | (np.diff(place, prepend=-1.0) > 0.0)
+    noise = find_noise_density(sensing.sensors(config.sensors), frequency[kept])
+    return fit_or_recall(frequency[kept], density[kept], STATES, noise / VARIANCE)
