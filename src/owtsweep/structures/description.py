@@ -108,6 +108,12 @@ class Point(Section):
         unit="kg m^2",
         default=0.0,
     )
+    inertia_side: NotNegative | None = key(
+        "of motion across the wind; null: as `inertia`, which then holds for every direction",
+        unit="kg m^2",
+        default=None,
+        younger=True,
+    )
 
 
 class Blade(Section):
@@ -153,6 +159,23 @@ class Soil(Section):
         return self.model_copy(update={"layers": layers})
 
 
+class Foundation(Section):
+    """Springs at the lower end that stand for all of the soil: a macro-element.
+
+    The force and the moment on the structure are -K0 [w, theta], K0 = [[lateral, coupling],
+    [coupling, rotation]], where theta = dw/dz is positive if the structure leans the way it moves.
+    With this sign the coupling of a pile is negative.
+    """
+
+    lateral: Positive = key("force per displacement", unit="N/m")
+    coupling: Finite = key("force per rotation, and moment per displacement", unit="N")
+    rotation: Positive = key("moment per rotation", unit="N m")
+
+    def matrix(self) -> Array:
+        """Return K0, shape (2, 2)."""
+        return np.array([[self.lateral, self.coupling], [self.coupling, self.rotation]])
+
+
 class Water(Section):
     """The water around the structure, from the mudline to mean sea level."""
 
@@ -176,6 +199,9 @@ class Structure(Section):
     blade: Blade | None = key("one blade; null: no blades can be mounted", default=None)
     soil: Soil | None = key(
         "springs below the mudline; null: clamped at the lower end", default=None
+    )
+    foundation: Foundation | None = key(
+        "springs at the lower end in place of soil; null: none", default=None, younger=True
     )
     clamped: bool = key("whether the lower end is clamped", default=False)
     water: Water | None = key("null: no water", default=None)
@@ -230,10 +256,22 @@ class Structure(Section):
                 f"{lower.name} ends at {lower.top:g} m",
             )
         require(
-            self.clamped or (self.soil is not None and self.bottom < self.mudline),
-            "structure: it floats, because it has neither soil around its lower end nor "
-            "clamped: true",
+            self.clamped
+            or self.foundation is not None
+            or (self.soil is not None and self.bottom < self.mudline),
+            "structure: it floats, because it has neither soil around its lower end, nor a "
+            "foundation, nor clamped: true",
         )
+        if self.foundation is not None:
+            require(
+                not self.clamped and self.soil is None,
+                "structure.foundation: it stands for the soil; leave out soil and clamped",
+            )
+            require(
+                float(np.linalg.det(self.foundation.matrix())) > 0.0,
+                "structure.foundation: lateral x rotation must exceed coupling^2, or it pushes "
+                "instead of holding",
+            )
         require(
             self.gravity > 0.0 or self.water is None,
             "structure.gravity: 0 m/s^2 leaves no waves on the structure's water; give a number "

@@ -1,0 +1,213 @@
+"""Assemble a slender beam in a plane, or the part of one between two cuts (scikit-fem).
+
+Euler-Bernoulli's beam with cubic (Hermite) elements, energies per length, halves left out:
+
+    E I w''^2 - N w'^2 + k_s w^2   and   (rho A + m_w) w_t^2,
+
+where N is the compression by the weight above (left out without gravity), k_s the soil's stiffness
+and m_w the added mass of the water. Degrees of freedom are w0, theta0, w1, theta1, ... from the
+lowest node upwards, with theta = dw/dz: positive if the structure leans the way it moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.structures.description import Structure
+from owtsweep.structures.sections import Sections, list_bodies
+
+#: Order up to which polynomials are integrated exactly: tapered walls, and squares of cubics.
+ORDER = 10
+#: Largest distance from a node that counts as none, m.
+NEAR = 1e-6
+
+
+@dataclass(frozen=True)
+class PlaneBeam:
+    """The matrices of a beam in a plane.
+
+    Attributes
+    ----------
+    heights
+        Heights of the nodes above mean sea level in m, upwards, shape (nodes,).
+    mass, stiffness
+        Matrices of the degrees of freedom w0, theta0, w1, ... in SI units, shape (2 nodes, 2 nodes).
+    free
+        Degrees of freedom that are not clamped.
+    """
+
+    heights: Array
+    mass: Array
+    stiffness: Array
+    free: Any
+
+    def find_node(self, height: float, what: str = "height") -> int:
+        """Return the number of the node at a height (m above mean sea level).
+
+        Raises
+        ------
+        InputError
+            If no node is there. The message begins with `what`.
+        """
+        node = int(np.argmin(np.abs(self.heights - height)))
+        require(
+            abs(self.heights[node] - height) <= NEAR,
+            f"{what}: no node of the mesh is at {height:g} m above mean sea level; the nearest is "
+            f"at {self.heights[node]:g} m",
+        )
+        return node
+
+    def interpolate(self, height: Array) -> Array:
+        """Return H with w(height) = H u, by the elements' shape functions.
+
+        `height` is in m, shape (n,); H has the shape (n, 2 nodes). Its transpose spreads forces at
+        these heights over the degrees of freedom with the same work.
+        """
+        height = np.atleast_1d(height)
+        low = np.clip(np.searchsorted(self.heights, height, "right") - 1, 0, len(self.heights) - 2)
+        length = self.heights[low + 1] - self.heights[low]
+        s = (height - self.heights[low]) / length
+        shapes = (
+            1.0 - 3.0 * s**2 + 2.0 * s**3,
+            length * (s - 2.0 * s**2 + s**3),
+            3.0 * s**2 - 2.0 * s**3,
+            length * (s**3 - s**2),
+        )
+        result = np.zeros((len(height), 2 * len(self.heights)))
+        for place, shape in enumerate(shapes):
+            result[np.arange(len(height)), 2 * low + place] = shape
+        return result
+
+
+def assemble_cut(
+    structure: Structure,
+    low: float,
+    high: float,
+    *,
+    gravity: bool = False,
+    subdivision: int = 1,
+) -> PlaneBeam:
+    """Assemble the free beam between two cuts, without soil and bodies at its ends.
+
+    Each tube (divided at the mudline and at the sea level) is one element.
+
+    Parameters
+    ----------
+    structure
+        The structure, checked.
+    low, high
+        Heights of the cuts above mean sea level in m, at ends of tubes.
+    gravity
+        Whether the weight above softens the beam.
+    subdivision
+        Into how many elements each tube is divided.
+
+    Raises
+    ------
+    InputError
+        If a cut is not at the end of a tube, or fewer than two elements lie between the cuts.
+    """
+    ends = _ends(structure)
+    for name, cut in (("low", low), ("high", high)):
+        require(
+            float(np.min(np.abs(ends - cut))) <= NEAR,
+            f"cuts: the {name} one at {cut:g} m above mean sea level is inside an element; cut at "
+            f"{', '.join(f'{end:g}' for end in ends)}",
+        )
+    inside = ends[(ends >= low - NEAR) & (ends <= high + NEAR)]
+    require(
+        len(inside) >= 3,
+        f"cuts: {max(len(inside) - 1, 0)} element between {low:g} and {high:g} m; a substructure "
+        "needs 2 or more, so divide a tube or cut elsewhere",
+    )
+    bodies = [
+        body for body in list_bodies(structure) if low + NEAR < body[0] < high - NEAR
+    ]  # those at the cuts belong to the neighbours
+    beam = _assemble(structure, _divide(inside, subdivision), gravity=gravity)
+    _add_bodies(beam, bodies, structure.gravity if gravity else 0.0)
+    return beam
+
+
+def assemble_whole(
+    structure: Structure,
+    *,
+    side: bool = False,
+    gravity: bool = True,
+    subdivision: int = 1,
+    soil_factor: float = 1.0,
+) -> PlaneBeam:
+    """Assemble the whole structure, with its soil or foundation and its bodies.
+
+    Parameters
+    ----------
+    structure
+        The structure, checked.
+    side
+        Whether motion is across the wind, where bodies have another inertia.
+    gravity
+        Whether the weight above softens the beam, and topples bodies above their nodes.
+    subdivision
+        Into how many elements each tube is divided.
+    soil_factor
+        Factor on the stiffness of soil or foundation.
+    """
+    nodes = _divide(_ends(structure), subdivision)
+    beam = _assemble(structure, nodes, gravity=gravity, soil_factor=soil_factor)
+    _add_bodies(beam, list_bodies(structure, side=side), structure.gravity if gravity else 0.0)
+    if structure.foundation is not None:
+        beam.stiffness[:2, :2] += soil_factor * structure.foundation.matrix()
+    if structure.clamped:
+        return replace(beam, free=np.arange(2, len(beam.mass)))
+    return beam
+
+
+def _ends(structure: Structure) -> Array:
+    """Return the heights (m) of the ends of all spans, upwards."""
+    spans = list(structure.spans())
+    return np.array([spans[0][1], *(high for _, _, high in spans)])
+
+
+def _divide(ends: Array, subdivision: int) -> Array:
+    """Return `ends` with subdivision - 1 further heights in each interval."""
+    steps = np.linspace(0.0, 1.0, subdivision, endpoint=False)
+    between = ends[:-1, None] + np.diff(ends)[:, None] * steps
+    return np.append(between.reshape(-1), ends[-1])
+
+
+def _assemble(
+    structure: Structure, nodes: Array, *, gravity: bool, soil_factor: float = 0.0
+) -> PlaneBeam:
+    from skfem import Basis, BilinearForm, ElementLineHermite, MeshLine
+    from skfem.helpers import dd
+
+    basis = Basis(MeshLine(nodes), ElementLineHermite(), intorder=ORDER)
+    section = Sections(structure, sum(mass for _, mass, _, _ in list_bodies(structure)))
+
+    def form(integrand: Callable[..., Any]) -> Array:
+        return np.asarray(BilinearForm(integrand).assemble(basis).toarray())
+
+    stiffness = form(lambda w, v, p: section.bending(p.x[0]) * dd(w)[0][0] * dd(v)[0][0])
+    if gravity:
+        stiffness -= form(lambda w, v, p: section.compression(p.x[0]) * w.grad[0] * v.grad[0])
+    if soil_factor:
+        stiffness += soil_factor * form(lambda w, v, p: section.soil(p.x[0]) * w * v)
+    mass = form(lambda w, v, p: section.mass(p.x[0]) * w * v)
+    order = basis.nodal_dofs.T.reshape(-1)  # mesh nodes are sorted upwards
+    return PlaneBeam(nodes, mass[order][:, order], stiffness[order][:, order], np.arange(len(mass)))
+
+
+def _add_bodies(
+    beam: PlaneBeam, bodies: list[tuple[float, float, float, float]], gravity: float
+) -> None:
+    """Add rigid bodies to the beam's matrices; their weight above a node topples it."""
+    for height, mass, offset, inertia in bodies:
+        w = 2 * beam.find_node(height, "structure.points")
+        at = np.ix_([w, w + 1], [w, w + 1])
+        beam.mass[at] += [[mass, mass * offset], [mass * offset, mass * offset**2 + inertia]]
+        beam.stiffness[w + 1, w + 1] -= mass * gravity * offset

@@ -1,0 +1,156 @@
+"""What passes between the parts of the tower study: what schemes are told, and what they return."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol
+
+from owtsweep.arrays import Array
+from owtsweep.structures.bernoulli import PlaneBeam
+from owtsweep.structures.reduction import Reduced
+
+if TYPE_CHECKING:
+    from owtsweep.studies.tower.config import Tuning
+
+#: Directions of motion: fore-aft and side-side.
+DIRECTIONS = ("fa", "ss")
+#: Interface loads on the substructure, in the order of columns: force and moment at the lower cut,
+#: then at the upper one.
+INPUTS = ("F0", "M0", "F175", "M175")
+#: What a channel measures: displacement (m), rotation (rad), acceleration (m/s^2), strain of the
+#: outer fibre (no unit).
+Kind = Literal["x", "theta", "a", "strain"]
+
+
+class Unable(Exception):
+    """A scheme cannot work at a set-up; the message is the reason."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One sensor's signal in one direction.
+
+    Attributes
+    ----------
+    kind
+        What the sensor measures.
+    node
+        Number of the node (of the cut structure) at which the sensor is.
+    sigma
+        Standard deviation of the noise per sample, in the channel's unit.
+    """
+
+    kind: Kind
+    node: int
+    sigma: float
+
+
+@dataclass(frozen=True)
+class Believed:
+    """What a tuning says about the unknown loads; arrays of shape (5,): F0, M0, F175, M175, q.
+
+    Forces are in N, moments in N m, the wave load q (at sea level) in N/m.
+
+    Attributes
+    ----------
+    step_sigma
+        Standard deviation of the change from sample to sample (a random walk's S, Eq. 24).
+    sigma
+        Standard deviation about zero, mean included.
+    length
+        Correlation time in s (of latent forces).
+    """
+
+    step_sigma: Array
+    sigma: Array
+    length: Array
+
+
+@dataclass(frozen=True)
+class Setting:
+    """All that a scheme may know of one direction of a case.
+
+    Attributes
+    ----------
+    direction
+        "fa" or "ss".
+    cut, cut_damping, reduced
+        The substructure between the cuts, its damping matrix (kg/s, dof x dof), and its reduction.
+    whole, whole_damping
+        The model of the whole structure, with the soil that is believed, on a mesh that holds the
+        nodes of `cut`; and its damping matrix.
+    nodes
+        Numbers of the nodes of `cut` among those of `whole`, shape (nodes of cut,).
+    wave_shape
+        Work-equivalent loads on the degrees of freedom of `cut` for q = 1 N/m, shape (dof,): a load
+        that falls linearly from sea level to the ground (Simpson et al. 2025, p_2). Zero without
+        water.
+    strain
+        Strains of the outer fibre for unit degrees of freedom of `cut`, shape (nodes, dof).
+    channels
+        The sensors, in the order of the measurements' columns.
+    step
+        Sampling interval in s.
+    believed
+        What the tuning says about loads.
+    tuning
+        The numbers of all schemes.
+    """
+
+    direction: str
+    cut: PlaneBeam
+    cut_damping: Array
+    reduced: Reduced
+    whole: PlaneBeam
+    whole_damping: Array
+    nodes: Array
+    wave_shape: Array
+    strain: Array
+    channels: tuple[Channel, ...]
+    step: float
+    believed: Believed
+    tuning: Tuning
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """What a scheme says about one direction of a record.
+
+    Attributes
+    ----------
+    displacement
+        All degrees of freedom of the cut structure (m, rad), shape (steps, dof).
+    inputs
+        Interface loads on the cut structure in the order of `INPUTS` (N, N m), shape (steps, 4).
+    wave
+        Wave load q at sea level in N/m, shape (steps,); None if the scheme knows no waves.
+    """
+
+    displacement: Array
+    inputs: Array
+    wave: Array | None = None
+
+
+class Prepared(Protocol):
+    """A scheme made ready for one setting: gains are computed, records can be run."""
+
+    def run(self, measured: Array) -> Estimates:
+        """Estimate from measurements, shape (steps, channels)."""
+
+
+class Scheme(Protocol):
+    """An estimation scheme of the tower study."""
+
+    name: str
+    #: Whether the scheme's model holds the soil, so that its result depends on `soil_factor`.
+    knows_soil: bool
+
+    def prepare(self, setting: Setting) -> Prepared:
+        """Make the scheme ready for a setting.
+
+        Raises
+        ------
+        Unable
+            If the scheme is unstable or blind there; the message says why, with the spectral radius
+            or the rank.
+        """
