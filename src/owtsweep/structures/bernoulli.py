@@ -37,7 +37,7 @@ class PlaneBeam:
     heights
         Heights of the nodes above mean sea level in m, upwards, shape (nodes,).
     mass, stiffness
-        Matrices of the degrees of freedom w0, theta0, w1, ... in SI units, shape (2 nodes, 2 nodes).
+        Matrices of w0, theta0, w1, theta1, ... in SI units, shape (2 nodes, 2 nodes).
     free
         Degrees of freedom that are not clamped.
     """

@@ -10,7 +10,7 @@ from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
 
 if TYPE_CHECKING:
-    from owtsweep.studies.tower.config import Tuning
+    from owtsweep.studies.tower.tuning import Tuning
 
 #: Directions of motion: fore-aft and side-side.
 DIRECTIONS = ("fa", "ss")

@@ -1,0 +1,32 @@
+"""The numbers of the tower study's schemes, as one section of the configuration.
+
+Simpson et al. (2025) tuned by trial and print no number (section 3). `paper` declares a rule of
+ours: one variance for all states on mass-normalised modes, and round numbers for loads. `matched`
+takes the loads' changes from the truth.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from owtsweep.config import NotNegative, Positive, Section, key
+
+
+class Tuning(Section):
+    """The section `tuned`: covariances of all schemes."""
+
+    name: str = key("name of the tuning, for titles")
+    inputs: Literal["declared", "truth"] = key(
+        "where the loads' statistics are from: the numbers below, or the record's true loads"
+    )
+    process_noise: Positive = key(
+        "variance per step of every state on mass-normalised modes, Q of Eq. (24)", unit="kg m^2"
+    )
+    initial: Positive = key(
+        "initial variance of every state on mass-normalised modes, P_0", unit="kg m^2"
+    )
+    force: Positive = key("change of an interface force per step, standard deviation", unit="N")
+    moment: Positive = key("change of an interface moment per step", unit="N m")
+    wave: Positive = key("change of the wave load at sea level per step", unit="N/m")
+    correlation_time: Positive = key("of latent forces", unit="s")
+    lag: NotNegative = key("of the fixed-lag smoother", unit="s")
