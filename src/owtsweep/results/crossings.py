@@ -58,10 +58,11 @@ def find_crossings(
     DataFrame
         One row per crossing, sorted by cell and value: the other conditions, then `COLUMNS`.
         `ci_low` and `ci_high` are the ends of the 95 % confidence interval; they are NaN with a
-        single replicate. Where resamples have no such crossing within the values that were run, they
-        are infinite (`ci_low` of a logarithmic condition: 0). `better_above` is the scheme that is better above the crossing. `n` is the number
-        of replicates that both schemes finished at all values. A cell without a crossing has no
-        row: there one scheme is better at all values.
+        single replicate. Where resamples have no such crossing within the values that were run,
+        they are infinite (`ci_low` of a logarithmic condition: 0). `better_above` is the scheme
+        that is better above the crossing. `n` is the number of replicates that both schemes
+        finished at all values. A cell without a crossing has no row: there one scheme is better at
+        all values.
 
     Raises
     ------
