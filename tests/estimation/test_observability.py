@@ -25,7 +25,7 @@ POSITION = [[1.0, 0, 0.5, 0, 0, 0]]
 
 def see(*rows: list[list[float]], mixed: bool = False, held: bool = True) -> Observability:
     """What sensors see of the free body, in the given or in random coordinates."""
-    A, G = expm(FREE * STEP) if held else FREE, np.array(sum(rows, []))
+    A, G = expm(FREE * STEP) if held else FREE, np.vstack(rows)
     if mixed:
         T = np.random.default_rng(1).normal(size=(6, 6))
         A, G = np.linalg.solve(T, A @ T), G @ T

@@ -186,8 +186,8 @@ def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
 
     The gain counts as settled after `QUIET_STEPS` steps with changes below `TOLERANCE`. Gains are
     watched rather than covariances: where sensors do not see a direction of state, its variance
-    grows for ever while the gain settles. A gain that has not settled after `LONGEST` steps, or when
-    covariances have grown beyond what numbers can hold, stays as it is then, and the filter's
+    grows for ever while the gain settles. If the gain has not settled after `LONGEST` steps, or
+    when covariances have grown beyond what numbers can hold, the last gain stays, and the filter's
     `settled` is False.
     """
     made: list[Step] = []
