@@ -1,0 +1,214 @@
+"""Choose places of sensors without any record, from the settled covariance of the AKF.
+
+The augmented Kalman filter on the cut structure (Simpson et al. 2025, Algorithm 1) has a covariance
+that no measurement changes. So what a further sensor buys is known before it is mounted: the
+standard deviations of the stress at each weld and of M0, each as a share of a scale.
+
+Set-ups without a displacement do not see the rigid translation: its covariance grows without bound.
+Position and velocity of this one mode are left out of the model. That changes nothing else. No
+inclinometer and no accelerometer measures them, no other state's equation holds them (the mode has
+neither stiffness nor damping), and neither stress nor interface loads depend on them. The covariance
+of all other states settles if the sensors see them, and is then found by doubling the number of
+steps. A set-up that does not see all of them has an infinite error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.estimation.periodic import CovarianceMap
+
+#: The covariance has settled when doubling the number of steps changes variances by less than this.
+SETTLED = 1e-6
+#: Most doublings: 2^17 steps are 22 minutes at 100 Hz. What has not settled then counts as unseen.
+DOUBLINGS = 17
+#: Most sets of sensors that an exhaustive choice tries: some minutes.
+MOST_SETS = 200_000
+#: By what a set of sensors is judged.
+Criterion = Literal["stress", "moment"]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is known before sensors are chosen, for one direction.
+
+    The state is augmented by the loads, and every component is scaled by the standard deviation of
+    its own process noise, so that the process noise's covariance is the identity.
+
+    Attributes
+    ----------
+    transition
+        Transition of the state per step, shape (n, n).
+    given
+        Information per step of the sensors that are there: the sum of h h' / sigma^2 over their
+        rows h, shape (n, n).
+    heights
+        Heights of the candidate sensors above ground in m, shape (candidates,).
+    rows
+        Rows h / sigma of the candidate sensors, shape (candidates, n).
+    stress
+        Stress at each weld as a share of its scale, from the state, shape (welds, n).
+    moment
+        Moment M0 as a share of its scale, from the state, shape (n,).
+    """
+
+    transition: Array
+    given: Array
+    heights: Array
+    rows: Array
+    stress: Array
+    moment: Array
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A set of candidate sensors with its predicted errors.
+
+    Attributes
+    ----------
+    chosen
+        Numbers of the candidates, increasing.
+    heights
+        Their heights above ground in m.
+    stress
+        Standard deviation of the stress over its scale at the worst weld; inf if it never settles.
+    weld
+        Number of this weld.
+    moment
+        Standard deviation of M0 over its scale; inf if it never settles.
+    """
+
+    chosen: tuple[int, ...]
+    heights: tuple[float, ...]
+    stress: float
+    weld: int
+    moment: float
+
+    def error(self, criterion: Criterion) -> float:
+        """Return the predicted error that a criterion asks for."""
+        return self.stress if criterion == "stress" else self.moment
+
+
+def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
+    """Compute the settled covariance of the filtered state with some candidates beside the given.
+
+    Returns
+    -------
+    covariance
+        Shape (n, n), or None if it does not settle: the sensors do not see all states.
+    """
+    rows = problem.rows[list(chosen)]
+    information = problem.given + rows.T @ rows
+    size = len(information)
+    steps = CovarianceMap(problem.transition, information, np.eye(size))
+    for _ in range(DOUBLINGS):
+        before = np.diagonal(steps.H)
+        steps = steps.then(steps)
+        after = np.diagonal(steps.H)
+        if not np.all(np.isfinite(after)) or np.any(after <= 0.0):
+            return None
+        if np.all(np.abs(after - before) <= SETTLED * after):
+            predicted = steps.H
+            return np.asarray(np.linalg.solve(np.eye(size) + predicted @ information, predicted))
+    return None
+
+
+def predict(problem: Problem, chosen: Iterable[int]) -> Choice:
+    """Predict the errors with some candidates (by their numbers) beside the given sensors."""
+    numbers = tuple(sorted(chosen))
+    heights = tuple(float(problem.heights[number]) for number in numbers)
+    covariance = settle(problem, numbers)
+    if covariance is None:
+        return Choice(numbers, heights, np.inf, 0, np.inf)
+    variances = np.einsum("wi,ij,wj->w", problem.stress, covariance, problem.stress)
+    weld = int(np.argmax(variances))
+    return Choice(
+        numbers,
+        heights,
+        float(np.sqrt(variances[weld])),
+        weld,
+        float(np.sqrt(problem.moment @ covariance @ problem.moment)),
+    )
+
+
+def choose_exhaustively(
+    problem: Problem, count: int, criterion: Criterion = "stress"
+) -> Choice:
+    """Try every set of `count` candidates; return the one with the least predicted error.
+
+    Raises
+    ------
+    InputError
+        If there are fewer candidates, or more sets than can be tried.
+    """
+    from math import comb
+
+    candidates = len(problem.heights)
+    require(
+        0 <= count <= candidates,
+        f"count: {count} inclinometers, but there are {candidates} candidate heights; give more "
+        "heights or choose fewer",
+    )
+    sets = comb(candidates, count)
+    require(
+        sets <= MOST_SETS,
+        f"count: {count} of {candidates} heights are {sets} sets, more than {MOST_SETS}; choose "
+        "greedily or give fewer heights",
+    )
+    tried = (predict(problem, chosen) for chosen in combinations(range(candidates), count))
+    return min(tried, key=lambda choice: choice.error(criterion))
+
+
+def choose_greedily(
+    problem: Problem, count: int, criterion: Criterion = "stress"
+) -> list[Choice]:
+    """Add one sensor at a time, each where it lowers the predicted error most.
+
+    With too few sensors every error is infinite, and no first sensor is better than another. So the
+    smallest set with a finite error is chosen exhaustively, and single sensors are added to it.
+
+    Returns
+    -------
+    choices
+        The sets of that smallest number of sensors, of one more, ..., of `count`.
+
+    Raises
+    ------
+    InputError
+        If no set of `count` candidates has a finite error.
+    """
+    for fewest in range(count + 1):
+        best = choose_exhaustively(problem, fewest, criterion)
+        if np.isfinite(best.error(criterion)):
+            break
+    else:
+        require(
+            False,
+            f"count: no {count} of the candidate heights let the filter see all loads; a cut has "
+            "4 unknown loads, of which accelerometers see 2: choose 3 or more inclinometers, and "
+            "2 or more accelerometers",
+        )
+    choices = [best]
+    while len(choices[-1].chosen) < count:
+        choices.append(min(extend(problem, choices[-1]), key=lambda c: c.error(criterion)))
+    return choices
+
+
+def extend(problem: Problem, choice: Choice) -> list[Choice]:
+    """Return the sets with one candidate more, upwards: what a next sensor buys at each height."""
+    others = [n for n in range(len(problem.heights)) if n not in choice.chosen]
+    return [predict(problem, (*choice.chosen, number)) for number in others]
+
+
+def list_sequences(
+    problem: Problem, counts: Sequence[int], criterion: Criterion = "stress"
+) -> list[Choice]:
+    """Return the exhaustive choices for several numbers of sensors."""
+    return [choose_exhaustively(problem, count, criterion) for count in counts]
