@@ -107,4 +107,4 @@ def test_figures_draws_the_envelope_over_the_map(
     ]  # fmt: skip
     assert len(table) == 3 * 5
     assert main(["figures", str(run.folder), "--envelope", "nobody"]) == 2
-    assert "there is no 'nobody'; use oc3_monopile, ren2019" in capsys.readouterr().err
+    assert "there is no 'nobody'; use iea15, oc3_monopile, ren2019" in capsys.readouterr().err

@@ -137,6 +137,9 @@ def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
         lowest_value, highest_value = table[name].agg(["min", "max"]) if numeric else (0.0, 0.0)
         if 0.0 < 20.0 * lowest_value < highest_value:
             panel.set_xscale("log")
+            panel.xaxis.set_minor_formatter("")  # labels between powers of ten would overlap
+        elif numeric:
+            panel.locator_params(axis="x", nbins=5)
         unit = unit_of(HubConfig, name.split("+")[0])
         panel.set_xlabel(name.replace("+", " +\n") + (f" ({unit})" if unit else ""), fontsize=7)
         panel.set_ylim(lowest * 0.95, min(table.score.quantile(0.9), lowest * 4.0) * 1.02)
