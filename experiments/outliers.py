@@ -26,7 +26,7 @@ from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 PERIOD = 4.0  # s
-RECORDS = 3
+RECORDS = 10
 AMPLITUDES = (0.05, 0.2, 1.0, 3.0)  # m
 TRUTHS = {
     "no fault": [],

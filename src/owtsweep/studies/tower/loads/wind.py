@@ -1,0 +1,84 @@
+"""Loads of the rotor on the top of the structure, as random series with a declared spectrum.
+
+Turbulence has Kaimal's spectrum (IEC 61400-1:2019, Eq. C.14, longitudinal: length scale 8.1 x 42 m
+for hubs above 60 m). The rotor averages gusts smaller than itself: admittance of Vickery (1968),
+1 / (1 + (2 f sqrt(A) / U)^(4/3))^2 on the spectrum. Lines once and three times per revolution are
+narrow Gaussian peaks. The series repeat after twice their length, so nothing repeats inside one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.tower.loads.config import TopLoad, Wind
+from owtsweep.studies.tower.loads.recorded import read_loads
+
+#: Length scale of the longitudinal component, m (IEC 61400-1:2019, 6.3.1 and C.14).
+LENGTH_SCALE = 8.1 * 42.0
+#: Width of a line over its frequency: the rotor's speed varies by some 2 %.
+LINE_WIDTH = 0.02
+#: Names of the loads, in the order of the columns: force and moment, fore-aft, then side-side.
+NAMES = ("thrust", "moment", "side", "side_moment")
+
+
+def make_top_loads(
+    wind: Wind, stream: Callable[[str], np.random.Generator], *, steps: int, step: float
+) -> Array:
+    """Draw the loads on the top, or read them from the file of the configuration.
+
+    Parameters
+    ----------
+    wind
+        The section `wind`.
+    stream
+        Function that returns a new random generator, given a name.
+    steps, step
+        Number of samples and sampling interval (s).
+
+    Returns
+    -------
+    array
+        The loads in N and N m in the order of `NAMES`, shape (steps, 4).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used.
+    """
+    if wind.file is not None:
+        return read_loads(wind.file, NAMES, steps=steps, step=step)
+    frequency = np.arange(1, steps) / (2 * steps * step)
+    spectrum = find_spectrum(wind, frequency)
+    loads = [getattr(wind, name) for name in NAMES]
+    return np.stack(
+        [
+            _draw(load, spectrum, stream(name), steps)
+            for name, load in zip(NAMES, loads, strict=True)
+        ],
+        axis=1,
+    )
+
+
+def find_spectrum(wind: Wind, frequency: Array) -> Array:
+    """Compute the shape of the loads' spectrum at frequencies in Hz; its sum is 1."""
+    scale = LENGTH_SCALE / wind.speed
+    averaged = (
+        1.0 + (2.0 * frequency * np.sqrt(wind.rotor_area) / wind.speed) ** (4.0 / 3.0)
+    ) ** -2
+    gusts = averaged * (1.0 + 6.0 * frequency * scale) ** (-5.0 / 3.0)
+    parts = [(1.0 - wind.line_1p - wind.line_3p, gusts)]
+    for share, blade in ((wind.line_1p, 1), (wind.line_3p, 3)):
+        line = blade * wind.rotor_speed
+        parts.append((share, np.exp(-0.5 * ((frequency - line) / (LINE_WIDTH * line)) ** 2)))
+    return np.asarray(sum(share * part / np.sum(part) for share, part in parts))
+
+
+def _draw(load: TopLoad, spectrum: Array, phase: np.random.Generator, steps: int) -> Array:
+    """Draw a series with random phases; twice its length has exactly the standard deviation."""
+    bins = np.zeros(steps + 1, dtype=complex)
+    turns = 2.0 * np.pi * phase.random(len(spectrum))
+    bins[1:-1] = steps * load.sigma * np.sqrt(2.0 * spectrum) * np.exp(1j * turns)
+    return np.asarray(load.mean + np.fft.irfft(bins, 2 * steps)[:steps])

@@ -1,0 +1,180 @@
+"""The truth of a record: the whole turbine under wind and waves, and what goes through its cuts.
+
+The turbine is a linear beam with soil, rotor-nacelle and aerodynamic dampers at the top. It is not
+the servo-aero-elastic model that Simpson et al. (2025) used (section 4): loads of the rotor are
+series with declared statistics (`owtsweep.studies.tower.loads`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.structures import Structure
+from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut, assemble_whole
+from owtsweep.structures.response import Outputs, respond
+from owtsweep.studies.tower.contract import DIRECTIONS
+from owtsweep.studies.tower.loads.config import SeaState, Wind
+from owtsweep.studies.tower.loads.waves import WaveLoads, make_wave_loads
+from owtsweep.studies.tower.loads.wind import make_top_loads
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The truth of one direction of a record.
+
+    Attributes
+    ----------
+    displacement, acceleration
+        Of all degrees of freedom of the cut structure (m, rad; m/s^2, rad/s^2), shape (steps, dof).
+    inputs
+        Forces (N) and moments (N m) on the cut structure at its lower and its upper cut, in the
+        order of `contract.INPUTS`, shape (steps, 4).
+    wave
+        Load at sea level (N/m) of the triangle, falling to 0 at the ground, with the same resultant
+        as the waves, shape (steps,).
+    """
+
+    displacement: Array
+    acceleration: Array
+    inputs: Array
+    wave: Array
+
+
+def make_truth(
+    structure: Structure,
+    cuts: tuple[float, float],
+    wind: Wind,
+    sea: SeaState,
+    stream: Callable[[str], np.random.Generator],
+    *,
+    steps: int,
+    step: float,
+    gravity: bool = True,
+    subdivision: int = 2,
+) -> dict[str, Motion]:
+    """Simulate one record of the whole structure, in both directions.
+
+    Parameters
+    ----------
+    structure
+        The structure, checked.
+    cuts
+        Heights of the cuts above mean sea level in m.
+    wind, sea
+        The sections `wind` and `waves`.
+    stream
+        Function that returns a new random generator, given a name.
+    steps, step
+        Number of samples and sampling interval (s).
+    gravity
+        Whether the weight softens the structure (p-delta).
+    subdivision
+        Into how many elements each element of the estimators' mesh is divided.
+
+    Returns
+    -------
+    dict
+        Direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh.
+
+    Raises
+    ------
+    InputError
+        If the structure does not stand, a cut is inside an element, or a file of loads cannot be
+        used.
+    """
+    top = make_top_loads(wind, stream, steps=steps, step=step)
+    mesh = assemble_whole(structure, gravity=gravity, subdivision=subdivision)
+    waves = None
+    if sea.hs > 0.0:
+        waves = make_wave_loads(structure, mesh, sea, stream, steps=steps, step=step)
+    yaw = np.deg2rad(sea.yaw)
+    truth = {}
+    for side, direction in enumerate(DIRECTIONS):
+        whole = assemble_whole(structure, side=bool(side), gravity=gravity, subdivision=subdivision)
+        truth[direction] = _simulate(
+            structure,
+            whole,
+            assemble_cut(structure, *cuts, gravity=gravity, subdivision=subdivision),
+            wind.side_damping if side else wind.damping,
+            top[:, 2 * side : 2 * side + 2],
+            waves,
+            float(np.sin(yaw) if side else np.cos(yaw)),
+            step,
+            subdivision,
+        )
+    return truth
+
+
+def find_damping(structure: Structure, beam: PlaneBeam) -> Array:
+    """Return the damping matrix of a free beam, proportional to its stiffness.
+
+    The structure's damping ratio holds at the first bending mode. (Simpson et al. 2025, section
+    5.1, print damping in proportion to mass and stiffness with a ratio for the first mode only. A
+    part that goes with the mass would brake rigid motion, so there is none here.)
+    """
+    from scipy.linalg import eigh
+
+    square = eigh(beam.stiffness, beam.mass, eigvals_only=True, subset_by_index=[2, 2])[0]
+    return np.asarray(2.0 * structure.damping / np.sqrt(square) * beam.stiffness)
+
+
+def _simulate(
+    structure: Structure,
+    whole: PlaneBeam,
+    cut: PlaneBeam,
+    damper: float,
+    top: Array,
+    waves: WaveLoads | None,
+    share: float,
+    step: float,
+    subdivision: int,
+) -> Motion:
+    """Simulate one direction; `share` is the part of the waves' loads along it."""
+    size = len(whole.mass)
+    first = 2 * whole.find_node(cut.heights[0])
+    inside = np.arange(first, first + len(cut.mass))  # of the cut structure, in the whole
+    own_damping = find_damping(structure, assemble_cut(structure, *cut.heights[[0, -1]],
+                               subdivision=subdivision))  # fmt: skip
+    damping = np.zeros((size, size))
+    damping[np.ix_(inside, inside)] = own_damping
+    damping[size - 2, size - 2] += damper
+    loads = np.zeros((size, 2))
+    loads[[size - 2, size - 1], [0, 1]] = 1.0
+    series = top
+    if waves is not None:
+        spread = np.zeros((size, len(waves.dof)))
+        spread[waves.dof, np.arange(len(waves.dof))] = share
+        loads, series = np.hstack([loads, spread]), np.hstack([top, waves.series])
+    free = whole.free
+    nodes = inside.reshape(-1, 2)[::subdivision].reshape(-1)
+    faces = inside[[0, 1, -2, -1]]  # of the cuts
+    at = np.array([0, 1, len(inside) - 2, len(inside) - 1])
+    pick = np.eye(size)[nodes]
+    none = np.zeros_like(pick)
+
+    def through(matrix: Array) -> Array:
+        rows = np.zeros((4, size))
+        rows[:, inside] = matrix[at]
+        return rows
+
+    # What acts on the cut structure from outside is what its motion needs, less the waves.
+    wanted = Outputs(
+        np.vstack([pick, none, through(cut.stiffness)])[:, free],
+        np.vstack([none, none, through(own_damping)])[:, free],
+        np.vstack([none, pick, through(cut.mass)])[:, free],
+    )
+    held = np.ix_(free, free)
+    got = respond(
+        whole.mass[held], damping[held], whole.stiffness[held], loads[free], series, step, wanted
+    )
+    count = len(nodes)
+    inputs = got[:, 2 * count :].copy()
+    wave: Array = np.zeros(len(series))
+    if waves is not None:
+        inputs -= series[:, 2:] @ loads[faces, 2:].T
+        wave = share * waves.force / (0.5 * -structure.mudline)
+    return Motion(got[:, :count].copy(), got[:, count : 2 * count].copy(), inputs, wave)
