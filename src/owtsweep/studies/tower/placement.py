@@ -15,7 +15,7 @@ steps. A set-up that does not see all of them has an infinite error.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
 
@@ -24,6 +24,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.estimation.periodic import CovarianceMap
+from owtsweep.studies.tower.contract import Channel, Setting
+from owtsweep.studies.tower.models import model_cut
 
 #: The covariance has settled when doubling the number of steps changes variances by less than this.
 SETTLED = 1e-6
@@ -31,6 +33,8 @@ SETTLED = 1e-6
 DOUBLINGS = 17
 #: Most sets of sensors that an exhaustive choice tries: some minutes.
 MOST_SETS = 200_000
+#: A column this small beside the largest entry of its matrix is zero.
+NOTHING = 1e-9
 #: By what a set of sensors is judged.
 Criterion = Literal["stress", "moment"]
 
@@ -94,6 +98,76 @@ class Choice:
     def error(self, criterion: Criterion) -> float:
         """Return the predicted error that a criterion asks for."""
         return self.stress if criterion == "stress" else self.moment
+
+
+def pose(
+    setting: Setting,
+    candidates: Sequence[Channel],
+    stress: Array,
+    *,
+    stress_scale: Array | float = 1.0,
+    moment_scale: float = 1.0,
+    wave: bool = False,
+) -> Problem:
+    """Pose the choice of sensors for one direction.
+
+    Parameters
+    ----------
+    setting
+        The structure, its tuning, and the sensors that are there whatever is chosen.
+    candidates
+        Sensors to choose from, with the standard deviations of their noise.
+    stress
+        Stress (Pa) at each weld for unit degrees of freedom of the cut, shape (welds, dof).
+    stress_scale, moment_scale
+        What predicted errors are divided by, in Pa, shape (welds,) or one number, and in N m: e.g.
+        the standard deviations of the true signals. With 1, errors are in Pa and N m.
+    wave
+        Whether the wave load is a further unknown (AKF_WAVE).
+    """
+    channels = (*setting.channels, *candidates)
+    model = model_cut(replace(setting, channels=channels), wave=wave)
+    discrete, modes, inputs = model.discrete, model.modes, len(model.inputs)
+    states = 2 * modes
+    change = setting.believed.step_sigma[model.inputs] / model.scale
+    size = np.append(np.full(states, np.sqrt(setting.tuning.process_noise)), change)
+    transition = np.eye(states + inputs)
+    transition[:states] = np.hstack([discrete.A, discrete.B])
+    transition = transition * size / size[:, None]
+    sigma = np.array([channel.sigma for channel in channels])
+    rows = np.hstack([discrete.G, discrete.J]) * size / sigma[:, None]
+    bent = np.zeros((len(stress), states + inputs))
+    bent[:, :modes] = stress @ model.basis
+    bent *= size / np.broadcast_to(stress_scale, len(stress))[:, None]
+    moment = np.concatenate([model.loads_of_state[1], model.loads_of_input[1]])
+    moment = moment * size / moment_scale
+    asked = np.vstack([rows, bent, moment])
+    kept = _leave_out_translation(transition, asked, modes)
+    given = rows[: len(setting.channels), kept]
+    nodes = [channel.node for channel in candidates]
+    return Problem(
+        transition=transition[np.ix_(kept, kept)],
+        given=given.T @ given,
+        heights=setting.cut.heights[nodes] - setting.cut.heights[0],
+        rows=rows[len(setting.channels) :, kept],
+        stress=bent[:, kept],
+        moment=moment[kept],
+    )
+
+
+def _leave_out_translation(transition: Array, asked: Array, modes: int) -> Array:
+    """Return the numbers of the states that stay when the rigid translation is left out.
+
+    The translation is the first mode. Its position and velocity stay, too, if a row of `asked`
+    (sensors and wanted quantities) or another state's equation holds one of them.
+    """
+    pair = np.array([0, modes])
+    kept = np.setdiff1d(np.arange(len(transition)), pair)
+    others = np.abs(transition[np.ix_(kept, pair)]).max()
+    read = np.abs(asked[:, pair]) / np.abs(asked).max(axis=1, keepdims=True)
+    if others <= NOTHING and read.max() <= NOTHING:
+        return np.asarray(kept)
+    return np.arange(len(transition))
 
 
 def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
@@ -205,10 +279,3 @@ def extend(problem: Problem, choice: Choice) -> list[Choice]:
     """Return the sets with one candidate more, upwards: what a next sensor buys at each height."""
     others = [n for n in range(len(problem.heights)) if n not in choice.chosen]
     return [predict(problem, (*choice.chosen, number)) for number in others]
-
-
-def list_sequences(
-    problem: Problem, counts: Sequence[int], criterion: Criterion = "stress"
-) -> list[Choice]:
-    """Return the exhaustive choices for several numbers of sensors."""
-    return [choose_exhaustively(problem, count, criterion) for count in counts]
