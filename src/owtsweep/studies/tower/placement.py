@@ -7,9 +7,9 @@ standard deviations of the stress at each weld and of M0, each as a share of a s
 Set-ups without a displacement do not see the rigid translation: its covariance grows without bound.
 Position and velocity of this one mode are left out of the model. That changes nothing else. No
 inclinometer and no accelerometer measures them, no other state's equation holds them (the mode has
-neither stiffness nor damping), and neither stress nor interface loads depend on them. The covariance
-of all other states settles if the sensors see them, and is then found by doubling the number of
-steps. A set-up that does not see all of them has an infinite error.
+neither stiffness nor damping), and neither stress nor interface loads depend on them. The
+covariance of all other states settles if the sensors see them, and is then found by doubling the
+number of steps. A set-up that does not see all of them has an infinite error.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ def pose(
     given = rows[: len(setting.channels), kept]
     nodes = [channel.node for channel in candidates]
     return Problem(
-        transition=transition[np.ix_(kept, kept)],
+        transition=transition[kept][:, kept],
         given=given.T @ given,
         heights=setting.cut.heights[nodes] - setting.cut.heights[0],
         rows=rows[len(setting.channels) :, kept],
@@ -155,19 +155,19 @@ def pose(
     )
 
 
-def _leave_out_translation(transition: Array, asked: Array, modes: int) -> Array:
+def _leave_out_translation(transition: Array, asked: Array, modes: int) -> list[int]:
     """Return the numbers of the states that stay when the rigid translation is left out.
 
     The translation is the first mode. Its position and velocity stay, too, if a row of `asked`
     (sensors and wanted quantities) or another state's equation holds one of them.
     """
-    pair = np.array([0, modes])
-    kept = np.setdiff1d(np.arange(len(transition)), pair)
-    others = np.abs(transition[np.ix_(kept, pair)]).max()
+    pair = [0, modes]
+    kept = [number for number in range(len(transition)) if number not in pair]
+    others = np.abs(transition[kept][:, pair]).max()
     read = np.abs(asked[:, pair]) / np.abs(asked).max(axis=1, keepdims=True)
     if others <= NOTHING and read.max() <= NOTHING:
-        return np.asarray(kept)
-    return np.arange(len(transition))
+        return kept
+    return list(range(len(transition)))
 
 
 def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
@@ -212,9 +212,7 @@ def predict(problem: Problem, chosen: Iterable[int]) -> Choice:
     )
 
 
-def choose_exhaustively(
-    problem: Problem, count: int, criterion: Criterion = "stress"
-) -> Choice:
+def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "stress") -> Choice:
     """Try every set of `count` candidates; return the one with the least predicted error.
 
     Raises
@@ -240,9 +238,7 @@ def choose_exhaustively(
     return min(tried, key=lambda choice: choice.error(criterion))
 
 
-def choose_greedily(
-    problem: Problem, count: int, criterion: Criterion = "stress"
-) -> list[Choice]:
+def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress") -> list[Choice]:
     """Add one sensor at a time, each where it lowers the predicted error most.
 
     With too few sensors every error is infinite, and no first sensor is better than another. So the
