@@ -96,7 +96,7 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class Record:
+class RecordedStructure:
     """A recorded structure.
 
     Attributes
@@ -155,7 +155,7 @@ class Record:
         return values
 
 
-def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> Record:
+def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> RecordedStructure:
     """Read and check a recorded structure.
 
     Parameters
@@ -214,12 +214,12 @@ def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> R
         )
         signals.append(Signal(match[1], float(match[2]), match[3] or "fa", name, values))
     _refuse_repeats(path, signals)
-    return Record(
+    return RecordedStructure(
         Path(path), step, tuple(signals), tuple(name for name in others if name not in used)
     )
 
 
-def make_motions(record: Record, cut: PlaneBeam) -> dict[str, Motion]:
+def make_motions(record: RecordedStructure, cut: PlaneBeam) -> dict[str, Motion]:
     """Put a record in the place of a simulated truth.
 
     Parameters
@@ -270,7 +270,7 @@ def make_motions(record: Record, cut: PlaneBeam) -> dict[str, Motion]:
 
 
 def require_channels(
-    record: Record, cut: PlaneBeam, direction: str, channels: Sequence[tuple[Kind, int]]
+    record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[tuple[Kind, int]]
 ) -> None:
     """Check that a record has the columns that sensors measure.
 
