@@ -44,7 +44,7 @@ def respond(
 ) -> Array:
     """Compute outputs of a structure under loads, at every sample.
 
-    At the first sample the structure rests as the mean load bends it, so no oscillation begins
+    At the first sample the structure rests as the loads of that sample bend it, so nothing jumps
     there.
 
     Parameters
@@ -84,8 +84,7 @@ def respond(
     drive = np.vstack([np.zeros((modes, loads.shape[1])), basis.T @ loads])
     values, vectors = eig(system)
     into = np.linalg.solve(vectors, drive)  # (2 modes, series), of each complex mode
-    mean = series.mean(axis=0)
-    rest = np.concatenate([(basis.T @ loads @ mean) / omega, np.zeros(modes)])
+    rest = np.concatenate([(basis.T @ loads @ series[0]) / omega, np.zeros(modes)])
     start = np.linalg.solve(vectors, rest)
     # Of a conjugate pair one is enough, counted twice in the real part.
     kept = np.flatnonzero(values.imag >= 0.0)
