@@ -13,9 +13,8 @@ from owtsweep.config import NotNegative, Positive, Section, key
 
 
 class Tuning(Section):
-    """The section `tuned`: covariances of all schemes."""
+    """The section `filters`: covariances of all schemes."""
 
-    name: str = key("name of the tuning, for titles")
     inputs: Literal["declared", "truth"] = key(
         "where the loads' statistics are from: the numbers below, or the record's true loads"
     )

@@ -36,14 +36,25 @@ def resolve(name: str) -> Scheme:
     InputError
         If there is no scheme with this name.
     """
-    if name not in REGISTERED:
-        raise InputError(f"schemes: there is no scheme {name!r}; use {', '.join(REGISTERED)}")
+    check_names([name])
     scheme: Scheme = import_module(f"{__name__}.{name.lower()}").SCHEME
     return scheme
 
 
 def resolve_all(names: Sequence[str]) -> list[Scheme]:
-    """Return the schemes with names of `REGISTERED`, in their order.
+    """Return the schemes with these names, in their order.
+
+    Raises
+    ------
+    InputError
+        As `check_names` says.
+    """
+    check_names(names)
+    return [resolve(name) for name in names]
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Check that names are those of schemes in `REGISTERED`; import no scheme.
 
     Raises
     ------
@@ -55,4 +66,5 @@ def resolve_all(names: Sequence[str]) -> list[Scheme]:
     for name in names:
         if list(names).count(name) > 1:
             raise InputError(f"schemes: {name!r} stands there twice; use each name once")
-    return [resolve(name) for name in names]
+        if name not in REGISTERED:
+            raise InputError(f"schemes: there is no scheme {name!r}; use {', '.join(REGISTERED)}")
