@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -65,7 +66,7 @@ class Case:
 
     @property
     def problem(self) -> Problem:
-        """The problem for owtsweep.studies.tower.placement; errors are shares of the truth's std."""
+        """The choice as a problem; its errors are shares of the true standard deviations."""
         return pose(
             self.setting,
             self.candidates,
@@ -169,7 +170,7 @@ def make_case(
     judged = scale > IDLE * scale.max()
     whole = assemble_whole(structure, side=side, gravity=config.model.gravity)
     start = whole.find_node(low)
-    nodes = np.arange(start, start + len(cut.heights))
+    nodes: Any = np.arange(start, start + len(cut.heights))
     filters = config.filters
     change = np.array([filters.force, filters.moment] * 2 + [filters.wave])
     setting = Setting(
@@ -226,7 +227,7 @@ def simulate(case: Case, chosen: Sequence[int], first: int) -> tuple[float, floa
     return float(stress_error), float(moment_error)
 
 
-def _nearest(cut: PlaneBeam, nodes: Array, heights: Array) -> Array:
+def _nearest(cut: PlaneBeam, nodes: Any, heights: Array) -> Any:
     """Return those of `nodes` that are nearest to heights (m above mean sea level), once each."""
     distance = np.abs(cut.heights[nodes][:, None] - heights)
     return np.unique(nodes[np.argmin(distance, axis=0)])
