@@ -1,7 +1,7 @@
 """AKF_LAGGED: AKF and a smoother of fixed lag.
 
-An estimate waits for `tuning.lag` seconds of later measurements, so it is online, but late. What the
-direct feedthrough of few accelerometers delays (Simpson et al. 2025, section 5.3) comes back.
+An estimate waits for `tuning.lag` seconds of later measurements, so it is online, but late. That
+makes up for the time lag of estimates from few accelerometers (Simpson et al. 2025, section 5.3).
 """
 
 from __future__ import annotations

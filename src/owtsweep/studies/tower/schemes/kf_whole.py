@@ -1,14 +1,14 @@
 """KF_WHOLE: a Kalman filter on the whole turbine whose loads are noise.
 
-The textbook's plain Kalman filter takes loads for white noise with mean zero. The thrust has a mean,
-and white noise that is wide enough to hold the mean would make the filter trust its model of
+The textbook's plain Kalman filter takes loads for white noise with mean zero. The thrust has a
+mean, and white noise that is wide enough to hold the mean would make the filter trust its model of
 the motion less than the sensors allow. So each load is the sum of two parts:
 
 - a slow one, an exponentially correlated process as large as the load itself (mean included), with
   a correlation time of `SLOW` seconds. The process is stable: where sensors see no mean (with
   accelerometers alone), the estimate stays at zero and does not drift.
-- white noise, as strong at the model's first natural frequency f as the tuning's random walk: a walk
-  with steps s at intervals h has there the spectral density of white noise with the standard
+- white noise, as strong at the model's first natural frequency f as the tuning's random walk: a
+  walk with steps s at intervals h has there the spectral density of white noise with the standard
   deviation s / (2 pi f h).
 
 The second part enters accelerometers directly, so noise of process and of measurement are
@@ -45,9 +45,7 @@ def model_twice(setting: Setting) -> Model:
     discrete = model.discrete
     return replace(
         model,
-        discrete=replace(
-            discrete, B=np.tile(discrete.B, (1, 2)), J=np.tile(discrete.J, (1, 2))
-        ),
+        discrete=replace(discrete, B=np.tile(discrete.B, (1, 2)), J=np.tile(discrete.J, (1, 2))),
         scale=np.tile(model.scale, 2),
         inputs=np.tile(model.inputs, 2),
         loads_of_input=np.tile(model.loads_of_input, (1, 2)),

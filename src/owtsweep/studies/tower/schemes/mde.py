@@ -1,19 +1,20 @@
 """MDE: modal decomposition and expansion in several bands, as practised on monopiles.
 
 Iliopoulos et al. (2016, Mech. Syst. Signal Process. 68-69), Maes et al. (2016, Mech. Syst. Signal
-Process. 76); with a quasi-static band Iliopoulos et al. (2017, Wind Energy 20). A model of the whole
-turbine gives shapes; sensors give their coordinates by least squares, one instant at a time;
+Process. 76); with a quasi-static band Iliopoulos et al. (2017, Wind Energy 20). A model of the
+whole turbine gives shapes; sensors give their coordinates by least squares, one instant at a time;
 the shapes then expand to every node:
 
 - quasi-static band: inclinometers, displacement sensors and strain gauges, mean included, on the
   static shapes under a force and a moment at the top. Without such sensors this band is zero.
 - band of the first mode: accelerations, integrated twice in the frequency domain, on its shape.
-- upper band: accelerations, integrated twice, on the lowest `MODES` shapes. They would let noise
-  into the band of the first mode, where they hardly move and integration magnifies noise.
+- upper band: accelerations, integrated twice, on the lowest `MODES` shapes. The higher ones would
+  let noise into the band of the first mode, where they hardly move and integration magnifies noise.
 
-Bands meet at `SPLIT` times the model's first natural frequency, and at the geometric mean of the
-first two. Their gains sum to 1 and have no phase: the scheme needs the whole record, so it is an
-offline one. Interface loads follow from the motion (see `models`).
+Bands meet at `SPLIT` and `UPPER` times the model's first natural frequency: the lower one below the
+resonance, where the shapes of first mode and static load are almost one; the upper one below the
+blade-passing line of common turbines. Their gains sum to 1 and have no phase: the scheme needs the
+whole record, so it is an offline one. Interface loads follow from the motion (see `models`).
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ from owtsweep.studies.tower.contract import Estimates, Setting, Unable
 from owtsweep.studies.tower.models import balance_loads, list_whole_dof, respond_statically, see
 from owtsweep.studies.tower.schemes.spectral import Bands
 
-#: Where the quasi-static band ends, over the first natural frequency.
-SPLIT = 0.7
+#: Where the quasi-static band ends and the upper one begins, over the first natural frequency.
+SPLIT, UPPER = 0.8, 1.8
 #: Number of mode shapes in the upper band; fewer if there are fewer accelerometers.
 MODES = 3
 
@@ -100,18 +101,18 @@ class MDE:
         if not moved:
             raise Unable("MDE is blind to dynamics: it needs an accelerometer")
         at = list_whole_dof(setting)
-        held = reduce_held(setting.whole, max(2, min(MODES, len(moved))))
+        held = reduce_held(setting.whole, min(MODES, len(moved)))
         loads = np.zeros((len(setting.whole.mass), 2))
         loads[at[-2:], [0, 1]] = 1.0
         static = respond_statically(setting.whole, loads[:, : min(2, len(others))])
-        first, second = held.omega[:2] / (2.0 * np.pi)
+        first = held.omega[0] / (2.0 * np.pi)
         return Expansion(
             expanders=(
                 _expand(setting, others, static),
                 _expand(setting, moved, held.basis[:, :1]),
-                _expand(setting, moved, held.basis[:, : len(moved)]),
+                _expand(setting, moved, held.basis),
             ),
-            splits=(SPLIT * first, np.sqrt(first * second)),
+            splits=(SPLIT * first, UPPER * first),
             step=setting.step,
         )
 

@@ -2,8 +2,8 @@
 
 One sensor gives the thrust: the highest inclinometer; without one the highest displacement sensor;
 without one the lowest strain gauge. Its reading, over the static response of the believed turbine
-on its soil to a unit thrust, is the thrust at each instant. The thrust acts at the centre of mass of
-what stands on the substructure. Moments are thrust times lever, and the displacements are the
+on its soil to a unit thrust, is the thrust at each instant. The thrust acts at the centre of mass
+of what stands on the substructure. Moments are thrust times lever, and the displacements are the
 static shape. Inertia, waves and the moment of the rotor are left out.
 """
 
