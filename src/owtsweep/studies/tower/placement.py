@@ -7,9 +7,9 @@ standard deviations of the stress at each weld and of M0, each as a share of a s
 Set-ups without a displacement do not see the rigid translation: its covariance grows without bound.
 Position and velocity of this one mode are left out of the model. That changes nothing else. No
 inclinometer and no accelerometer measures them, no other state's equation holds them (the mode has
-neither stiffness nor damping), and neither stress nor interface loads depend on them. The covariance
-of all other states settles if the sensors see them, and is then found by doubling the number of
-steps. A set-up that does not see all of them has an infinite error.
+neither stiffness nor damping), and neither stress nor interface loads depend on them. The
+covariance of all other states settles if the sensors see them, and is then found by doubling the
+number of steps. A set-up that does not see all of them has an infinite error.
 """
 
 from __future__ import annotations
@@ -61,6 +61,9 @@ class Problem:
         Stress at each weld as a share of its scale, from the state, shape (welds, n).
     moment
         Moment M0 as a share of its scale, from the state, shape (n,).
+    lasting
+        What the candidates read of the directions of state that last for ever (eigenvalue 1) and
+        that the given sensors do not see, shape (candidates, directions).
     """
 
     transition: Array
@@ -69,6 +72,7 @@ class Problem:
     rows: Array
     stress: Array
     moment: Array
+    lasting: Array
 
 
 @dataclass(frozen=True)
@@ -143,31 +147,57 @@ def pose(
     moment = moment * size / moment_scale
     asked = np.vstack([rows, bent, moment])
     kept = _leave_out_translation(transition, asked, modes)
+    transition = transition[kept][:, kept]
     given = rows[: len(setting.channels), kept]
     nodes = [channel.node for channel in candidates]
     return Problem(
-        transition=transition[np.ix_(kept, kept)],
+        transition=transition,
         given=given.T @ given,
         heights=setting.cut.heights[nodes] - setting.cut.heights[0],
         rows=rows[len(setting.channels) :, kept],
         stress=bent[:, kept],
         moment=moment[kept],
+        lasting=_see_lasting(transition, given, rows[len(setting.channels) :, kept]),
     )
 
 
-def _leave_out_translation(transition: Array, asked: Array, modes: int) -> Array:
+def _see_lasting(transition: Array, given: Array, rows: Array) -> Array:
+    """Return what `rows` read of lasting directions that `given` rows do not see.
+
+    Lasting is what the transition returns unchanged (eigenvalue 1): a lean, and loads in balance.
+    All other directions fade. So by the test of Popov, Belevitch and Hautus, sensors see all that
+    matters if they see each lasting direction.
+    """
+    directions = _null_space(_normalise(transition - np.eye(len(transition))))
+    unseen = directions @ _null_space(_normalise(given) @ directions)
+    return np.asarray(_normalise(rows) @ unseen)
+
+
+def _null_space(matrix: Array) -> Array:
+    """Return an orthonormal basis of what a matrix (m, n) maps to zero, shape (n, dimension)."""
+    _, values, right = np.linalg.svd(matrix)
+    return np.asarray(right[int(np.sum(values > NOTHING)) :].T)
+
+
+def _normalise(rows: Array) -> Array:
+    """Return rows of length 1; rows of zeros stay."""
+    length = np.linalg.norm(rows, axis=1, keepdims=True)
+    return np.asarray(rows / np.where(length > 0.0, length, 1.0))
+
+
+def _leave_out_translation(transition: Array, asked: Array, modes: int) -> list[int]:
     """Return the numbers of the states that stay when the rigid translation is left out.
 
     The translation is the first mode. Its position and velocity stay, too, if a row of `asked`
     (sensors and wanted quantities) or another state's equation holds one of them.
     """
-    pair = np.array([0, modes])
-    kept = np.setdiff1d(np.arange(len(transition)), pair)
-    others = np.abs(transition[np.ix_(kept, pair)]).max()
+    pair = [0, modes]
+    kept = [number for number in range(len(transition)) if number not in pair]
+    others = np.abs(transition[kept][:, pair]).max()
     read = np.abs(asked[:, pair]) / np.abs(asked).max(axis=1, keepdims=True)
     if others <= NOTHING and read.max() <= NOTHING:
-        return np.asarray(kept)
-    return np.arange(len(transition))
+        return kept
+    return list(range(len(transition)))
 
 
 def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
@@ -178,7 +208,11 @@ def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
     covariance
         Shape (n, n), or None if it does not settle: the sensors do not see all states.
     """
-    rows = problem.rows[list(chosen)]
+    numbers = list(chosen)
+    seen = np.linalg.svd(problem.lasting[numbers], compute_uv=False)
+    if int(np.sum(seen > NOTHING)) < problem.lasting.shape[1]:
+        return None
+    rows = problem.rows[numbers]
     information = problem.given + rows.T @ rows
     size = len(information)
     steps = CovarianceMap(problem.transition, information, np.eye(size))
@@ -212,9 +246,7 @@ def predict(problem: Problem, chosen: Iterable[int]) -> Choice:
     )
 
 
-def choose_exhaustively(
-    problem: Problem, count: int, criterion: Criterion = "stress"
-) -> Choice:
+def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "stress") -> Choice:
     """Try every set of `count` candidates; return the one with the least predicted error.
 
     Raises
@@ -240,9 +272,7 @@ def choose_exhaustively(
     return min(tried, key=lambda choice: choice.error(criterion))
 
 
-def choose_greedily(
-    problem: Problem, count: int, criterion: Criterion = "stress"
-) -> list[Choice]:
+def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress") -> list[Choice]:
     """Add one sensor at a time, each where it lowers the predicted error most.
 
     With too few sensors every error is infinite, and no first sensor is better than another. So the

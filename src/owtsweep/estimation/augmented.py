@@ -1,0 +1,116 @@
+"""The augmented Kalman filter: unknown inputs join the state as random walks.
+
+Lourens et al. (2012); Algorithm 1 and Eqs. (17) to (24) of Simpson et al. (2025). Their Algorithm 1
+prints P^-_{k-1} in the prediction of the covariance, where P_{k-1} belongs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import block_diag, solve_discrete_are
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.input_state import Filter, InputStateModel, check_noise, make_kalman
+from owtsweep.estimation.lagged import Lagged, make_smoother
+
+#: The steady gain is taken from the Riccati equation if the closed loop's radius is this far below
+#: 1. Nearer to 1, the equation's solution is not accurate.
+FADING = 1e-6
+
+
+def augment(
+    model: InputStateModel, transition: Array, read: Array | None = None
+) -> tuple[Array, Array]:
+    """Return transition matrix and measurement matrix of the state [x, z] (Eqs. 18 to 22).
+
+    Parameters
+    ----------
+    model
+        The model of n states and its inputs p.
+    transition
+        Transition matrix (latent, latent) of z, which makes the inputs.
+    read
+        Matrix (inputs, latent) with p = read z; None if p = z.
+    """
+    n, latent = len(model.A), len(transition)
+    read = np.eye(latent) if read is None else read
+    F = np.block([[model.A, model.B @ read], [np.zeros((latent, n)), transition]])
+    return F, np.hstack([model.G, model.J @ read])
+
+
+def augment_walks(model: InputStateModel, Q: Array, S: Array) -> tuple[Array, Array, Array]:
+    """Return transition, measurement and noise matrix if each input is a random walk (Eq. 23)."""
+    F, H = augment(model, np.eye(model.B.shape[1]))
+    return F, H, block_diag(Q, S)
+
+
+def make_augmented(model: InputStateModel, Q: Array, S: Array, R: Array, P0: Array) -> Filter:
+    """Make the augmented Kalman filter.
+
+    Parameters
+    ----------
+    model
+        The model of n states and its inputs.
+    Q
+        Covariance of the process noise w per step, shape (n, n).
+    S
+        Covariance of the inputs' change per step, shape (inputs, inputs).
+    R
+        Covariance of the sensors' noise, shape (m, m).
+    P0
+        Covariance of states and inputs one step before the first measurement, shape
+        (n + inputs, n + inputs).
+
+    Raises
+    ------
+    InputError
+        If a matrix is no covariance, or R is singular.
+    """
+    F, H, noise = augment_walks(model, Q, S)
+    return make_kalman(F, H, noise, R, P0)
+
+
+def make_steady(model: InputStateModel, Q: Array, S: Array, R: Array) -> Filter:
+    """Make the augmented Kalman filter that uses its steady gain from the first step on.
+
+    The gain is that of the discrete algebraic Riccati equation, if all errors fade. If sensors
+    leave a direction of state or input unseen, the equation has no such solution. Then the gain is
+    the one at which the time-varying filter settles; the filter's `settled` is False if the gain
+    had not settled after `LONGEST` steps.
+
+    Parameters and errors are those of `make_augmented`.
+    """
+    F, H, noise = augment_walks(model, Q, S)
+    check_noise(R)
+    K = _solve(F, H, noise, R)
+    if K is None:
+        varying = make_kalman(F, H, noise, R, noise)
+        K, settled = varying.K, varying.settled
+    else:
+        settled = True
+    loop = F - K @ (H @ F)
+    return Filter(loop, K, loop[None], K[None], settled)
+
+
+def make_lagged(
+    model: InputStateModel, Q: Array, S: Array, R: Array, P0: Array, lag: int
+) -> Lagged:
+    """Make the augmented Kalman filter with a smoother of fixed lag.
+
+    Its `run` estimates states and inputs of each step k from the measurements up to step k + lag.
+    `lag` is in steps. The other parameters, and errors, are those of `make_augmented`.
+    """
+    F, H, noise = augment_walks(model, Q, S)
+    return make_smoother(F, H, noise, R, P0, lag)
+
+
+def _solve(F: Array, H: Array, Q: Array, R: Array) -> Array | None:
+    """Return the gain of the Riccati equation; None if it has no solution with fading errors."""
+    try:
+        P = solve_discrete_are(F.T, H.T, Q, R)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
+    S = H @ P @ H.T + R
+    K = np.asarray(np.linalg.solve(S, H @ P).T)
+    radius = np.abs(np.linalg.eigvals(F - K @ (H @ F))).max()
+    return K if radius < 1.0 - FADING else None

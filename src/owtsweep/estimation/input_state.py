@@ -1,0 +1,329 @@
+"""Linear filters that estimate states and unknown inputs of a model, with gains that settle.
+
+The gains of a linear filter depend on the model and on covariances, not on what is measured. So a
+filter is made once, and then runs over any number of records. Gains change from step to step at
+first; once they have settled, they stay.
+
+Covariances are kept as square roots: matrices L with L L' equal to the covariance. A step makes
+the next root by an orthogonal transformation of what adds up to the next covariance (Anderson and
+Moore 1979, section 6.5). Each row of a root keeps its own relative accuracy, so inputs of 1e6 N may
+stand beside displacements of 1e-3 m, and a prior variance of 1e6 beside a sensor's of 1e-12,
+without any scaling.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError, require
+
+#: Gains have settled once a change of the gain, times the sensors' noise, moves no estimate by more
+#: than this part of its standard deviation ...
+TOLERANCE = 1e-10
+#: ... in so many steps, one after the other.
+QUIET_STEPS = 5
+#: Most steps for which gains are computed. After these steps, the last gain stays, settled or not.
+LONGEST = 6000
+
+
+@dataclass(frozen=True)
+class InputStateModel:
+    """The model x[k+1] = A x[k] + B p[k] + w[k], y[k] = G x[k] + J p[k] + v[k] in discrete time.
+
+    These are Eqs. (14) and (15) of Simpson et al. (2025), for n states x, inputs p that nobody
+    measures, and m measurements y.
+
+    Attributes
+    ----------
+    A
+        Transition matrix, shape (n, n).
+    B
+        Input matrix, shape (n, inputs).
+    G
+        Measurement matrix, shape (m, n).
+    J
+        Direct feedthrough of inputs to measurements, shape (m, inputs).
+    step
+        Time from k to k + 1, in s.
+    """
+
+    A: Array
+    B: Array
+    G: Array
+    J: Array
+    step: float
+
+
+def hold_inputs(A: Array, B: Array, G: Array, J: Array, step: float) -> InputStateModel:
+    """Turn x' = A x + B p, y = G x + J p into a discrete model with inputs held over each step.
+
+    The exponential of the block matrix [[A, B], [0, 0]] serves any A (Van Loan 1978). Eq. (16) of
+    Simpson et al. (2025) needs the inverse of A, and a structure that is free to move has none.
+    (`discretise` is not used: its covariance takes the exponential of -A, which overflows for
+    stiffly damped modes.)
+
+    Parameters
+    ----------
+    A, B
+        System and input matrix in continuous time, shapes (n, n) and (n, inputs).
+    G, J
+        Measurement matrix and direct feedthrough, shapes (m, n) and (m, inputs).
+    step
+        Length of a step in s.
+    """
+    from scipy.linalg import expm
+
+    n, inputs = B.shape
+    block = np.zeros((n + inputs, n + inputs))
+    block[:n, :n], block[:n, n:] = A, B
+    held = expm(block * step)
+    return InputStateModel(held[:n, :n], held[:n, n:], np.asarray(G), np.asarray(J), step)
+
+
+class Step(NamedTuple):
+    """One step of a linear filter: x^[k] = F x^[k-1] + K y[k].
+
+    `states` (N,) are standard deviations of the estimate's error before the measurement, and `noise`
+    (m,) those of the sensors' noise: the units in which changes of K are judged.
+    """
+
+    F: Array
+    K: Array
+    states: Array
+    noise: Array
+
+
+@dataclass(frozen=True)
+class Filter:
+    """A linear filter x^[k] = F[k] x^[k-1] + K[k] y[k] that begins with x^ = 0.
+
+    Attributes
+    ----------
+    F, K
+        The closed loop (N, N) and the gain (N, m) once the gains have settled.
+    early_F, early_K
+        Closed loops (steps, N, N) and gains (steps, N, m) of the first steps.
+    settled
+        Whether the gains settled within `LONGEST` steps. If not, F and K are those of the last
+        step that was computed.
+    outputs
+        Matrix (n + inputs, N) that takes states and inputs of the model from the filter's own
+        states; None if these are the same.
+    """
+
+    F: Array
+    K: Array
+    early_F: Array
+    early_K: Array
+    settled: bool
+    outputs: Array | None = None
+
+    @property
+    def radius(self) -> float:
+        """The spectral radius of the settled closed loop F; errors grow if it is above 1."""
+        if not np.all(np.isfinite(self.F)):
+            return float("inf")
+        return float(np.abs(np.linalg.eigvals(self.F)).max())
+
+    def run(self, y: Array) -> Array:
+        """Filter a record.
+
+        Parameters
+        ----------
+        y
+            Measurements, shape (steps, m).
+
+        Returns
+        -------
+        Array
+            Estimates of each step from the measurements up to this step, shape
+            (steps, n + inputs): the states of the model, then its inputs.
+
+        Raises
+        ------
+        InputError
+            If y has another shape, or holds a value that is not finite.
+        """
+        x = self.run_states(y)
+        return x if self.outputs is None else x @ self.outputs.T
+
+    def run_states(self, y: Array) -> Array:
+        """Filter a record like `run`, and return the filter's own states, shape (steps, N)."""
+        from owtsweep.estimation.recursion import recur  # numba is slow to import
+
+        y = check_record(y, self.K.shape[1])
+        x = y @ self.K.T
+        early = min(len(y), len(self.early_K))
+        x[:early] = np.matmul(self.early_K[:early], y[:early, :, None])[:, :, 0]
+        transposed = np.ascontiguousarray(np.swapaxes(self.early_F[:early], 1, 2))
+        recur(transposed, np.ascontiguousarray(self.F.T), x)
+        return x
+
+
+def check_record(y: Array, m: int) -> Array:
+    """Return the measurements y as an array of float64, checked to be (steps, m) and finite."""
+    y = np.asarray(y, dtype=np.float64)
+    require(
+        y.ndim == 2 and y.shape[1] == m,
+        f"y: its shape is {y.shape}; give (steps, {m}), a column per measurement",
+    )
+    bad = np.count_nonzero(~np.isfinite(y))
+    require(bad == 0, f"y: {bad} values are not finite; this filter needs every measurement")
+    return y
+
+
+def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
+    """Make a filter of its steps, which are computed until the gain has settled.
+
+    The gain counts as settled after `QUIET_STEPS` steps with changes below `TOLERANCE`. Gains are
+    watched rather than covariances: where sensors do not see a direction of state, its variance
+    grows for ever while the gain settles. A gain that has not settled after `LONGEST` steps stays
+    as it is then, and the filter's `settled` is False.
+    """
+    made: list[Step] = []
+    quiet = 0
+    for step in islice(steps, LONGEST):
+        made.append(step)
+        quiet = quiet + 1 if len(made) > 1 and _is_quiet(made[-2].K, step) else 0
+        if quiet == QUIET_STEPS or not np.all(np.isfinite(step.K)):
+            break
+    return Filter(
+        F=made[-1].F,
+        K=made[-1].K,
+        early_F=np.array([step.F for step in made]),
+        early_K=np.array([step.K for step in made]),
+        settled=quiet == QUIET_STEPS,
+        outputs=outputs,
+    )
+
+
+def _is_quiet(before: Array, step: Step) -> bool:
+    """Return whether the gain has changed by no more than `TOLERANCE` says."""
+    change = np.max(np.abs(step.K - before) * step.noise, axis=1)
+    return bool(np.all(change <= TOLERANCE * step.states))
+
+
+class Correction(NamedTuple):
+    """The time update and the measurement update of a step of a Kalman filter.
+
+    Attributes
+    ----------
+    K
+        Gain, shape (N, m).
+    noise
+        Standard deviations of the sensors' noise, shape (m,).
+    innovation
+        Root of the innovation's covariance, shape (m, m), lower triangular.
+    predicted, filtered
+        Roots of the states' covariance before and after the measurement, shape (N, N).
+    """
+
+    K: Array
+    noise: Array
+    innovation: Array
+    predicted: Array
+    filtered: Array
+
+
+def kalman(F: Array, H: Array, Q: Array, R: Array, P0: Array) -> Iterator[Correction]:
+    """Yield the Kalman filter's gains and covariances, step by step, without end.
+
+    Parameters
+    ----------
+    F, H
+        Transition matrix (N, N) and measurement matrix (m, N).
+    Q, R
+        Covariances of the noise of process and measurement, shapes (N, N) and (m, m).
+    P0
+        Covariance of the state one step before the first measurement, shape (N, N).
+
+    Raises
+    ------
+    InputError
+        If a matrix is no covariance, or R is singular.
+    """
+    root_Q, root_R, root = root_of("Q", Q), check_noise(R), root_of("P0", P0)
+    m, N = H.shape
+    weight, noise = np.linalg.solve(R, H), deviation(root_R)
+    while True:
+        root = combine(F @ root, root_Q)
+        both = combine(
+            np.vstack([root_R, np.zeros((N, m))]),
+            np.vstack([H @ root, root]),
+        )
+        filtered = both[m:, m:]
+        # P H' R^-1 with the new P: the innovation's covariance is far worse conditioned than R.
+        K = filtered @ (weight @ filtered).T
+        yield Correction(K, noise, both[:m, :m], root, filtered)
+        root = filtered
+
+
+def make_kalman(
+    F: Array, H: Array, Q: Array, R: Array, P0: Array, outputs: Array | None = None
+) -> Filter:
+    """Make the Kalman filter of x[k+1] = F x[k] + w[k], y[k] = H x[k] + v[k].
+
+    Parameters and errors are those of `kalman`; `outputs` is that of `Filter`.
+    """
+    return settle((to_step(F, H, made) for made in kalman(F, H, Q, R, P0)), outputs)
+
+
+def to_step(F: Array, H: Array, made: Correction) -> Step:
+    """Turn the gain of a Kalman filter with matrices F and H into a step of a `Filter`."""
+    return Step(F - made.K @ (H @ F), made.K, deviation(made.predicted), made.noise)
+
+
+def deviation(root: Array) -> Array:
+    """Return the standard deviations of the covariance with this root, shape (N,)."""
+    return np.asarray(np.linalg.norm(root, axis=1))
+
+
+def combine(*roots: Array) -> Array:
+    """Return the lower triangular root of the sum of L L' over the roots L, shape (N, any)."""
+    return np.asarray(np.linalg.qr(np.hstack(roots).T, mode="r").T)
+
+
+def root_of(name: str, covariance: Array) -> Array:
+    """Return a root (N, N) of a covariance, which may be singular.
+
+    Raises
+    ------
+    InputError
+        If the matrix is not symmetric, or has a negative eigenvalue. `name` is the argument's.
+    """
+    covariance = np.asarray(covariance, dtype=np.float64)
+    size = np.sqrt(np.abs(np.diagonal(covariance)))
+    size = np.where(size > 0.0, size, 1.0)
+    scaled = covariance / size[:, None] / size
+    require(
+        bool(np.allclose(scaled, scaled.T, rtol=0.0, atol=1e-9)),
+        f"{name}: the matrix is not symmetric, or holds NaN; give a covariance",
+    )
+    values, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
+    require(
+        bool(values.min(initial=0.0) > -1e-9 * len(values)),
+        f"{name}: the matrix has a negative eigenvalue; give a covariance",
+    )
+    return np.asarray(size[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def check_noise(R: Array) -> Array:
+    """Return the lower triangular root of R, the covariance (m, m) of the sensors' noise.
+
+    Raises
+    ------
+    InputError
+        If R is singular: a sensor without noise.
+    """
+    try:
+        return np.linalg.cholesky(R)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "R: the covariance of the sensors' noise is singular; give every sensor some noise"
+        ) from None

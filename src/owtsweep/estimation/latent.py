@@ -1,0 +1,116 @@
+"""The augmented Kalman filter with latent forces: inputs are Gaussian processes in time.
+
+Alvarez, Luengo and Lawrence (2009); as state-space models Hartikainen and Sarkka (2010). A process
+with a Matern covariance of order 1/2 or 3/2 is a linear model with one or two states driven by white
+noise. Here the process is sampled at the model's steps, where the discrete model is exact, and the
+input is held over each step like any input of an `InputStateModel`. With r the time between two
+values, the covariances are
+
+    Matern 1/2:  sigma^2 exp(-r / length)
+    Matern 3/2:  sigma^2 (1 + a r) exp(-a r),   a = sqrt(3) / length.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.estimation.augmented import augment
+from owtsweep.estimation.input_state import Filter, InputStateModel, make_kalman
+
+#: The covariance functions.
+KERNELS = ("matern12", "matern32")
+#: Prior variance of every state if none is given: next to nothing is known of states near 1.
+WIDE = 1e6
+
+
+def make_latent(
+    model: InputStateModel,
+    Q: Array,
+    R: Array,
+    kernel: Literal["matern12", "matern32"],
+    sigma: Array,
+    length: Array,
+    P0: Array | None = None,
+) -> Filter:
+    """Make the augmented Kalman filter whose inputs are independent Gaussian processes.
+
+    Parameters
+    ----------
+    model
+        The model of n states and its inputs.
+    Q
+        Covariance of the process noise w per step, shape (n, n).
+    R
+        Covariance of the sensors' noise, shape (m, m).
+    kernel
+        "matern12" (exponential correlation, rough paths) or "matern32" (paths with a rate).
+    sigma
+        Standard deviation of each input about zero, in the input's unit, shape (inputs,).
+    length
+        Correlation time of each input in s, shape (inputs,).
+    P0
+        Covariance of the states one step before the first measurement, shape (n, n). None means
+        `WIDE` for every state. The inputs begin with `sigma`.
+
+    Returns
+    -------
+    Filter
+        Its own states are those of the model, and one or two per input (with "matern32" value and
+        rate times length / sqrt(3), input by input). Its `run` returns states, then inputs.
+
+    Raises
+    ------
+    InputError
+        If the kernel is unknown, sigma or length is not one positive number per input, a matrix is
+        no covariance, or R is singular.
+    """
+    require(kernel in KERNELS, f"kernel: {kernel!r} is not one of {', '.join(KERNELS)}")
+    n, inputs = model.B.shape
+    for name, given in (("sigma", sigma), ("length", length)):
+        require(
+            np.shape(given) == (inputs,) and bool(np.all(np.asarray(given) > 0.0)),
+            f"{name}: give {inputs} positive numbers, one per input",
+        )
+    pieces = [_sample(kernel, s, model.step / t) for s, t in zip(sigma, length, strict=True)]
+    transition = block_diag(*(piece[0] for piece in pieces))
+    order = len(pieces[0][0])
+    read = np.zeros((inputs, inputs * order))
+    read[np.arange(inputs), order * np.arange(inputs)] = 1.0
+    F, H = augment(model, transition, read)
+    states = WIDE * np.eye(n) if P0 is None else P0
+    return make_kalman(
+        F,
+        H,
+        block_diag(Q, *(piece[1] for piece in pieces)),
+        R,
+        block_diag(states, *(piece[2] for piece in pieces)),
+        outputs=block_diag(np.eye(n), read),
+    )
+
+
+def _sample(kernel: str, sigma: float, ratio: float) -> tuple[Array, Array, Array]:
+    """Sample a process: return transition, covariance of the noise, and stationary covariance.
+
+    `ratio` is the step divided by the correlation time. The second state of Matern 3/2 is the rate
+    divided by a, so that both states have the standard deviation sigma.
+    """
+    if kernel == "matern12":
+        stationary = sigma**2 * np.eye(1)
+        return np.exp(-ratio) * np.eye(1), -np.expm1(-2.0 * ratio) * stationary, stationary
+    s = np.sqrt(3.0) * ratio
+    fade = np.exp(-s)
+    transition = fade * np.array([[1.0 + s, s], [-s, 1.0 - s]])
+    # I - transition transition', with the leading terms of small s taken off by hand
+    most = -np.expm1(-2.0 * s)
+    noise = np.array(
+        [
+            [most - 2.0 * s * (1.0 + s) * fade**2, 2.0 * (s * fade) ** 2],
+            [2.0 * (s * fade) ** 2, most + 2.0 * s * (1.0 - s) * fade**2],
+        ]
+    )
+    return transition, sigma**2 * noise, sigma**2 * np.eye(2)
