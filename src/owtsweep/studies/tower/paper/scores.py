@@ -1,4 +1,4 @@
-"""Turn outcomes of the paper's cases into numbers, one row per record, direction and quantity."""
+"""Turn outcomes of the paper's case studies into numbers, one row per record, direction and quantity."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from owtsweep.evaluation.signals import (
 )
 from owtsweep.structures.fatigue import compute_damage
 from owtsweep.studies.tower.contract import INPUTS
-from owtsweep.studies.tower.paper.cases import Outcome
+from owtsweep.studies.tower.paper.scenarios import Outcome
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +45,7 @@ def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
 
     rows = []
     for outcome in outcomes:
-        case = outcome.case
+        case = outcome.scenario
         where = {
             "sensors": case.sensors, "sea": case.sea, "gravity": case.gravity,
             "scheme": case.scheme, "tuning": case.tuning, "direction": outcome.direction,
@@ -118,6 +118,7 @@ def _measure(outcome: Outcome) -> Iterator[tuple[str, str, float]]:
     yield "welds", "worst_deviation", float(np.abs(ratio[large] - 1.0).max())
     yield "welds", "worst_factor", float(off.max())
     yield "filter", "seconds_per_step", outcome.seconds_per_step
+    yield "filter", "unfading", float(outcome.unfading)
 
 
 def _compare(name: str, true: Array, estimated: Array) -> Iterator[tuple[str, str, float]]:
