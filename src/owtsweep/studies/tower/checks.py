@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.tower.channels import count_rotations, list_places
+from owtsweep.studies.tower.loads.recorded import read_loads
+from owtsweep.studies.tower.loads.wind import NAMES
 from owtsweep.studies.tower.schemes import check_names
 
 if TYPE_CHECKING:
@@ -32,6 +34,7 @@ def check(config: TowerConfig) -> None:
     config.fatigue.check()
     check_names(config.schemes)
     _check_record(config)
+    _check_loads(config)
     require(
         min(config.grid.noise) > 0.0,
         "grid.noise: 0 % makes the covariance R of the sensors singular; give a small number such "
@@ -66,13 +69,14 @@ def check_sensors(config: TowerConfig, cut: PlaneBeam) -> None:
     )
 
 
-def warn_of_few_inclinometers(config: TowerConfig, cut: PlaneBeam) -> None:
+def warn_of_few_inclinometers(config: TowerConfig) -> None:
     """Log a warning if there are fewer inclinometers per direction than unknown inputs.
 
     That many are the rule of Simpson et al. (2025), section 5.1, for a stable estimate of inputs.
     Displacement sensors count as well.
     """
     inputs = 5 if config.waves.hs > 0.0 else 4
+    cut = assemble_cut(config.structure, *config.heights)
     count = count_rotations(list_places(config.sensors, cut, config.structure.mudline))
     if count < inputs:
         logger.warning(
@@ -96,3 +100,13 @@ def _check_record(config: TowerConfig) -> None:
         f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
         f"samples of a record of {record.duration:g} s; at least 100 must be left",
     )
+
+
+def _check_loads(config: TowerConfig) -> None:
+    structure, record = config.structure, config.record
+    require(
+        config.waves.hs == 0.0 or (structure.water is not None and structure.mudline < 0.0),
+        f"waves.hs: the structure {structure.name} does not stand in water; give sea=calm",
+    )
+    if config.wind.file is not None:
+        read_loads(config.wind.file, NAMES, steps=record.steps, step=1.0 / record.rate)

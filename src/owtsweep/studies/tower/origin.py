@@ -54,7 +54,7 @@ def describe_origin(config: TowerConfig) -> str:
     """Return in one line the tuning, the truth, the sensors, the records and their seed."""
     wrong = describe_errors(config)
     parts = [
-        f"Tuning {config.tuning}",
+        f"Tuning {config.tuning_name}",
         f"truth: {describe_truth(config)}",
         f"sensors {config.sensors.name}",
         *([f"wrong: {wrong}"] if wrong else []),

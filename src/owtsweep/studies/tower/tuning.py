@@ -29,3 +29,9 @@ class Tuning(Section):
     wave: Positive = key("change of the wave load at sea level per step", unit="N/m")
     correlation_time: Positive = key("of latent forces", unit="s")
     lag: NotNegative = key("of the fixed-lag smoother", unit="s")
+
+
+class Tuned(Section):
+    """The sections of one tuning in a run of several."""
+
+    filters: Tuning = key("numbers of all schemes")
