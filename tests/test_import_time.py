@@ -9,7 +9,7 @@ import pytest
 
 HEAVY = {
     "casadi", "filterpy", "hydra", "joblib", "matplotlib", "numba", "numpy", "omegaconf",
-    "pandas", "pyarrow", "pydantic", "pydantic_core", "rich", "scipy", "seaborn",
+    "pandas", "pyarrow", "pydantic", "pydantic_core", "pylife", "rich", "scipy", "seaborn",
 }  # fmt: skip
 
 HELP = """

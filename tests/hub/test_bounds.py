@@ -132,7 +132,13 @@ def test_efficiency_stands_in_the_summary_of_settled_errors(config: HubConfig) -
 @pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("engine", ["batch", "expected"])
 def test_a_run_on_request_has_efficiencies(tmp_path: Path, engine: str) -> None:
-    words = [*SMALL, "schemes=[EKF]", f"engine={engine}", f"results={tmp_path}"]
+    words = [
+        *SMALL,
+        "schemes=[EKF]",
+        "grid.amplitude=[0.7]",
+        f"engine={engine}",
+        f"results={tmp_path}",
+    ]
     run = owtsweep.run([*words, "measures.efficiency=true"])
     summary = run.summary()
     settled = summary[(summary["window"] == "settled") & (summary["measure"] == "position")]

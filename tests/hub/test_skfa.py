@@ -11,6 +11,7 @@ from tools import Streaming, assert_same, configure, measured
 from owtsweep.motion.tracking import Candidate, SpectrumTracker
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.axis_filters import KalmanAxisFilter
+from owtsweep.studies.hub.growing_gains import GrowingGains
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.scheduled_filter import ScheduledFilter
 from owtsweep.studies.hub.schemes import resolve
@@ -57,8 +58,8 @@ def test_the_compiled_form_gives_what_the_reference_gives_with_fixes_lost() -> N
 
 
 @pytest.mark.usefixtures("kernels")
-def test_a_schedule_that_ends_is_lengthened(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("owtsweep.studies.hub.scheduled_filter.LEAST_ROWS", 128)
+def test_gains_grow_with_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("owtsweep.studies.hub.growing_gains.CHUNK", 128)
     config = configure("sensors.imu.rate=20")
     sensors = sensing.sensors(config.sensors)
     axis = make_candidate(Candidate(8, 0, 8), 0.01, config.skf, sensors, BAND)
@@ -72,6 +73,8 @@ def test_a_schedule_that_ends_is_lengthened(monkeypatch: pytest.MonkeyPatch) -> 
         np.testing.assert_allclose(mine.state, other.state, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(mine.covariance, other.covariance, rtol=1e-7, atol=1e-14)
     assert scheduled.bias == pytest.approx(kalman.bias, rel=1e-9)
+    monkeypatch.setattr("owtsweep.studies.hub.growing_gains.LONGEST_TRANSIENT", 256)
+    assert len(GrowingGains(axis).find(900).fast) == 260  # whole intervals of 20 steps
 
 
 def run(config: Any, amplitude: float, count: int = 3) -> tuple[Any, Any, float]:
@@ -151,12 +154,13 @@ def test_motion_above_the_band_is_measured() -> None:
     time = 0.01 * np.arange(6000)
     swing = 0.05 * np.sin(2.0 * np.pi * 1.7 * time)
     force = -((2.0 * np.pi * 1.7) ** 2) * swing
-    above = SpectrumTracker(0.01, 0.0, 0.0, BAND).measure_above(force)
+    tracker = SpectrumTracker(0.01, 0.0, 0.0, BAND)
+    above = tracker.measure_above(tracker.average(force))
     # averaging over .1 s takes 10 % of the variance at 1.7 Hz
     assert above.position == pytest.approx(np.var(swing), rel=0.12)
     assert above.velocity == pytest.approx(np.var(swing) * (2.0 * np.pi * 1.7) ** 2, rel=0.12)
     below = 0.05 * np.sin(2.0 * np.pi * 0.3 * time) * -((2.0 * np.pi * 0.3) ** 2)
-    assert SpectrumTracker(0.01, 0.0, 0.0, BAND).measure_above(below).velocity < 1e-9
+    assert tracker.measure_above(tracker.average(below)).velocity < 1e-9
 
 
 def test_records_without_time_for_a_look_are_warned_of(caplog: pytest.LogCaptureFixture) -> None:

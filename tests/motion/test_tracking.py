@@ -35,11 +35,16 @@ def simulate(
     return np.fft.irfft(lines)[:count] + SIGMA * rng.standard_normal(count) + 0.1
 
 
+def look(tracker: SpectrumTracker, force: Array) -> Candidate | None:
+    """Return what a tracker makes of the samples of a specific force."""
+    return tracker.look(tracker.average(force))
+
+
 @pytest.mark.parametrize(("period", "bandwidth"), [(3.0, 3e-4), (8.0, 3e-5), (3.0, 3e-3)])
 def test_the_motion_is_found_up_to_the_grid_and_chance(period: float, bandwidth: float) -> None:
     force = simulate(period, bandwidth, 0.01, 600.0)
     tracker = SpectrumTracker(STEP, SIGMA, 0.0, BAND)
-    found = tracker.look(force[-12000:])
+    found = look(tracker, force[-12000:])
     assert found is not None
     T, k, variance = found.values
     assert pytest.approx(period, rel=0.12) == T
@@ -49,8 +54,8 @@ def test_the_motion_is_found_up_to_the_grid_and_chance(period: float, bandwidth:
 
 def test_a_tilt_that_is_known_does_not_change_what_is_found() -> None:
     lean = 0.3
-    leaning = SpectrumTracker(STEP, SIGMA, lean, BAND).look(simulate(6.0, 3e-4, 0.1, 240.0, lean))
-    level = SpectrumTracker(STEP, SIGMA, 0.0, BAND).look(simulate(6.0, 3e-4, 0.1, 240.0))
+    leaning = look(SpectrumTracker(STEP, SIGMA, lean, BAND), simulate(6.0, 3e-4, 0.1, 240.0, lean))
+    level = look(SpectrumTracker(STEP, SIGMA, 0.0, BAND), simulate(6.0, 3e-4, 0.1, 240.0))
     assert leaning == level
 
 
@@ -59,7 +64,8 @@ def test_a_sea_that_grows_is_followed_by_the_variance() -> None:
     tracker = SpectrumTracker(STEP, SIGMA, 0.0, BAND)
     sizes = []
     for seconds in range(10, 401, 10):
-        found = tracker.look(force[max(0, round((seconds - 240) / STEP)) : round(seconds / STEP)])
+        past = force[max(0, round((seconds - 240) / STEP)) : round(seconds / STEP)]
+        found = look(tracker, past)
         sizes.append(np.nan if found is None else found.values[2])
     assert np.all(np.isnan(sizes[:2]))
     assert 0.003 < sizes[18] < 0.03
@@ -78,7 +84,7 @@ def test_a_choice_stands_until_another_is_clearly_more_likely() -> None:
     for shape, kept in ((close, True), (far, False)):
         tracker = SpectrumTracker(STEP, SIGMA, 0.0, BAND)
         tracker.chosen = Candidate(*map(int, shape), int(likelihood[tuple(shape)].argmax()))
-        tracker.look(force)
+        tracker.look(averaged)
         assert (tracker.chosen[:2] == tuple(shape)) == kept
 
 
@@ -103,3 +109,5 @@ def test_the_likelihood_is_that_of_independent_ordinates() -> None:
             model = motion * weight**2 + noise
             total -= np.log(model) + periodogram / model
     assert whole[candidate] * 1.5 == pytest.approx(total, rel=1e-6)
+    of_shape = compute_log_likelihood(force, step, noise, 0.05, BAND, candidate[:2])
+    np.testing.assert_array_equal(of_shape, whole[candidate[:2]])

@@ -200,7 +200,7 @@ def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:
     ("overrides", "says"),
     [
         (["study=huub"], r"study: there is no study 'huub'; did you mean hub\? There are hub, "),
-        (["study=x"], r"study: there is no study 'x'; there are hub, readings, replay$"),
+        (["study=x"], r"study: there is no study 'x'; there are hub, readings, replay, tower$"),
         (["study=hub,readings"], r"study: 'hub,readings' are several studies; run one at a time"),
         (["study="], r"study=: name a study, e\.g\. study=hub$"),
         (["+study=hub"], r"\+study=hub: name a study"),
@@ -216,8 +216,8 @@ def test_a_wrong_study_is_one_line(overrides: list[str], says: str) -> None:
 
 
 def test_a_run_of_a_study_that_is_not_installed_names_it() -> None:
-    Path("config.yaml").write_text("study: tower\nsoil_factor: 2\n")
-    with pytest.raises(InputError, match=r"^config\.yaml: the study 'tower' .* is not installed"):
+    Path("config.yaml").write_text("study: blade\nsoil_factor: 2\n")
+    with pytest.raises(InputError, match=r"^config\.yaml: the study 'blade' .* is not installed"):
         load_config(Path("config.yaml"))
 
 

@@ -79,6 +79,7 @@ def draw(
     window: str,
     tuning: str,
     quantity: str = "",
+    score: str = "MSE",
     coinciding: Sequence[Sequence[str]] = (),
     replicates: int | None = None,
     failures: int = 0,
@@ -104,7 +105,9 @@ def draw(
     tuning
         Name of the schemes' tuning, for the title.
     quantity
-        What the title says the schemes are judged by; if empty, "<criterion> MSE".
+        What the title says the schemes are judged by; if empty, "<criterion> <score>".
+    score
+        What legend and footnote call the number by which schemes are judged.
     coinciding
         Groups of names of schemes with equal results. The map shows each group under the last of
         its names.
@@ -123,7 +126,9 @@ def draw(
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
-        raise InputError(f"best: no cell judged by {criterion} MSE in window {window!r} to draw")
+        raise InputError(
+            f"best: no cell judged by {criterion} {score} in window {window!r} to draw"
+        )
     plane = Plane.of(shown, conditions)
     columns, lines = len(plane.columns), len(plane.lines)
     height = np.clip(5.5 / lines, *CELL_HEIGHT)
@@ -139,13 +144,13 @@ def draw(
     lines_of_text = "two lines" if tall else "one line"
     draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
     axes.set_title(
-        f"Best scheme by {quantity or f'{criterion} MSE'}\n{style.describe_window(window)}, "
+        f"Best scheme by {quantity or f'{criterion} {score}'}\n{style.describe_window(window)}, "
         f"tuning: {tuning}{_count_records(replicates, failures)}",
         loc="left",
     )
     handles = _make_legend(rows, schemes, coinciding, holes=len(rows) < plane.size)
-    add_legend(figure, handles, columns=3)
-    explained = _explain(rows, coinciding, failures, labelled=labelled)
+    add_legend(figure, handles, columns=3, score=score)
+    explained = _explain(rows, coinciding, failures, score, labelled=labelled)
     style.footnote(figure, " ".join([explained, *notes]))
     return figure
 
@@ -310,12 +315,15 @@ def _explain(
     rows: Sequence[dict[Any, Any]],
     groups: Sequence[Sequence[str]],
     failures: int,
+    score: str,
     *,
     labelled: bool,
 ) -> str:
     sentences = []
     if labelled and any(row["runner_up"] for row in rows):
-        sentences.append("Second name in a cell: the runner-up, and by how much its MSE is larger.")
+        sentences.append(
+            f"Second name in a cell: the runner-up, and by how much its {score} is larger."
+        )
     if not all(row["distinguishable"] for row in rows):
         sentences.append(
             "Hatched: the data do not tell best and runner-up apart"

@@ -20,10 +20,18 @@ from owtsweep.figures.palette import SchemeStyle, channels_of, mix_with_white
 FULL = 8.0
 #: Share of the scheme's colour in the fill of a tie; the rest is white.
 PALEST = 0.3
-#: What the legend of a map says about the shades.
-EXPLANATION = (
-    f"Pale: the runner-up's MSE is equal. Full colour: it is {FULL:g} times as large, or more."
-)
+
+
+def explain(score: str = "MSE") -> str:
+    """Return what a map's legend says about the shades; `score` is what schemes are judged by."""
+    return (
+        f"Pale: the runner-up's {score} is equal. Full colour: it is {FULL:g} times as large, or "
+        "more."
+    )
+
+
+#: What the legend of a map of MSE says about the shades.
+EXPLANATION = explain()
 
 
 def share_of_color(ratio: Any) -> Array:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerBase
 from matplotlib.patches import Patch, Rectangle
 
-from owtsweep.figures.margin import EXPLANATION, PALEST
+from owtsweep.figures.margin import PALEST, explain
 from owtsweep.figures.palette import mix_with_white
 
 #: Number of shades in the strip.
@@ -51,9 +51,12 @@ class _Strip(HandlerBase):
 HANDLERS = {Shades: _Strip()}
 
 
-def add_legend(figure: Figure, handles: Sequence[Any], columns: int) -> None:
-    """Put the legend of a map above its title; the legend's own title explains the shades."""
+def add_legend(figure: Figure, handles: Sequence[Any], columns: int, score: str = "MSE") -> None:
+    """Put the legend of a map above its title; the legend's own title explains the shades.
+
+    `score` is what schemes are judged by.
+    """
     figure.legend(
         handles=handles, handler_map=HANDLERS, ncols=columns, loc="outside upper center",
-        frameon=False, title=EXPLANATION, title_fontsize=9,
+        frameon=False, title=explain(score), title_fontsize=9,
     )  # fmt: skip

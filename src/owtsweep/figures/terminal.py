@@ -44,6 +44,7 @@ def grid(
     criterion: str,
     window: str,
     *,
+    score: str = "MSE",
     notes: Sequence[str] = (),
 ) -> RenderableType:
     """Make a map of the best schemes for the terminal, as tables of names with a legend.
@@ -65,14 +66,16 @@ def grid(
         The measure by which schemes are judged, e.g. "position".
     window
         The part of the records over which the criterion is averaged: "full" or "settled".
+    score
+        What the number is called by which schemes are judged.
     notes
         Sentences below the map.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
-        return Text(f"No cell to compare by {criterion} MSE ({window} record).")
+        return Text(f"No cell to compare by {criterion} {score} ({window} record).")
     parts: list[RenderableType] = [
-        Text(f"Best scheme by {criterion} MSE, {window} record", style="bold")
+        Text(f"Best scheme by {criterion} {score}, {window} record", style="bold")
     ]
     signs = _choose_signs(schemes)
     further = conditions[2:]
@@ -87,7 +90,7 @@ def grid(
         rows = {plane.place(row): row for row in cells.to_dict("records")}
         parts.append(_Map(rows, schemes, signs, plane))
         holes |= len(rows) < plane.size
-    parts += [_make_legend(shown, schemes, signs, holes=holes), _Explanation()]
+    parts += [_make_legend(shown, schemes, signs, holes=holes), _Explanation(score)]
     parts += [Text(note) for note in notes]
     return Group(*parts)
 
@@ -205,13 +208,19 @@ class _Map:
         return Text(text, style=Style(color=text_color_on(fill), bgcolor=fill))
 
 
+@dataclass(frozen=True)
 class _Explanation:
-    """The sentence that explains the shades, printed only where the map has shades."""
+    """The sentence that explains the shades, printed only where the map has shades.
+
+    `score` is what schemes are judged by.
+    """
+
+    score: str
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the sentence, or nothing."""
         if SHADED.get(console.color_system or "") and not console.no_color:
-            yield Text(margin.EXPLANATION)
+            yield Text(margin.explain(self.score))
 
 
 def _make_legend(

@@ -15,7 +15,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.spectra import translated
@@ -85,32 +84,33 @@ class SpectrumTracker:
         self._given = (step * self._block, 2.0 * force_sigma**2 * step, lean, band)
         self.chosen: Candidate | None = None
 
+    def average(self, force: Array) -> Array:
+        """Return means over blocks of samples (n,), of which the last ends with the record."""
+        block = self._block
+        blocks = force[len(force) % block :].reshape(-1, block)
+        return np.asarray(blocks @ np.full(block, 1.0 / block))
+
     def look(self, force: Array) -> Candidate | None:
         """Choose a candidate; None if the record is shorter than `LEAST`.
 
-        `force` is the specific force along one axis, m/s^2, shape (samples,): all of it, or the
-        last `OF_SHAPE` seconds or more. A constant in it does not matter.
+        `force` is the specific force along one axis, m/s^2, as `average` returns it: all of it, or
+        the last `OF_SHAPE` seconds or more. A constant in it does not matter.
         """
         step = self._given[0]
-        force = self._average(force)
         lengths = [n for n in _list_lengths(step) if n <= len(force)]
         if not lengths:
             return None
         last = round(OF_VARIANCE / step)
-        of_shape = compute_log_likelihood(force[-lengths[-1] :], *self._given)
-        of_variance = of_shape
-        if lengths[-1] > last:
-            of_variance = compute_log_likelihood(force[-last:], *self._given)
-        best = of_shape.max(axis=2)
-        period, bandwidth = np.unravel_index(int(best.argmax()), best.shape)
+        best = compute_log_likelihood(force[-lengths[-1] :], *self._given).max(axis=2)
+        recent = force[-min(lengths[-1], last) :]
         now = self.chosen
-        if now is not None:
-            is_shape_good = best[period, bandwidth] - best[now[:2]] <= GAIN_OF_SHAPE
-            of_now = of_variance[now[:2]]
-            if is_shape_good and of_now.max() - of_now[now.variance] <= GAIN_OF_VARIANCE:
+        if now is not None and best.max() - best[now[:2]] <= GAIN_OF_SHAPE:
+            of_now = compute_log_likelihood(recent, *self._given, now[:2])
+            if of_now.max() - of_now[now.variance] <= GAIN_OF_VARIANCE:
                 return now
-        variance = int(of_variance[period, bandwidth].argmax())
-        self.chosen = Candidate(int(period), int(bandwidth), variance)
+        period, bandwidth = map(int, np.unravel_index(int(best.argmax()), best.shape))
+        of_variance = compute_log_likelihood(recent, *self._given, (period, bandwidth))
+        self.chosen = Candidate(period, bandwidth, int(of_variance.argmax()))
         return self.chosen
 
     def measure_above(self, force: Array) -> Motion:
@@ -121,23 +121,19 @@ class SpectrumTracker:
         by chance.
         """
         step, noise, _, band = self._given
-        force = self._average(force)
         above, second, fourth = _list_above(len(force), step, band[1])
-        excess = (compute_periodogram(force, step)[above] - noise) / (len(force) * step)
+        excess = (compute_periodogram(force, step, above) - noise) / (len(force) * step)
         return Motion(float(np.sum(excess / fourth)), float(np.sum(excess / second)))
 
-    def _average(self, force: Array) -> Array:
-        """Return means over blocks of samples, of which the last ends with the record."""
-        block = self._block
-        blocks = force[len(force) % block :].reshape(-1, block)
-        return np.asarray(blocks @ np.full(block, 1.0 / block))
 
+def compute_periodogram(force: Array, step: float, ordinates: slice) -> Array:
+    """Compute some ordinates of the one-sided periodogram of samples (n,), with a Hann window.
 
-def compute_periodogram(force: Array, step: float) -> Array:
-    """Compute the one-sided periodogram of samples (n,), with a Hann window; their unit^2/Hz."""
+    The result is in the samples' unit^2/Hz.
+    """
     window, square = _make_window(len(force))
-    ordinates = np.fft.rfft((force - force.mean()) * window)
-    return np.asarray(np.abs(ordinates) ** 2 * (2.0 * step / square))
+    lines = np.fft.rfft((force - force.mean()) * window)[ordinates]
+    return np.asarray(np.abs(lines) ** 2 * (2.0 * step / square))
 
 
 @lru_cache(64)
@@ -148,9 +144,14 @@ def _make_window(length: int) -> tuple[Array, float]:
 
 
 def compute_log_likelihood(
-    force: Array, step: float, noise: float, lean: float, band: tuple[float, float]
+    force: Array,
+    step: float,
+    noise: float,
+    lean: float,
+    band: tuple[float, float],
+    shape: tuple[int, int] | tuple[()] = (),
 ) -> Array:
-    """Compute the Whittle log likelihood of all candidates, up to a constant.
+    """Compute the Whittle log likelihood of candidates, up to a constant.
 
     Parameters
     ----------
@@ -164,28 +165,30 @@ def compute_log_likelihood(
         Specific force by leaning, s^-2.
     band
         Edges of the band of the motion, Hz.
+    shape
+        Indices of the period and the bandwidth of the candidates; () for those of all shapes.
 
     Returns
     -------
     array
-        Shape (periods, bandwidths, variances).
+        Shape (periods, bandwidths, variances), or (variances,) for the candidates of one shape.
     """
     inverse, constant, inside = _make_models(len(force), step, noise, lean, band)
-    periodogram = compute_periodogram(force, step)[inside]
-    return np.asarray(-(constant + inverse @ periodogram) / HANN)
+    periodogram = compute_periodogram(force, step, inside)
+    return np.asarray(-(constant[shape] + inverse[shape] @ periodogram) / HANN)
 
 
 @lru_cache(32)
 def _make_models(
     length: int, step: float, noise: float, lean: float, band: tuple[float, float]
-) -> tuple[Array, Array, NDArray[np.bool_]]:
+) -> tuple[Array, Array, slice]:
     """Return 1 / density of all candidates, the sum of log densities, and the ordinates they use.
 
-    The shapes are (periods, bandwidths, variances, ordinates), without the last axis, and that of
-    all ordinates of a record of `length` samples.
+    The shapes are (periods, bandwidths, variances, ordinates) and (periods, bandwidths, variances).
+    The ordinates are those of a record of `length` samples.
     """
     frequency = np.fft.rfftfreq(length, step)
-    inside = (frequency >= band[0]) & (frequency <= band[1])
+    inside = _find_ordinates(frequency, *band)
     frequency = frequency[inside]
     # averaging over a step weakens the force a little
     force = ((2.0 * np.pi * frequency) ** 2 + lean) ** 2 * np.sinc(frequency * step) ** 2
@@ -199,15 +202,22 @@ def _make_models(
 
 
 @lru_cache(64)
-def _list_above(length: int, step: float, edge: float) -> tuple[NDArray[np.bool_], Array, Array]:
+def _list_above(length: int, step: float, edge: float) -> tuple[slice, Array, Array]:
     """Return where the ordinates above a band with an upper edge (Hz) are, and powers 2 and 4.
 
     The powers are those of the angular frequencies, rad/s, of these ordinates.
     """
     frequency = np.fft.rfftfreq(length, step)
-    above = (frequency >= ABOVE * edge) & (frequency <= 0.4 / step)
+    above = _find_ordinates(frequency, ABOVE * edge, 0.4 / step)
     omega = 2.0 * np.pi * frequency[above]
     return above, omega**2, omega**4
+
+
+def _find_ordinates(frequency: Array, low: float, high: float) -> slice:
+    """Return where rising frequencies, Hz, (n,) are between two, inclusive."""
+    return slice(
+        int(np.searchsorted(frequency, low)), int(np.searchsorted(frequency, high, "right"))
+    )
 
 
 def _list_lengths(step: float) -> list[int]:

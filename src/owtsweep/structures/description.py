@@ -182,6 +182,12 @@ class Water(Section):
     density: Positive = key("density", unit="kg/m^3", default=1025.0)
     added_mass: NotNegative = key("coefficient C_a of the water outside", default=1.0)
     drag: NotNegative = key("coefficient C_D of Morison's equation", default=1.0)
+    level: Finite = key(
+        "up to which height water adds mass; waves are about mean sea level, whatever it is",
+        unit="m",
+        default=0.0,
+        younger=True,
+    )
 
 
 class Structure(Section):

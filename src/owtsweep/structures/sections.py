@@ -60,7 +60,7 @@ class Sections:
         total = self._steel(height)
         water = self.structure.water
         if water is not None:
-            wet = (height < 0.0) & (height > self.structure.mudline)
+            wet = (height < water.level) & (height > self.structure.mudline)
             area = self._over_tubes(lambda tube, z: np.pi / 4.0 * tube.outer(z) ** 2, height)
             total = total + np.where(wet, water.added_mass * water.density * area, 0.0)
         return total

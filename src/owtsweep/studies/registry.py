@@ -1,11 +1,11 @@
 """Find studies by name: built-in studies, and studies of other packages.
 
-A package adds a study called "tower" by two lines in its pyproject.toml,
+A package adds a study called "blade" by two lines in its pyproject.toml,
 
     [project.entry-points."owtsweep.studies"]
-    tower = "tower_study:TowerStudy"
+    blade = "blade_study:BladeStudy"
 
-and by YAML files for Hydra in the folder `conf` beside the module tower_study. The main YAML file
+and by YAML files for Hydra in the folder `conf` beside the module blade_study. The main YAML file
 is sweep.yaml.
 """
 
@@ -60,6 +60,7 @@ OURS = {
     "hub": Entry("owtsweep.studies.hub:HubStudy"),
     "readings": Entry("owtsweep.studies.readings:ReadingsStudy", implied=("experiment=readings",)),
     "replay": Entry("owtsweep.studies.replay:ReplayStudy", primary="replay"),
+    "tower": Entry("owtsweep.studies.tower:TowerStudy"),
 }
 
 

@@ -12,10 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.late_gains import LateRows
 from owtsweep.studies.hub.axis_filters import AxisEstimates
 from owtsweep.studies.hub.spectral_axis import SpectralAxis
-from owtsweep.studies.hub.tracked_models import tune_candidate
-
-#: Least number of rows of a schedule; each further schedule has twice as many.
-LEAST_ROWS = 8192
+from owtsweep.studies.hub.tracked_models import find_gains
 
 
 class ScheduledFilter:
@@ -30,7 +27,7 @@ class ScheduledFilter:
     """
 
     def __init__(self, axis: SpectralAxis, bias: float) -> None:
-        self._axis, self._step = axis, 0
+        self._axis, self._gains, self._step = axis, find_gains(axis), 0
         self._state = np.zeros(len(axis.first))
         self._state[len(axis.model.Q)] = bias
         self._covariance: Array | None = None  # None while the gains are those of the schedule
@@ -53,7 +50,7 @@ class ScheduledFilter:
         result = AxisEstimates.make_empty(steps)
         model, outputs = self._axis.model, self._axis.outputs
         if self._covariance is None:
-            samples, gains = (force, fixes), self._find_gains(self._step + steps)
+            samples, gains = (force, fixes), tuple(self._gains.find(self._step + steps))
             done = follow(self._step, samples, model, outputs, gains, self._state, tuple(result))
             if done < steps:
                 self._covariance = self._compute_covariance(self._step + done)
@@ -64,13 +61,6 @@ class ScheduledFilter:
             take_samples(self._step + done, samples, model, outputs, register, rest)
         self._step += steps
         return result
-
-    def _find_gains(self, steps: int) -> tuple[Array, Array, Array, Array]:
-        rows = LEAST_ROWS
-        while rows < steps and not tune_candidate(self._axis, rows).gains.repeats:
-            rows *= 2
-        gains = tune_candidate(self._axis, rows).gains
-        return gains.fast, gains.slow, gains.innovation_variance, gains.covariance
 
     def _compute_covariance(self, steps: int) -> Array:
         """Compute the covariance of the state after some steps, a multiple of the fix interval."""

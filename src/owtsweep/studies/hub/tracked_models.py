@@ -16,10 +16,11 @@ from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.growing_gains import GrowingGains
 from owtsweep.studies.hub.known_motion import find_noise_density
 from owtsweep.studies.hub.shape_cache import fit_or_recall
 from owtsweep.studies.hub.skf_section import Skf
-from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
+from owtsweep.studies.hub.spectral_axis import SpectralAxis, make_axis
 from owtsweep.studies.hub.spectral_model import FLOOR
 
 #: Number of states of a candidate's shaping filter. The true spectrum is not known, so a closer fit
@@ -66,10 +67,10 @@ def make_candidate(
     return make_axis(shaping, candidate.values[2], tuning, sensors)
 
 
-@lru_cache(32)
-def tune_candidate(axis: SpectralAxis, rows: int) -> TunedAxis:
-    """Compute the gains of a model for at least `rows` steps; 1 MB per 5000 steps."""
-    return tune_axis(axis, rows)
+@lru_cache(48)
+def find_gains(axis: SpectralAxis) -> GrowingGains:
+    """Return the gains of a model; they are shared, and take 1 MB per 9000 steps."""
+    return GrowingGains(axis)
 
 
 @lru_cache(512)

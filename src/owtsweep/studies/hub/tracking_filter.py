@@ -75,7 +75,9 @@ class TrackingFilter:
         looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
         self._again = looks * self._between
         kept = max(self._again + sensors.fix_interval, round(OF_SHAPE / sensors.step))
-        self._history = np.empty((2, kept + self._between))
+        self._kept = kept
+        # twice as long as what is kept, so that it is seldom moved
+        self._history = np.empty((2, 2 * kept + self._between))
         self._steps = self._filled = 0
         # steps and biases at the looks of the last minute
         self._biases = deque([(0, 0.0)], maxlen=looks + 2)
@@ -145,7 +147,8 @@ class TrackingFilter:
         self._biases.append((self._steps, self._filter.bias))
         self._scores.append(np.concatenate([np.empty(0), *self._fresh]))
         self._fresh = []
-        force = self._history[0, : self._filled]
+        used = min(self._filled, self._kept + self._between)
+        force = self._tracker.average(self._history[0, self._filled - used : self._filled])
         wanted = self._tracker.look(force)
         above = self._tracker.measure_above(force)
         if wanted is not None and wanted != self.model:
@@ -154,10 +157,10 @@ class TrackingFilter:
             scores = np.concatenate([*self._scores, *self._fresh])
             if _is_contradicted(scores) or _is_blind(self._stated, above):
                 self._change(None, above)
-        kept = self._history.shape[1] - self._between
-        if self._filled > kept:
-            self._history[:, :kept] = self._history[:, self._filled - kept : self._filled].copy()
-            self._filled = kept
+        if self._filled + self._between > self._history.shape[1]:
+            first = self._filled - self._kept
+            self._history[:, : self._kept] = self._history[:, first : self._filled]
+            self._filled = self._kept
 
     def _change(self, model: Candidate | None, above: Motion) -> None:
         """Filter the last minute again with another model, and go on with it unless it is wrong.

@@ -1,1 +1,53 @@
-"""The tower study: input-state estimation of a substructure (Simpson et al. 2025)."""
+"""The tower study: loads, motion and fatigue of a substructure from few sensors.
+
+Estimators of input and state on a structure between two cuts, after Simpson et al. (2025).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from owtsweep import estimation, evaluation, motion, sensing, structures, waves
+from owtsweep.sweep.study import add_versions
+
+if TYPE_CHECKING:
+    from owtsweep.results.conditions import Condition
+    from owtsweep.studies.tower.config import TowerConfig
+    from owtsweep.sweep.study import Engine
+
+__all__ = ["TowerStudy"]
+
+#: Packages whose code affects the numbers that the study stores.
+ROOMS = (waves, structures, sensing, motion, estimation, evaluation)
+
+
+class TowerStudy:
+    """The study of a substructure between two cuts, an `owtsweep.sweep.study.Study`."""
+
+    name = "tower"
+    schema_version = 1
+    numerics_version = add_versions(1, *ROOMS)
+
+    def schemes(self) -> dict[str, str]:
+        """Return name -> description of each scheme."""
+        from owtsweep.studies.tower.schemes import REGISTERED
+
+        return REGISTERED
+
+    def config_type(self) -> type[TowerConfig]:
+        """Return the class of the study's configurations."""
+        from owtsweep.studies.tower.config import TowerConfig
+
+        return TowerConfig
+
+    def conditions(self, config: TowerConfig) -> tuple[Condition, ...]:
+        """Return the axes of the grid: sensor noise, and the soil of the schemes' model."""
+        from owtsweep.studies.tower.conditions import CONDITIONS
+
+        return CONDITIONS
+
+    def engine(self, config: TowerConfig) -> Engine:
+        """Return the study's only engine."""
+        from owtsweep.studies.tower.engine import TowerEngine
+
+        return TowerEngine()

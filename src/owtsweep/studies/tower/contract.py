@@ -95,6 +95,8 @@ class Setting:
         What the tuning says about loads.
     tuning
         The numbers of all schemes.
+    whole_modes
+        Number of modes of the whole structure that models of it keep, lowest first.
     """
 
     direction: str
@@ -110,6 +112,7 @@ class Setting:
     step: float
     believed: Believed
     tuning: Tuning
+    whole_modes: int = 10
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ from owtsweep.config import NotNegative, Positive, Section, key
 
 
 class Tuning(Section):
-    """The section `tuned`: covariances of all schemes."""
+    """The section `filters`: covariances of all schemes."""
 
-    name: str = key("name of the tuning, for titles")
     inputs: Literal["declared", "truth"] = key(
         "where the loads' statistics are from: the numbers below, or the record's true loads"
     )
@@ -30,3 +29,9 @@ class Tuning(Section):
     wave: Positive = key("change of the wave load at sea level per step", unit="N/m")
     correlation_time: Positive = key("of latent forces", unit="s")
     lag: NotNegative = key("of the fixed-lag smoother", unit="s")
+
+
+class Tuned(Section):
+    """The sections of one tuning in a run of several."""
+
+    filters: Tuning = key("numbers of all schemes")

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.estimation.late import is_copied
 from owtsweep.estimation.windowing import schedule_row
 
 
@@ -39,6 +38,8 @@ def follow(first, samples, model, outputs, gains, x, estimates):
     fast_gains, slow_gains, S, covariances = gains
     states, covariance, innovations, variances = estimates
     A, fast, interval = model.A, model.fast, model.interval
+    # as `estimation.late.is_copied`, without handing over the model at each step: half the time
+    copies, delay = model.copies, model.delay
     n, N, rows = len(model.Q), len(x), len(fast_gains)
     for k in range(len(force)):
         step = first + k
@@ -60,7 +61,7 @@ def follow(first, samples, model, outputs, gains, x, estimates):
         if step % interval == 0:
             number = min(step // interval, len(S) - 1)
             innovation = fixes[k]
-            if model.copies > 0:
+            if copies > 0:
                 innovation -= x[N - 1]
             else:
                 for i in range(n):
@@ -77,7 +78,7 @@ def follow(first, samples, model, outputs, gains, x, estimates):
             states[k, a] = total
             for b in range(2):
                 covariance[k, a, b] = covariances[row, a, b]
-        if is_copied(model, step):
+        if copies > 0 and (step + delay) % interval == 0:
             for i in range(N - 1, n + 1, -1):
                 x[i] = x[i - 1]
             x[n + 1] = states[k, 0]

@@ -1,0 +1,188 @@
+"""Criteria of how well one signal follows another: TRAC, FRAC, errors, and lag.
+
+Equation numbers are those of Simpson, Chatzi and Chatzis (2025), section 5.2. Each function takes
+the true signals and their estimates, two arrays of one shape, (steps,) or (steps, channels), and
+returns one value per channel: an array of shape () or (channels,).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+
+
+def compute_trac(truth: Array, estimate: Array, *, centred: bool = False) -> Array:
+    """Compute the time response assurance criterion (Eq. 27), from 0 to 1.
+
+    The criterion is blind to the scale and the sign of the estimate. As printed, means count, so
+    that it is near 1 for any two signals with means far above their standard deviations.
+
+    Parameters
+    ----------
+    truth, estimate
+        Signals in any units.
+    centred
+        Whether to take the mean off both signals first. The result is then the square of the
+        correlation coefficient.
+
+    Returns
+    -------
+    array
+        NaN for a channel in which a signal is zero throughout (with `centred`: constant).
+    """
+    truth, estimate = _pair(truth, estimate)
+    if centred:
+        truth, estimate = _centre(truth), _centre(estimate)
+    return _compare(truth, estimate, np.ones(len(truth)))
+
+
+def compute_frac(truth: Array, estimate: Array, *, centred: bool = False) -> Array:
+    """Compute the frequency response assurance criterion (Eq. 28) of magnitudes, from 0 to 1.
+
+    With complex spectra Eq. (28) is Eq. (27) again, by Parseval's theorem. What is printed in the
+    paper differs from TRAC, so this function takes the magnitudes of the spectra, over positive and
+    negative frequencies. Phases do not matter then, and FRAC is never below TRAC.
+
+    Parameters and result are as in `compute_trac`.
+    """
+    truth, estimate = _pair(truth, estimate)
+    if centred:
+        truth, estimate = _centre(truth), _centre(estimate)
+    steps = len(truth)
+    true_size, size = (np.abs(np.fft.rfft(signal, axis=0)) for signal in (truth, estimate))
+    weights = np.full(len(size), 2.0)  # a positive frequency and its negative
+    weights[0] = 1.0
+    if steps % 2 == 0:
+        weights[-1] = 1.0
+    return _compare(true_size, size, weights)
+
+
+def compute_mae(truth: Array, estimate: Array) -> Array:
+    """Compute the mean absolute error (Eq. 29), in the signals' unit."""
+    truth, estimate = _pair(truth, estimate)
+    return np.asarray(np.abs(estimate - truth).mean(axis=0))
+
+
+def compute_rms_error(truth: Array, estimate: Array) -> Array:
+    """Compute the root mean square of the error, mean included, in the signals' unit."""
+    truth, estimate = _pair(truth, estimate)
+    return np.asarray(np.sqrt(np.square(estimate - truth).mean(axis=0)))
+
+
+def divide_by_deviation(error: Array, truth: Array) -> Array:
+    """Divide an error by the standard deviation of the true signal, its mean taken off.
+
+    Parameters
+    ----------
+    error
+        E.g. from `compute_mae`, shape () or (channels,).
+    truth
+        The true signals, shape (steps,) or (steps, channels).
+
+    Returns
+    -------
+    array
+        Without unit; NaN for a channel whose true signal is constant.
+    """
+    deviation = np.sqrt(np.square(_centre(truth)).mean(axis=0))
+    return _divide(np.asarray(error), deviation)
+
+
+def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -> Array:
+    """Find by how much an estimate comes late, in s; negative if it runs ahead of the truth.
+
+    The lag is where the correlation coefficient of the truth and the shifted estimate, over the
+    samples that both have, is largest; a parabola through three coefficients finds parts of a
+    sampling interval. Means are taken off first. The true lag of a signal with one period is known
+    but for whole periods; make `longest` shorter than half a period then.
+
+    Parameters
+    ----------
+    truth, estimate
+        Signals in any units.
+    step
+        Sampling interval in s.
+    longest
+        Longest lag that is tried, in s; less than half the record.
+
+    Returns
+    -------
+    array
+        In s. A value of +-`longest` means that the lag is that long or longer; NaN for a channel in
+        which a signal is constant.
+
+    Raises
+    ------
+    InputError
+        If `longest` is shorter than a sampling interval, or not below half the record.
+    """
+    truth, estimate = _pair(truth, estimate)
+    steps, most = len(truth), round(longest / step)
+    require(
+        1 <= most < steps / 2,
+        f"longest: {longest:g} s must be from one sampling interval ({step:g} s) to less than half "
+        f"the record ({steps * step / 2:g} s)",
+    )
+    shape = truth.shape[1:]
+    pairs = zip(truth.reshape(steps, -1).T, estimate.reshape(steps, -1).T, strict=True)
+    lags = [step * _find_shift(_centre(true), _centre(guess), most) for true, guess in pairs]
+    return np.array(lags).reshape(shape)
+
+
+def _find_shift(truth: Array, estimate: Array, most: int) -> float:
+    """Return the shift, in samples, at which two signals without means correlate best."""
+    if not (truth.any() and estimate.any()):
+        return float("nan")
+    steps = len(truth)
+    size = 2 ** int(np.ceil(np.log2(steps + most)))  # no overlap of both ends within the shifts
+    spectrum = np.conj(np.fft.rfft(truth, size)) * np.fft.rfft(estimate, size)
+    shifts = np.arange(-most, most + 1)
+    products = np.fft.irfft(spectrum, size)[shifts]  # sum over t of truth[t] estimate[t + shift]
+    # Energies of the samples that overlap at each shift, from running sums.
+    powers = [np.concatenate([[0.0], np.cumsum(np.square(x))]) for x in (truth, estimate)]
+    late, early = np.maximum(shifts, 0), np.maximum(-shifts, 0)
+    true_power = powers[0][steps - late] - powers[0][early]
+    estimate_power = powers[1][steps - early] - powers[1][late]
+    coefficients = _divide(products, np.sqrt(np.maximum(true_power * estimate_power, 0.0)))
+    best = int(np.nanargmax(coefficients))
+    if best in (0, 2 * most):
+        return float(shifts[best])
+    before, at, after = coefficients[best - 1 : best + 2]
+    bend = before - 2.0 * at + after
+    return float(shifts[best] + (0.5 * (before - after) / bend if bend < 0.0 else 0.0))
+
+
+def _pair(truth: Array, estimate: Array) -> tuple[Array, Array]:
+    """Return both signals as arrays of floats; raise `InputError` unless the shapes are one."""
+    truth, estimate = np.asarray(truth, dtype=float), np.asarray(estimate, dtype=float)
+    require(
+        truth.shape == estimate.shape and truth.ndim in (1, 2) and len(truth) > 0,
+        f"estimate: its shape {estimate.shape} and the truth's {truth.shape} must be one, (steps,) "
+        "or (steps, channels), with one step or more",
+    )
+    return truth, estimate
+
+
+def _centre(signal: Array) -> Array:
+    """Return a signal without its mean; a constant one becomes zero without rounding errors."""
+    constant = signal.max(axis=0) == signal.min(axis=0)
+    return np.where(constant, 0.0, signal - signal.mean(axis=0))
+
+
+def _compare(first: Array, second: Array, weights: Array) -> Array:
+    """Return (f.s)^2 / (f.f s.s) of the columns, with weights of the rows."""
+    product, own, other = (
+        np.einsum("t,t...,t...->...", weights, a, b)
+        for a, b in ((first, second), (first, first), (second, second))
+    )
+    # Two quotients: the product of both squares could overflow or vanish.
+    return _divide(product, own) * _divide(product, other)
+
+
+def _divide(numerator: Array, denominator: Array) -> Array:
+    """Return the quotient, NaN where the denominator is zero."""
+    quotient = np.full(np.shape(numerator), np.nan)
+    np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
+    return quotient

@@ -1,0 +1,185 @@
+"""Fatigue of welds: rainflow counting, Goodman's correction, Miner's sum, equivalent ranges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import require
+from owtsweep.structures.sn_curves import SNCurve
+
+#: Ultimate strength of S355 steel in Simpson et al. (2025), section 5.2.1, Pa.
+ULTIMATE_STRENGTH = 5e8
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """The cycles of a history, counted by rainflow; three arrays of the same length.
+
+    Attributes
+    ----------
+    ranges
+        Largest less smallest value of each cycle, in the history's unit; above zero.
+    means
+        Middle between both values.
+    counts
+        1 for a closed cycle, 0.5 for one of the residue.
+    """
+
+    ranges: Array
+    means: Array
+    counts: Array
+
+
+def count_cycles(history: Array) -> Cycles:
+    """Count the cycles of a history by rainflow (ASTM E1049, section 5.4.4).
+
+    Closed cycles are counted by the four-point method, and each range of the residue as half a
+    cycle. The first and the last sample count as turning points. Nothing is binned or filtered.
+
+    Parameters
+    ----------
+    history
+        Stress, or any load, shape (steps,).
+
+    Raises
+    ------
+    InputError
+        If the history is empty or holds a number that is not finite.
+    """
+    # pylife brings pandas and takes a second to load.
+    from pylife.stress.rainflow import FourPointDetector, LoopValueRecorder
+
+    history = np.ascontiguousarray(history, dtype=float)  # a column of many is slow to read
+    require(
+        history.ndim == 1 and len(history) > 0,
+        f"history: must have the shape (steps,) with one sample or more, not {history.shape}",
+    )
+    require(bool(np.isfinite(history).all()), "history: all samples must be finite numbers")
+    detector = FourPointDetector(LoopValueRecorder()).process(history)
+    recorder, residue = detector.recorder, detector.residuals
+    begin = np.concatenate([recorder.values_from, residue[:-1]])
+    end = np.concatenate([recorder.values_to, residue[1:]])
+    counts = np.ones(len(begin))
+    counts[len(recorder.values_from) :] = 0.5
+    ranges = np.abs(end - begin)
+    real = ranges > 0.0  # a history may begin or end with equal samples
+    return Cycles(ranges[real], (0.5 * (begin + end))[real], counts[real])
+
+
+def correct_means(cycles: Cycles, ultimate_strength: float = ULTIMATE_STRENGTH) -> Array:
+    """Return stress ranges of the same damage about a mean of zero, by Goodman (Eq. 32).
+
+    S_0 = S / (1 - mean / ultimate strength); a mean in compression shortens the range, as printed.
+    Where the mean is at or above the ultimate strength, the corrected range is infinite: the weld
+    breaks. That is no error, because the stress may be the estimate of a scheme that drifts away,
+    and a damage without bound is then the right answer.
+
+    Parameters
+    ----------
+    cycles
+        Cycles of stress in Pa, tension positive.
+    ultimate_strength
+        In Pa.
+    """
+    left = 1.0 - cycles.means / ultimate_strength
+    ranges = np.full(len(left), np.inf)
+    np.divide(cycles.ranges, left, out=ranges, where=left > 0.0)
+    return ranges
+
+
+def sum_damage(
+    cycles: Cycles, curve: SNCurve, ultimate_strength: float = ULTIMATE_STRENGTH
+) -> float:
+    """Return Miner's damage of counted stress cycles (Eqs. 30-31); a weld fails at 1.
+
+    Parameters
+    ----------
+    cycles
+        Cycles of stress in Pa.
+    curve
+        S-N curve of the weld.
+    ultimate_strength
+        For Goodman's correction, in Pa; infinite for none.
+    """
+    ranges = correct_means(cycles, ultimate_strength)
+    return float(cycles.counts @ curve.spend(ranges))
+
+
+def compute_damage(
+    stress: Array,
+    curves: SNCurve | Sequence[SNCurve],
+    ultimate_strength: float = ULTIMATE_STRENGTH,
+) -> Array:
+    """Compute the fatigue damage of welds from their stress histories, without unit.
+
+    The damage is that of the histories' length: of 10 minutes for histories of 10 minutes.
+
+    Parameters
+    ----------
+    stress
+        Stress in Pa, tension positive, shape (steps, welds).
+    curves
+        One S-N curve for all welds, or one for each.
+    ultimate_strength
+        For Goodman's correction, in Pa; infinite for none.
+
+    Returns
+    -------
+    array
+        Shape (welds,). Infinite for a weld whose mean stress in some cycle is at or above the
+        ultimate strength (see `correct_means`).
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit, or a stress is not finite.
+    """
+    require(stress.ndim == 2, f"stress: must have the shape (steps, welds), not {stress.shape}")
+    welds = stress.shape[1]
+    each = [curves] * welds if isinstance(curves, SNCurve) else list(curves)
+    require(
+        len(each) == welds,
+        f"curves: {len(each)} S-N curves for {welds} welds; give one for all, or one for each",
+    )
+    damage = np.empty(welds)
+    for weld, curve in enumerate(each):
+        damage[weld] = sum_damage(count_cycles(stress[:, weld]), curve, ultimate_strength)
+    return damage
+
+
+def find_equivalent_range(cycles: Cycles, m: float, reference_cycles: float) -> float:
+    """Return the damage-equivalent range: (sum of count range^m / reference cycles)^(1/m).
+
+    On an S-N curve of one branch with the exponent m, `reference_cycles` cycles of this range do
+    the same damage as the history. Means are left out. For a load, the result is called
+    damage-equivalent load.
+
+    Parameters
+    ----------
+    cycles
+        Counted cycles, of stress or of a load.
+    m
+        Exponent of the S-N curve.
+    reference_cycles
+        E.g. 600 for ten minutes at 1 Hz.
+
+    Returns
+    -------
+    float
+        In the unit of the ranges; 0 for a constant history.
+    """
+    require(m > 0.0, f"m: the exponent must be above 0, not {m:g}")
+    require(
+        reference_cycles > 0.0,
+        f"reference_cycles: must be above 0, not {reference_cycles:g}",
+    )
+    largest = float(cycles.ranges.max(initial=0.0))
+    if largest == 0.0:
+        return 0.0
+    # Parts of the largest range: powers of moments in N m would overflow.
+    total = float(cycles.counts @ (cycles.ranges / largest) ** m)
+    return largest * float((total / reference_cycles) ** (1.0 / m))

@@ -1,0 +1,130 @@
+"""Makes the records of the tower study: truth once per replicate, measurements once per noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.streams import stream
+from owtsweep.studies.tower.channels import Place, list_places
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contract import DIRECTIONS, Channel
+from owtsweep.studies.tower.measuring import add_errors, take_signals
+from owtsweep.studies.tower.setting import Substructure, model_substructure
+from owtsweep.studies.tower.truth import Motion, make_truth
+
+
+@dataclass(frozen=True)
+class Case:
+    """One record: motion and loads, signals without noise, and the schemes' substructure.
+
+    Attributes
+    ----------
+    replicate
+        Number of the record.
+    motion
+        Direction -> truth.
+    part
+        The substructure as schemes model it.
+    true_stress
+        Stresses (Pa) of the outer fibre for unit degrees of freedom of the true structure.
+    places
+        The channels of each direction.
+    signals
+        Direction -> signals of the channels without noise, shape (steps, channels).
+    """
+
+    replicate: int
+    motion: dict[str, Motion]
+    part: Substructure
+    true_stress: Array
+    places: list[Place]
+    signals: dict[str, Array]
+
+
+def make_case(config: TowerConfig, replicate: int) -> Case:
+    """Simulate the record with a number.
+
+    Raises
+    ------
+    InputError
+        If the structure does not stand, or loads or sensors cannot be used.
+    """
+    from owtsweep.structures.bernoulli import assemble_cut
+    from owtsweep.structures.stress import strain_matrix, stress_matrix
+
+    structure, record = config.structure, config.record
+    motion = make_truth(
+        structure,
+        config.heights,
+        config.wind,
+        config.waves,
+        partial(stream, config.seed, config.study, (), replicate),
+        steps=record.steps,
+        step=1.0 / record.rate,
+        gravity=config.truth.gravity,
+        subdivision=config.truth.subdivision,
+    )
+    cut = assemble_cut(structure, *config.heights)
+    places = list_places(config.sensors, cut, structure.mudline)
+    strain, where = strain_matrix(structure, cut), [(place.kind, place.node) for place in places]
+    return Case(
+        replicate=replicate,
+        motion=motion,
+        part=model_substructure(config),
+        true_stress=stress_matrix(structure, cut),
+        places=places,
+        signals={
+            direction: take_signals(motion[direction], strain, where, config.faults)
+            for direction in DIRECTIONS
+        },
+    )
+
+
+def list_channels(config: TowerConfig, case: Case, direction: str, noise: float) -> list[Channel]:
+    """Return the channels of a direction with the noise that is told to schemes.
+
+    `noise` is in % of each channel's standard deviation; a GNSS receiver has its own.
+
+    Raises
+    ------
+    InputError
+        If a channel measures a constant, so that its noise would be zero.
+    """
+    size = case.signals[direction].std(axis=0)
+    channels = []
+    for place, own in zip(case.places, size, strict=True):
+        sigma = config.sensors.gnss_sigma if place.gnss else 0.01 * noise * float(own)
+        require(
+            sigma > 0.0,
+            f"sensors: what {name_channel(case, place)} measures does not change, so its noise "
+            "would be zero and R singular; leave it out",
+        )
+        channels.append(Channel(place.kind, place.node, sigma))
+    return channels
+
+
+def measure(config: TowerConfig, case: Case, direction: str, channels: Sequence[Channel]) -> Array:
+    """Return the measurements of a direction, shape (steps, channels).
+
+    Noise is drawn per channel, and scaled: a larger noise is the same noise enlarged.
+    """
+    return add_errors(
+        case.signals[direction],
+        np.array([channel.sigma for channel in channels]),
+        config.faults,
+        partial(stream, config.seed, config.study, (), case.replicate),
+        [f"{name_channel(case, place)}_{direction}" for place in case.places],
+        1.0 / config.record.rate,
+    )
+
+
+def name_channel(case: Case, place: Place) -> str:
+    """Return the name of a channel: kind and height above the ground, e.g. "theta_58"."""
+    height = case.part.cut.heights[place.node] - case.part.structure.mudline
+    return f"{'gnss' if place.gnss else place.kind}_{height:g}"

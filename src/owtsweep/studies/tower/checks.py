@@ -1,0 +1,112 @@
+"""Checks that the values of the tower study's configuration can work together."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+from owtsweep.config import require
+from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
+from owtsweep.studies.tower.channels import count_rotations, list_places
+from owtsweep.studies.tower.loads.recorded import read_loads
+from owtsweep.studies.tower.loads.wind import NAMES
+from owtsweep.studies.tower.schemes import check_names
+
+if TYPE_CHECKING:
+    from owtsweep.studies.tower.config import TowerConfig
+
+logger = logging.getLogger(__name__)
+
+#: Most samples of a record: of more, motion and estimates do not fit into memory.
+MOST_SAMPLES = 1_000_000
+
+
+def check(config: TowerConfig) -> None:
+    """Check everything that can be known before a record is made.
+
+    Raises
+    ------
+    InputError
+        If two values cannot work together; the message says what would work.
+    """
+    config.structure.check()
+    config.wind.check()
+    config.fatigue.check()
+    check_names(config.schemes)
+    _check_record(config)
+    _check_loads(config)
+    require(
+        min(config.grid.noise) > 0.0,
+        "grid.noise: 0 % makes the covariance R of the sensors singular; give a small number such "
+        "as 0.01",
+    )
+    low, high = config.heights
+    require(
+        low < high,
+        f"cuts: the lower cut at {low - config.structure.mudline:g} m is not below the upper one "
+        f"at {high - config.structure.mudline:g} m",
+    )
+    check_sensors(config, assemble_cut(config.structure, low, high))
+
+
+def check_sensors(config: TowerConfig, cut: PlaneBeam) -> None:
+    """Check that sensors are at nodes of the cut structure.
+
+    Raises
+    ------
+    InputError
+        If there is no sensor, or one at a height without a node.
+    """
+    places = list_places(config.sensors, cut, config.structure.mudline)
+    require(
+        len(places) > 0,
+        f"sensors: {config.sensors.name} has none, so no load at a cut (F0, M0, F175, M175) can be "
+        "estimated; add inclinometers and accelerometers",
+    )
+    require(
+        len(set(places)) == len(places),
+        "sensors: two sensors of a kind are at the same height; list each height once",
+    )
+
+
+def warn_of_few_inclinometers(config: TowerConfig) -> None:
+    """Log a warning if there are fewer inclinometers per direction than unknown inputs.
+
+    That many are the rule of Simpson et al. (2025), section 5.1, for a stable estimate of inputs.
+    Displacement sensors count as well.
+    """
+    inputs = 5 if config.waves.hs > 0.0 else 4
+    cut = assemble_cut(config.structure, *config.heights)
+    count = count_rotations(list_places(config.sensors, cut, config.structure.mudline))
+    if count < inputs:
+        logger.warning(
+            "sensors: %s has %d inclinometers or displacement sensors per direction for %d unknown "
+            "inputs; the rule of Simpson et al. (2025) asks for as many",
+            config.sensors.name,
+            count,
+            inputs,
+        )
+
+
+def _check_record(config: TowerConfig) -> None:
+    record = config.record
+    require(
+        100 <= record.steps <= MOST_SAMPLES,
+        f"record.duration: {record.duration:g} s at {record.rate:g} Hz are {record.steps} samples; "
+        f"give 100 to {MOST_SAMPLES}",
+    )
+    require(
+        record.steps - record.settled >= 100,
+        f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
+        f"samples of a record of {record.duration:g} s; at least 100 must be left",
+    )
+
+
+def _check_loads(config: TowerConfig) -> None:
+    structure, record = config.structure, config.record
+    require(
+        config.waves.hs == 0.0 or (structure.water is not None and structure.mudline < 0.0),
+        f"waves.hs: the structure {structure.name} does not stand in water; give sea=calm",
+    )
+    if config.wind.file is not None:
+        read_loads(config.wind.file, NAMES, steps=record.steps, step=1.0 / record.rate)

@@ -1,0 +1,135 @@
+"""The configuration of the tower study: its keys, types, bounds and meanings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer
+
+from owtsweep.config import Config, Finite, changed, key, require
+from owtsweep.config.typed import as_plain
+from owtsweep.structures import Structure, find_structure
+from owtsweep.structures.sn_curves import Fatigue
+from owtsweep.studies.tower.loads.config import SeaState, Wind
+from owtsweep.studies.tower.measuring import Faults
+from owtsweep.studies.tower.sections import Grid, Model, Record, Sensors, Truth
+from owtsweep.studies.tower.tuning import Tuned, Tuning
+
+#: The value of a key that stands in `tunings.<name>`.
+_ABSENT: Any = None
+
+
+class TowerConfig(Config):
+    """The configuration of the tower study, with all its keys.
+
+    With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
+    the section `filters` is absent. `by_tuning` gives the configuration of each.
+    """
+
+    inert: ClassVar[frozenset[str]] = Config.inert | {
+        "criterion", "sensors.name", "structure.name", "structure.source", "tuning",
+    }  # fmt: skip
+    tuned: ClassVar[tuple[str, ...]] = ("filters",)
+
+    structure: Structure = key(
+        "a name in conf/structure, or a YAML file; config.yaml holds all of it"
+    )
+    cuts: list[Finite] | None = key(
+        "heights of the lower and the upper cut above the ground; null: the ground and the top of "
+        "the structure",
+        unit="m",
+        form="two heights in m above the ground, e.g. cuts=[0,175]",
+        min_length=2,
+        max_length=2,
+    )
+    grid: Grid = key("the axes of the sweep")
+    record: Record = key("a record of loads, motion and measurements")
+    truth: Truth = key("the structure as it is")
+    wind: Wind = key("loads of the rotor on the top")
+    waves: SeaState = key("the sea, set by sea=NAME")
+    sensors: Sensors = key("where sensors are")
+    faults: Faults = key("what is wrong with sensors besides white noise")
+    tuning: str | list[str] = key(
+        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
+        "on the same records"
+    )
+    tunings: dict[str, Tuned] = key(
+        "name: the section filters of this tuning; only with several tunings", default={}
+    )
+    filters: Tuning = key("numbers of all schemes", default=_ABSENT)
+    model: Model = key("the schemes' model of the structure, and what is wrong in it")
+    fatigue: Fatigue = key("welds and material")
+    schemes: list[str] = key("names; `owtsweep list` says what each is", min_length=1)
+    criterion: Literal["damage", "base_moment", "displacement"] = key(
+        "what the map on the terminal judges"
+    )
+
+    @model_serializer(mode="wrap")
+    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        absent = "filters" if self.tunings else "tunings"
+        return {name: value for name, value in dump(self).items() if name != absent}
+
+    @property
+    def tuning_name(self) -> str:
+        """The name of the tuning; several names are joined by "and"."""
+        return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
+
+    def by_tuning(self) -> Mapping[str, Self]:
+        """Return tuning -> the configuration of a run with this tuning alone.
+
+        A run of one tuning has one entry, with the name "": the configuration itself.
+        """
+        if not self.tunings:
+            return {"": self}
+        return {
+            name: changed(self, tuning=name, tunings={}, filters=tuned.filters)
+            for name, tuned in self.tunings.items()
+        }
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """The heights of both cuts above mean sea level, m."""
+        if self.cuts is None:
+            return self.structure.mudline, self.structure.hub
+        low, high = self.cuts
+        return self.structure.mudline + low, self.structure.mudline + high
+
+    @classmethod
+    def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return the keys with the content of a structure in place of its name or file.
+
+        Raises
+        ------
+        InputError
+            If there is no such structure.
+        """
+        if not isinstance(plain.get("structure"), str):
+            return plain
+        return {**plain, "structure": as_plain(find_structure(plain["structure"]))}
+
+    def describe_origin(self) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.tower.origin import describe_origin
+
+        return describe_origin(self)
+
+    def check(self) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        super().check()
+        several = bool(self.tunings)
+        require(
+            self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),
+            f"tuning: {self.tuning} and the tunings of this run do not fit together; choose one by "
+            "tuning=NAME, or several by tuning=[NAME,NAME]",
+        )
+        require((self.filters is None) == several, "filters: this key has no value; give it one")
+        from owtsweep.studies.tower.checks import check
+
+        check(self)

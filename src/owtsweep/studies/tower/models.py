@@ -1,0 +1,257 @@
+"""State space of the substructure between the cuts, and of the whole structure.
+
+Equations are those of Simpson et al. (2025), section 2.2. The state is x = [z, z'], with the modal
+coordinates z of a reduced beam whose modal masses are 1:
+
+    z'' + C z' + K z = basis' (loads p),      outputs y = G x + J p         (Eqs. 9 to 13).
+
+Inputs are held over a step. Eq. (16) cannot be used for that, because A is singular when the
+structure is free: `hold_inputs` takes the exponential of a block matrix.
+
+The inputs p of a model are in units of their own (`scale`), so that covariances hold numbers of
+one size. A model also says which loads act at the cuts, as a linear function of state and inputs:
+
+- Model of the substructure: these loads are the inputs.
+- Model of the whole: the lower two are what the neighbour below (soil, foundation) puts on the
+  substructure, from the motion there and the neighbour's matrices, which are those of the whole
+  minus those of the substructure. The upper two follow from the balance of forces and of moments
+  of the whole substructure: rigid motion r does the work r' (M u'' + C u' + K u) on inertia,
+  damping and stiffness, and the loads at both cuts and the waves do the same work. No
+  property of the rotor is used, and no higher derivative of modes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.input_state import InputStateModel, hold_inputs
+from owtsweep.structures.bernoulli import PlaneBeam
+from owtsweep.structures.reduction import Reduced, reduce_held
+from owtsweep.studies.tower.contract import Channel, Estimates, Setting
+
+
+@dataclass(frozen=True)
+class Model:
+    """A structure as an estimator needs it, for one direction.
+
+    Attributes
+    ----------
+    discrete
+        Discrete state space: 2 x modes states; inputs divided by `scale`; the channels as outputs.
+    scale
+        Units of the inputs in N, N m or N/m, shape (inputs,).
+    inputs
+        Numbers of the inputs among F0, M0, F175, M175, q (as in `Believed`), shape (inputs,). For
+        the whole structure, 2 and 3 stand for force and moment on its top.
+    basis
+        Displacements of the degrees of freedom of the cut structure for unit modal coordinates,
+        shape (dof, modes).
+    loads_of_state, loads_of_input
+        Interface loads of the cut structure (N, N m) for unit states and unit scaled inputs, shapes
+        (4, 2 modes) and (4, inputs).
+    """
+
+    discrete: InputStateModel
+    scale: Array
+    inputs: NDArray[np.int64]
+    basis: Array
+    loads_of_state: Array
+    loads_of_input: Array
+
+    @property
+    def modes(self) -> int:
+        """The number of modal coordinates."""
+        return int(self.basis.shape[1])
+
+    def read(self, states: Array, inputs: Array) -> Estimates:
+        """Turn states (steps, 2 modes) and scaled inputs (steps, inputs) into estimates."""
+        wave = self.inputs == 4
+        return Estimates(
+            displacement=states[:, : self.modes] @ self.basis.T,
+            inputs=states @ self.loads_of_state.T + inputs @ self.loads_of_input.T,
+            wave=inputs[:, wave] @ self.scale[wave] if np.any(wave) else None,
+        )
+
+
+def model_cut(setting: Setting, *, wave: bool = False) -> Model:
+    """Model the substructure between the cuts under unknown loads at both.
+
+    With `wave`, a wave load that falls linearly from sea level to the ground is a fifth input.
+    """
+    dof = len(setting.cut.mass)
+    loads = np.zeros((dof, 4))
+    loads[list_interfaces(setting.cut), np.arange(4)] = 1.0
+    inputs = np.arange(5 if wave else 4)
+    if wave:
+        loads = np.column_stack([loads, setting.wave_shape])
+    scale = choose_scale(setting)[inputs]
+    reduced = setting.reduced
+    damping = reduced.basis.T @ setting.cut_damping @ reduced.basis
+    return Model(
+        discrete=_discretise(setting, reduced, reduced.basis, damping, loads * scale),
+        scale=scale,
+        inputs=inputs,
+        basis=reduced.basis,
+        loads_of_state=np.zeros((4, 2 * len(reduced.omega))),
+        loads_of_input=np.diag(scale)[:4],
+    )
+
+
+def model_whole(setting: Setting, *, wave: bool = False) -> Model:
+    """Model the whole structure, with believed soil and rotor, under loads at its top.
+
+    Inputs are force and moment on the top of the substructure from outside (wind), and with `wave`
+    the wave load. The lowest `setting.whole_modes` modes are kept.
+    """
+    at = list_whole_dof(setting)
+    loads = np.zeros((len(setting.whole.mass), 2))
+    loads[at[-2:], [0, 1]] = 1.0
+    inputs = np.array([2, 3, 4] if wave else [2, 3])
+    if wave:
+        spread = np.zeros(len(loads))
+        spread[at] = setting.wave_shape
+        loads = np.column_stack([loads, spread])
+    scale = choose_scale(setting)[inputs]
+    reduced = reduce_held(setting.whole, setting.whole_modes)
+    damping = reduced.basis.T @ setting.whole_damping @ reduced.basis
+    displaced, moving, accelerated = balance_loads(setting, reduced.basis)
+    rate, drive = _accelerate(reduced, damping, loads * scale)
+    modes = len(reduced.omega)
+    of_state = accelerated @ rate
+    of_state[:, :modes] += displaced
+    of_state[:, modes:] += moving
+    of_input = accelerated @ drive
+    if wave:
+        of_input[2:, 2] -= balance_wave(setting) * scale[2]
+    return Model(
+        discrete=_discretise(setting, reduced, reduced.basis[at], damping, loads * scale),
+        scale=scale,
+        inputs=inputs,
+        basis=reduced.basis[at],
+        loads_of_state=of_state,
+        loads_of_input=of_input,
+    )
+
+
+def list_interfaces(cut: PlaneBeam) -> Array:
+    """Return the degrees of freedom of a cut structure on which F0, M0, F175, M175 act."""
+    dof = len(cut.mass)
+    return np.array([0, 1, dof - 2, dof - 1])
+
+
+def list_whole_dof(setting: Setting) -> Array:
+    """Return the degrees of freedom of the whole at the cut's, shape (dof of the cut,)."""
+    return np.stack([2 * setting.nodes, 2 * setting.nodes + 1], axis=1).reshape(-1)
+
+
+def respond_statically(beam: PlaneBeam, loads: Array) -> Array:
+    """Return the static displacements of a beam that stands, for loads of shape (dof, loads)."""
+    result = np.zeros_like(loads)
+    at = np.ix_(beam.free, beam.free)
+    result[beam.free] = np.linalg.solve(beam.stiffness[at], loads[beam.free])
+    return result
+
+
+def choose_scale(setting: Setting) -> Array:
+    """Choose the units of the five inputs: their believed change per step, or 1 if that is 0."""
+    change = setting.believed.step_sigma
+    return np.where(change > 0.0, change, 1.0)
+
+
+def balance_loads(setting: Setting, basis: Array) -> tuple[Array, Array, Array]:
+    """Return the interface loads for unit displacement, velocity and acceleration of shapes.
+
+    `basis` holds displacements of the whole structure for unit coordinates, (dof, shapes). The
+    three results have the shape (4, shapes); their sum, each times its motion, is F0, M0, F175,
+    M175. Waves are left out, see `balance_wave`. The module's head says which balance this is.
+    """
+    at, interfaces = list_whole_dof(setting), list_interfaces(setting.cut)
+    rigid, upper = _rigid_work(setting)
+    results = []
+    for whole, cut in (
+        (setting.whole.stiffness, setting.cut.stiffness),
+        (setting.whole_damping, setting.cut_damping),
+        (setting.whole.mass, setting.cut.mass),
+    ):
+        neighbour = whole[at[:2]].copy()
+        neighbour[:, at] -= cut[:2]
+        # Weight in the model softens elements of the cut; that is not the neighbour's doing.
+        neighbour[:, at[2:]] = 0.0
+        low = -neighbour @ basis
+        work = rigid.T @ (cut @ basis[at]) - rigid[interfaces[:2]].T @ low
+        results.append(np.vstack([low, np.linalg.solve(upper, work)]))
+    return results[0], results[1], results[2]
+
+
+def balance_wave(setting: Setting) -> Array:
+    """Return what a unit wave load takes from F175 and M175 in the balance, shape (2,)."""
+    rigid, upper = _rigid_work(setting)
+    return np.asarray(np.linalg.solve(upper, rigid.T @ setting.wave_shape))
+
+
+def observe(
+    channels: tuple[Channel, ...], shapes: Array, strain: Array, rate: Array, drive: Array
+) -> tuple[Array, Array]:
+    """Return G and J of Eq. (13) for channels.
+
+    Parameters
+    ----------
+    channels
+        What is measured, and where.
+    shapes
+        Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, modes).
+    strain
+        Strains for unit degrees of freedom, shape (nodes, dof).
+    rate, drive
+        The coordinates' acceleration is rate x + drive p; shapes (modes, 2 modes), (modes, inputs).
+    """
+    modes = shapes.shape[1]
+    G, J = np.zeros((len(channels), 2 * modes)), np.zeros((len(channels), drive.shape[1]))
+    for row, channel in enumerate(channels):
+        if channel.kind == "a":
+            shape = shapes[2 * channel.node]
+            G[row], J[row] = shape @ rate, shape @ drive
+        else:
+            G[row, :modes] = see(channel, shapes, strain)
+    return G, J
+
+
+def see(channel: Channel, shapes: Array, strain: Array) -> Array:
+    """Return what a channel (not an accelerometer) reads of unit coordinates, shape (modes,)."""
+    if channel.kind == "strain":
+        return np.asarray(strain[channel.node] @ shapes)
+    return np.asarray(shapes[2 * channel.node + (channel.kind == "theta")])
+
+
+def _accelerate(reduced: Reduced, damping: Array, loads: Array) -> tuple[Array, Array]:
+    """Return the acceleration of coordinates for unit states and unit inputs (Eq. 3)."""
+    return np.hstack([-reduced.stiffness, -damping]), reduced.basis.T @ loads
+
+
+def _discretise(
+    setting: Setting, reduced: Reduced, shapes: Array, damping: Array, loads: Array
+) -> InputStateModel:
+    """Assemble Eqs. (11) and (13) and hold the inputs over a step.
+
+    `shapes` (dof of the cut, modes) is what sensors see; `loads` (dof, inputs) belongs to
+    `reduced`.
+    """
+    modes = len(reduced.omega)
+    rate, drive = _accelerate(reduced, damping, loads)
+    A = np.vstack([np.hstack([np.zeros((modes, modes)), np.eye(modes)]), rate])
+    B = np.vstack([np.zeros_like(drive), drive])
+    G, J = observe(setting.channels, shapes, setting.strain, rate, drive)
+    return hold_inputs(A, B, G, J, setting.step)
+
+
+def _rigid_work(setting: Setting) -> tuple[Array, Array]:
+    """Return translation and rotation about the ground (dof, 2), and the upper loads' work."""
+    rigid = np.zeros((len(setting.cut.mass), 2))
+    rigid[0::2, 0] = 1.0
+    rigid[0::2, 1] = setting.cut.heights - setting.cut.heights[0]
+    rigid[1::2, 1] = 1.0
+    return rigid, rigid[-2:].T

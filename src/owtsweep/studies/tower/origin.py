@@ -1,0 +1,63 @@
+"""Describes where a run's numbers come from, for titles and messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from owtsweep.studies.tower.config import TowerConfig
+
+
+def describe_truth(config: TowerConfig) -> str:
+    """Return structure, loads and length of the records in words."""
+    sea = config.waves
+    waves = f"waves Hs {sea.hs:g} m, Tp {sea.tp:g} s, yaw {sea.yaw:g}°" if sea.hs else "no waves"
+    wind = f"loads of {config.wind.file}" if config.wind.file else f"wind {config.wind.speed:g} m/s"
+    gravity = "" if config.truth.gravity else ", without gravity"
+    return f"{config.structure.name}, {wind}, {waves}{gravity}, {config.record.duration:g} s"
+
+
+def describe_errors(config: TowerConfig) -> str:
+    """Return in words what is wrong in the schemes' model and with sensors; "" if nothing is."""
+    model = config.model
+    factors = {
+        "stiffness": model.stiffness,
+        "mass": model.mass,
+        "damping": model.damping,
+        "rotor mass": model.rotor_mass,
+    }
+    told = [f"{name} x {factor:g}" for name, factor in factors.items() if factor != 1.0]
+    if model.water_level:
+        told.append(f"water level {model.water_level:+g} m")
+    faults = config.faults
+    told += [
+        f"{name} {size:g} of sigma"
+        for name, size in (("bias", faults.bias), ("drift", faults.drift))
+        if size
+    ]
+    if faults.loss:
+        told.append(f"loss {faults.loss:g}")
+    if faults.tilted_accelerometers:
+        told.append("accelerometers feel tilt")
+    if faults.accelerated_inclinometers:
+        told.append("inclinometers feel acceleration")
+    return ", ".join(told)
+
+
+def describe_draws(config: TowerConfig) -> str:
+    """Return in words how many records a cell has, and their seed."""
+    count = config.grid.replicates
+    return f"{count} record{'s' * (count != 1)} per cell, seed {config.seed}"
+
+
+def describe_origin(config: TowerConfig) -> str:
+    """Return in one line the tuning, the truth, the sensors, the records and their seed."""
+    wrong = describe_errors(config)
+    parts = [
+        f"Tuning {config.tuning_name}",
+        f"truth: {describe_truth(config)}",
+        f"sensors {config.sensors.name}",
+        *([f"wrong: {wrong}"] if wrong else []),
+        describe_draws(config),
+    ]
+    return "; ".join(parts)

@@ -1,0 +1,202 @@
+"""What all schemes share that run one linear filter over a model: covariances, checks, estimates.
+
+States are modal coordinates with modal masses of 1 and their rates, inputs are in units of the
+model's `scale`. Noise of states is the tuning's one number for all of them (Q and P_0 of Simpson et
+al. 2025, section 3); noise of inputs is what the tuning believes of loads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.studies.tower.contract import Estimates, Setting, Unable
+from owtsweep.studies.tower.models import Model
+
+#: A settled filter is unstable if an eigenvalue of its closed loop exceeds 1 by more.
+BEYOND = 1e-9
+#: Errors along an eigenvalue this near to 1 last for a day at 100 Hz.
+MARGINAL = 1e-7
+#: Singular values of a scaled matrix below this are rounding (others are above 0.01).
+UNSEEN = 1e-9
+#: A mode is rigid if its strains, and unseen if its signals, are less than this part of the
+#: largest.
+RIGID = 1e-9
+
+
+class Settled(Protocol):
+    """A filter with the closed loop x[k] = F x[k-1] + K y[k] after its gains have settled."""
+
+    @property
+    def F(self) -> Array:
+        """The closed loop, shape (N, N)."""
+
+    @property
+    def K(self) -> Array:
+        """The gain, shape (N, channels)."""
+
+    def run(self, y: Array) -> Array:
+        """Return states, then inputs, for measurements (steps, channels)."""
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """A filter made ready for one setting."""
+
+    model: Model
+    filter: Settled
+
+    def run(self, measured: Array) -> Estimates:
+        """Estimate from measurements, shape (steps, channels)."""
+        both = self.filter.run(measured)
+        states = 2 * self.model.modes
+        return self.model.read(both[:, :states], both[:, states : states + len(self.model.inputs)])
+
+
+@dataclass(frozen=True)
+class FilterScheme:
+    """A scheme that consists of a model and of a filter on it.
+
+    Attributes
+    ----------
+    name
+        Name of the scheme.
+    knows_soil
+        Whether the model holds the soil.
+    model
+        Makes the model.
+    tune
+        Makes the filter.
+    any_input
+        Whether inputs may be anything, so that sensors must tell all of them apart. Inputs that
+        fade by themselves need not be seen.
+    linear
+        Whether estimates are linear in the measurements.
+    """
+
+    name: str
+    knows_soil: bool
+    model: Callable[[Setting], Model]
+    tune: Callable[[Setting, Model], Settled]
+    any_input: bool = True
+    linear: bool = True
+
+    def prepare(self, setting: Setting) -> Filtered:
+        """Compute the gains for a setting.
+
+        Raises
+        ------
+        Unable
+            If the filter is unstable there, or does not see how the structure is bent.
+        """
+        model = self.model(setting)
+        if self.any_input:
+            check_seen(self.name, setting, model)
+        made = self.tune(setting, model)
+        check_loop(self.name, setting, model, made.F)
+        return Filtered(model, made)
+
+
+def noise_of_states(setting: Setting, model: Model) -> Array:
+    """Return Q of Eq. (24), shape (2 modes, 2 modes)."""
+    return np.diag(np.full(2 * model.modes, setting.tuning.process_noise))
+
+
+def noise_of_inputs(setting: Setting, model: Model) -> Array:
+    """Return S of Eq. (24) in the units of the model's inputs, shape (inputs, inputs)."""
+    return np.diag((setting.believed.step_sigma[model.inputs] / model.scale) ** 2)
+
+
+def noise_of_sensors(setting: Setting) -> Array:
+    """Return R, shape (channels, channels)."""
+    return np.diag([channel.sigma**2 for channel in setting.channels])
+
+
+def size_of_inputs(setting: Setting, model: Model) -> Array:
+    """Return the standard deviations about zero of the model's inputs in its units, (inputs,)."""
+    return setting.believed.sigma[model.inputs] / model.scale
+
+
+def prior(setting: Setting, model: Model) -> Array:
+    """Return P_0 of states and inputs, shape (2 modes + inputs, 2 modes + inputs)."""
+    states = np.full(2 * model.modes, setting.tuning.initial)
+    return np.diag(np.concatenate([states, size_of_inputs(setting, model) ** 2]))
+
+
+def check_seen(name: str, setting: Setting, model: Model) -> None:
+    """Check that the sensors tell all states and all inputs apart, whatever these inputs are.
+
+    Position and velocity of a rigid motion that no sensor feels are left out (inclinometers and
+    accelerometers do not feel the translation): they drift, but they bend nothing.
+
+    Raises
+    ------
+    Unable
+        If they do not; the message has the rank.
+    """
+    unseen = list_unseen_rigid(setting, model)
+    kept = np.setdiff1d(np.arange(sum(model.discrete.B.shape)), unseen)
+    seen = count_seen(model, kept)
+    if seen < len(kept):
+        raise Unable(
+            f"{name} is blind: the sensors see {seen} of {len(kept)} states and inputs (PBH rank "
+            "at the eigenvalue 1; rigid motion that they do not feel left out)"
+        )
+
+
+def check_loop(name: str, setting: Setting, model: Model, loop: Array) -> None:
+    """Check that a settled filter forgets its errors, rigid motion that no sensor feels left out.
+
+    `loop` is the filter's closed loop; its first 2 x modes states are those of the model. What the
+    sensors do not feel keeps an eigenvalue of 1 there, whatever the gain is.
+
+    Raises
+    ------
+    Unable
+        If errors grow or never fade; the message has the spectral radius.
+    """
+    if not np.all(np.isfinite(loop)):
+        raise Unable(f"{name} is unstable: its covariances grow beyond all bounds")
+    kept = np.setdiff1d(np.arange(len(loop)), list_unseen_rigid(setting, model))
+    radius = float(np.abs(np.linalg.eigvals(loop[np.ix_(kept, kept)])).max())
+    if radius > 1.0 - MARGINAL:
+        fate = "is unstable" if radius > 1.0 + BEYOND else "does not forget its errors"
+        raise Unable(f"{name} {fate}: the spectral radius of its closed loop is {radius:.11g}")
+
+
+def count_seen(model: Model, kept: NDArray[np.int64]) -> int:
+    """Return how many of the states and inputs `kept` the sensors see at the eigenvalue 1.
+
+    Inputs count as walks (Eq. 22), which have this eigenvalue, as has rigid motion; all other
+    eigenvalues of a damped structure are stable. The rank is that of Popov, Belevitch and Hautus:
+    of [F - I; H] with F = [A, B; 0, I] and H = [G, J]. Rows and columns are scaled to norms of 1
+    before, for units to play no part.
+    """
+    discrete = model.discrete
+    moved = np.hstack([discrete.A - np.eye(len(discrete.A)), discrete.B])
+    matrix = np.vstack([moved, np.hstack([discrete.G, discrete.J])])[:, kept]
+    matrix = matrix[np.abs(matrix).max(axis=1) > 0.0]
+    matrix = matrix[:, np.abs(matrix).max(axis=0) > 0.0]
+    for _ in range(10):
+        matrix = matrix / np.linalg.norm(matrix, axis=1, keepdims=True)
+        matrix /= np.linalg.norm(matrix, axis=0)
+    return int(np.sum(np.linalg.svd(matrix, compute_uv=False) > UNSEEN))
+
+
+def list_unseen_rigid(setting: Setting, model: Model) -> list[int]:
+    """Return the states of rigid motion that no channel sees: coordinates and their rates."""
+    bending = np.linalg.norm(setting.strain @ model.basis, axis=0)
+    G = np.abs(model.discrete.G)
+    seen = np.max(G / G.max(axis=1, keepdims=True), axis=0)
+    modes = model.modes
+    return [
+        state
+        for mode in range(modes)
+        if bending[mode] < RIGID * bending.max() and seen[mode] + seen[modes + mode] < RIGID
+        for state in (mode, modes + mode)
+    ]

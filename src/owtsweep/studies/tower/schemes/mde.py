@@ -1,0 +1,149 @@
+"""MDE: modal decomposition and expansion in several bands, as practised on monopiles.
+
+Iliopoulos et al. (2016, Mech. Syst. Signal Process. 68-69), Maes et al. (2016, Mech. Syst. Signal
+Process. 76); with a quasi-static band Iliopoulos et al. (2017, Wind Energy 20). A model of the
+whole turbine gives shapes; sensors give their coordinates by least squares, one instant at a time;
+the shapes then expand to every node:
+
+- quasi-static band: inclinometers, displacement sensors and strain gauges, mean included, on the
+  static shapes under a force and a moment at the top. Without such sensors this band is zero.
+- band of the first mode: accelerations, integrated twice in the frequency domain, on its shape.
+- upper band: accelerations, integrated twice, on the lowest `MODES` shapes. The higher ones would
+  let noise into the band of the first mode, where they hardly move and integration magnifies noise.
+
+Bands meet at `SPLIT` and `UPPER` times the model's first natural frequency: the lower one below the
+resonance, where the shapes of first mode and static load are almost one; the upper one below the
+blade-passing line of common turbines. Their gains sum to 1 and have no phase: the scheme needs the
+whole record, so it is an offline one. Interface loads follow from the motion (see `models`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.structures.reduction import reduce_held
+from owtsweep.studies.tower.contract import Estimates, Setting, Unable
+from owtsweep.studies.tower.models import balance_loads, list_whole_dof, respond_statically, see
+from owtsweep.studies.tower.schemes.spectral import Bands
+
+#: Where the quasi-static band ends and the upper one begins, over the first natural frequency.
+SPLIT, UPPER = 0.8, 1.8
+#: Number of mode shapes in the upper band; fewer if there are fewer accelerometers.
+MODES = 3
+
+
+@dataclass(frozen=True)
+class Expander:
+    """Shapes in one band, and how sensors give their coordinates.
+
+    Attributes
+    ----------
+    decompose
+        Coordinates (or their accelerations) for unit signals, shape (shapes, channels).
+    shapes
+        Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, shapes).
+    loads
+        Interface loads for unit displacement, velocity and acceleration of the coordinates, each of
+        shape (4, shapes).
+    """
+
+    decompose: Array
+    shapes: Array
+    loads: tuple[Array, Array, Array]
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """The scheme made ready for one setting: an expander per band, upwards.
+
+    `splits` are the frequencies in Hz at which the bands meet, `step` the sampling interval in s.
+    """
+
+    expanders: tuple[Expander, ...]
+    splits: tuple[float, ...]
+    step: float
+
+    def run(self, measured: Array) -> Estimates:
+        """Estimate from measurements, shape (steps, channels)."""
+        bands = Bands(len(measured), self.step, self.splits)
+        displacement: Array = np.zeros((len(measured), len(self.expanders[0].shapes)))
+        inputs: Array = np.zeros((len(measured), 4))
+        for band, expander in enumerate(self.expanders):
+            signals = measured @ expander.decompose.T
+            take = bands.integrate if band else bands.differentiate
+            motions = take(signals, band)
+            displacement += motions[0] @ expander.shapes.T
+            for motion, load in zip(motions, expander.loads, strict=True):
+                inputs += motion @ load.T
+        return Estimates(displacement, inputs)
+
+
+class MDE:
+    """The scheme MDE."""
+
+    name = "MDE"
+    knows_soil = True
+    linear = True
+
+    def prepare(self, setting: Setting) -> Expansion:
+        """Compute shapes, and coordinates from sensors.
+
+        Raises
+        ------
+        Unable
+            If there is no accelerometer, or the sensors of a band do not tell its shapes apart.
+        """
+        moved = [i for i, channel in enumerate(setting.channels) if channel.kind == "a"]
+        others = [i for i, channel in enumerate(setting.channels) if channel.kind != "a"]
+        if not moved:
+            raise Unable("MDE is blind to dynamics: it needs an accelerometer")
+        at = list_whole_dof(setting)
+        held = reduce_held(setting.whole, min(MODES, len(moved)))
+        loads = np.zeros((len(setting.whole.mass), 2))
+        loads[at[-2:], [0, 1]] = 1.0
+        static = respond_statically(setting.whole, loads[:, : min(2, len(others))])
+        first = held.omega[0] / (2.0 * np.pi)
+        return Expansion(
+            expanders=(
+                _expand(setting, others, static),
+                _expand(setting, moved, held.basis[:, :1]),
+                _expand(setting, moved, held.basis),
+            ),
+            splits=(SPLIT * first, UPPER * first),
+            step=setting.step,
+        )
+
+
+def _expand(setting: Setting, numbers: list[int], whole_shapes: Array) -> Expander:
+    """Make the expander of shapes of the whole (dof, shapes) from channels with these numbers.
+
+    Accelerometers count alike, as in practice: what they read beyond the modes is larger than their
+    noise, most of all near the ground, where motion and therefore noise are least. Other sensors
+    differ in unit, and are weighted by their noise.
+    """
+    shapes = whole_shapes[list_whole_dof(setting)]
+    decompose = np.zeros((shapes.shape[1], len(setting.channels)))
+    if numbers:
+        sensors = [setting.channels[i] for i in numbers]
+        weight = np.array([1.0 if s.kind == "a" else 1.0 / s.sigma for s in sensors])
+        seen = weight[:, None] * np.array(
+            [
+                shapes[2 * s.node] if s.kind == "a" else see(s, shapes, setting.strain)
+                for s in sensors
+            ]
+        )
+        size = np.linalg.norm(seen, axis=0)
+        size[size == 0.0] = 1.0
+        rank = int(np.linalg.matrix_rank(seen / size))
+        if rank < shapes.shape[1]:
+            raise Unable(
+                f"MDE is blind: its sensors see {rank} of {shapes.shape[1]} shapes of a band"
+            )
+        decompose[:, numbers] = np.linalg.pinv(seen / size) * weight / size[:, None]
+    return Expander(decompose, shapes, balance_loads(setting, whole_shapes))
+
+
+SCHEME = MDE()

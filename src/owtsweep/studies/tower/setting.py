@@ -1,0 +1,142 @@
+"""What schemes are told of one direction of a case: models with their errors, sensors, loads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import changed
+from owtsweep.structures import Structure
+from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut, assemble_whole
+from owtsweep.structures.reduction import Reduced, reduce_free
+from owtsweep.structures.stress import strain_matrix, stress_matrix
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contract import DIRECTIONS, Believed, Channel, Setting
+from owtsweep.studies.tower.loads.waves import triangular_load
+from owtsweep.studies.tower.models import list_interfaces
+from owtsweep.studies.tower.truth import find_damping
+
+
+@dataclass(frozen=True)
+class Substructure:
+    """The model of the substructure between the cuts, which is that of both directions.
+
+    Attributes
+    ----------
+    structure
+        The whole structure as schemes believe it to be.
+    cut, damping, reduced
+        The beam between the cuts, its damping matrix, and its reduction.
+    strain, stress
+        Strains and stresses (Pa) of the outer fibre for unit degrees of freedom, (nodes, dof).
+    wave_shape
+        As in `Setting`.
+    """
+
+    structure: Structure
+    cut: PlaneBeam
+    damping: Array
+    reduced: Reduced
+    strain: Array
+    stress: Array
+    wave_shape: Array
+
+
+def misjudge(config: TowerConfig) -> Structure:
+    """Return the structure as schemes believe it to be, with the errors of the section `model`."""
+    structure, model = config.structure, config.model
+    tubes = [
+        changed(
+            tube,
+            youngs_modulus=tube.youngs_modulus * model.stiffness,
+            density=tube.density * model.mass,
+        )
+        for tube in structure.tubes
+    ]
+    points = [
+        changed(
+            point,
+            mass=point.mass * model.rotor_mass,
+            inertia=point.inertia * model.rotor_mass,
+            inertia_side=point.inertia_side and point.inertia_side * model.rotor_mass,
+        )
+        if point.height >= structure.hub
+        else point
+        for point in structure.points
+    ]
+    water = structure.water
+    if water is not None:
+        water = changed(water, level=water.level + model.water_level)
+    damping = structure.damping * model.damping
+    return changed(structure, tubes=tubes, points=points, water=water, damping=damping)
+
+
+def model_substructure(config: TowerConfig) -> Substructure:
+    """Model the substructure between the cuts.
+
+    Raises
+    ------
+    InputError
+        If a cut is inside an element, or the model has too many modes.
+    """
+    structure, (low, high) = misjudge(config), config.heights
+    cut = assemble_cut(structure, low, high, gravity=config.model.gravity)
+    weightless = assemble_cut(structure, low, high)
+    return Substructure(
+        structure=structure,
+        cut=cut,
+        damping=find_damping(structure, weightless),
+        reduced=reduce_free(cut, list_interfaces(cut).tolist(), config.model.modes),
+        strain=strain_matrix(structure, cut),
+        stress=stress_matrix(structure, cut),
+        wave_shape=triangular_load(structure, cut),
+    )
+
+
+def make_setting(
+    config: TowerConfig,
+    part: Substructure,
+    direction: str,
+    soil_factor: float,
+    channels: Sequence[Channel],
+    believed: Believed,
+) -> Setting:
+    """Put together what schemes are told of one direction of a case.
+
+    The model of the whole structure has the aerodynamic dampers, and the weight if the truth has
+    it.
+
+    Raises
+    ------
+    InputError
+        If the structure buckles or does not stand.
+    """
+    side = direction == DIRECTIONS[1]
+    whole = assemble_whole(
+        part.structure, side=side, gravity=config.truth.gravity, soil_factor=soil_factor
+    )
+    first, size = whole.find_node(part.cut.heights[0]), len(part.cut.mass)
+    inside = slice(2 * first, 2 * first + size)
+    damping = np.zeros_like(whole.mass)
+    damping[inside, inside] = part.damping
+    damper = config.wind.side_damping if side else config.wind.damping
+    damping[-2, -2] += damper * config.model.damping
+    return Setting(
+        direction=direction,
+        cut=part.cut,
+        cut_damping=part.damping,
+        reduced=part.reduced,
+        whole=whole,
+        whole_damping=damping,
+        nodes=np.asarray(first + np.arange(size // 2)),
+        wave_shape=part.wave_shape,
+        strain=part.strain,
+        channels=tuple(channels),
+        step=1.0 / config.record.rate,
+        believed=believed,
+        tuning=config.filters,
+        whole_modes=config.model.whole_modes,
+    )
