@@ -100,7 +100,7 @@ def test_words_name_the_states_and_the_chain() -> None:
 def test_units_do_not_matter() -> None:
     units = 10.0 ** np.array([6.0, 3, 0, -2, 5, 1])
     A, G = expm(FREE * STEP), np.array(INCLINOMETERS + ACCELEROMETERS)
-    sensors = np.array([1e6, 1.0, 1e-6])[:, None]
+    sensors = np.array([1e10, 1.0, 1e-10])[:, None]
     scaled, rows = A * units / units[:, None], G * units * sensors
     found = find_unobservable(scaled, rows, size=1.0 / units)
     assert (found.rank, found.unseen[0].lacking) == (4, 1)

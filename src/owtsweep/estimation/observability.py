@@ -197,13 +197,11 @@ def _distinct(A: Array) -> tuple[Array, list[int]]:
     left = list(np.linalg.eigvals(A).astype(complex))
     values, counts = [], []
     while left:
-        group = [left.pop()]
-        for member in group:  # the group grows while it is gone through
-            near = SAME * max(1.0, abs(member))
-            group += [other for other in left if abs(other - member) <= near]
-            left = [other for other in left if abs(other - member) > near]
+        near = SAME * max(1.0, abs(left[0]))
+        group = [other for other in left if abs(other - left[0]) <= near]
+        left = [other for other in left if abs(other - left[0]) > near]
         mean = complex(np.mean(group))
-        if abs(mean.imag) <= SAME * max(1.0, abs(mean)):
+        if abs(mean.imag) <= near:
             mean = complex(mean.real)
         if mean.imag >= 0.0:
             values.append(mean)
