@@ -121,6 +121,30 @@ def test_the_lag_of_a_shifted_signal_is_found_between_samples(shift):
     np.testing.assert_allclose(both, [shift, -shift], atol=1e-3)
 
 
+def find_lag_plainly(truth: np.ndarray, estimate: np.ndarray, most: int) -> float:
+    """Return the lag in samples from the correlation of every overlap, one after the other."""
+    truth, estimate = truth - truth.mean(), estimate - estimate.mean()
+    coefficients = []
+    for shift in range(-most, most + 1):
+        a = truth[max(-shift, 0) : len(truth) - max(shift, 0)]
+        b = estimate[max(shift, 0) : len(truth) - max(-shift, 0)]
+        coefficients.append((a @ b) / np.sqrt((a @ a) * (b @ b)))
+    best = int(np.argmax(coefficients))
+    if best in (0, 2 * most):
+        return best - most
+    line = np.polyfit([-1.0, 0.0, 1.0], coefficients[best - 1 : best + 2], 2)
+    return best - most - line[1] / (2.0 * line[0])
+
+
+@pytest.mark.parametrize("steps", [64, 81])
+def test_lags_of_short_records_agree_with_plain_sums(steps):
+    random = np.random.default_rng(9)
+    for _ in range(20):
+        truth, estimate = random.normal(size=(2, steps)).cumsum(axis=1)
+        got = find_lag(truth, estimate, 2.0, 60.0)
+        assert got == pytest.approx(2.0 * find_lag_plainly(truth, estimate, 30), abs=1e-8)
+
+
 def test_the_lag_of_noise_is_the_whole_shift():
     noise = np.random.default_rng(8).normal(size=3000)
     assert find_lag(noise[20:], noise[:-20], 0.5, 100.0) == pytest.approx(10.0, abs=0.05)

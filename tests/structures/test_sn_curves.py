@@ -70,8 +70,8 @@ def test_an_own_curve_equal_to_class_d_spends_the_same():
     ("plain", "message"),
     [
         ({"curve": "own", "branches": [{"m": 3}]}, r"branches\[0\]\.log_a: .* no value"),
-        ({"curve": "own"}, r"fatigue\.branches: 0 exponents"),
-        ({"curve": "own", "branches": [{"m": 3, "log_a": 12}] * 3}, "give one branch or two"),
+        ({"curve": "own"}, r"fatigue\.branches: .* one branch or two, not 0"),
+        ({"curve": "own", "branches": [{"m": 3, "log_a": 12}] * 3}, "one branch or two, not 3"),
         ({"curve": "own", "branches": [{"m": 3, "log_a": 12}], "knee": 1e7}, "has no knee"),
         ({"curve": "W4"}, r"no S-N curve is named 'W4'; did you mean W"),
         ({"curve": "D", "knee": 1e6}, r"fatigue\.knee: 'D' has a knee of its own"),
@@ -89,7 +89,7 @@ def test_a_wrong_section_is_refused_by_its_key(plain, message):
         ([3.0, 5.0], [12.164, 15.606], None, "two branches need"),
         ([3.0, 5.0], [12.164, 15.606], 1e6, r"meet at 1e\+07 cycles, not at 1e\+06"),
         ([5.0, 3.0], [15.606, 12.164], 1e7, "must be flatter"),
-        ([3.0, 5.0], [12.164], 1e7, "2 exponents m and 1 intercepts"),
+        ([3.0, 5.0], [12.164], 1e7, "log_a: there are 2 exponents m, but 1 intercepts"),
     ],
 )
 def test_a_wrong_own_curve_is_refused(m, log_a, knee, message):

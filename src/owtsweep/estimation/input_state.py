@@ -89,8 +89,8 @@ def hold_inputs(A: Array, B: Array, G: Array, J: Array, step: float) -> InputSta
 class Step(NamedTuple):
     """One step of a linear filter: x^[k] = F x^[k-1] + K y[k].
 
-    `states` (N,) are standard deviations of the estimate's error before the measurement, and `noise`
-    (m,) those of the sensors' noise: the units in which changes of K are judged.
+    Changes of K are judged in units of `states`, the standard deviations (N,) of the estimate's
+    error before the measurement, and of `noise`, those (m,) of the sensors' noise.
     """
 
     F: Array
@@ -286,7 +286,7 @@ def deviation(root: Array) -> Array:
 
 def combine(*roots: Array) -> Array:
     """Return the lower triangular root of the sum of L L' over the roots L, shape (N, any)."""
-    return np.asarray(np.linalg.qr(np.hstack(roots).T, mode="r").T)
+    return np.asarray(np.linalg.qr(np.hstack(roots).T, mode="r")).T
 
 
 def root_of(name: str, covariance: Array) -> Array:

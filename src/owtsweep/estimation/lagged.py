@@ -6,13 +6,14 @@ covariances S and the closed loop of predictions Psi[k] = F (I - K[k] H),
 
     x[k|k+L] = x[k|k-1] + P[k|k-1] z[k],   z[k] = H' S[k]^-1 e[k] + Psi[k]' z[k+1],   z[k+L+1] = 0.
 
-No covariance is inverted. So a direction that no sensor sees, whose variance grows for ever, does no
-harm: z has no part in it. Once the gains have settled, the correction is a weighted sum of L + 1
+No covariance is inverted. So a direction that no sensor sees, whose variance grows for ever, does
+no harm: z has no part in it. Once the gains have settled, the correction is a weighted sum of L + 1
 innovations, with weights that stay.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ from owtsweep.errors import InputError
 from owtsweep.estimation.input_state import (
     Correction,
     Filter,
+    Step,
     check_record,
     kalman,
     settle,
@@ -126,7 +128,7 @@ class Lagged:
         for _ in range(self.lag + 1):
             weights.append(self.predicted[-1] @ weight)
             weight = loop @ weight
-        N, m = weight.shape
+        N = len(loop)
         stacked = np.stack(weights, axis=2).reshape(N, -1)  # per measurement, then per step ahead
         if len(innovations) <= self.lag:
             return np.zeros((0, N))
@@ -152,7 +154,7 @@ def make_smoother(F: Array, H: Array, Q: Array, R: Array, P0: Array, lag: int) -
         raise InputError(f"lag: {lag} steps; give 0 or more")
     made: list[Correction] = []
 
-    def steps():  # type: ignore[no-untyped-def]
+    def steps() -> Iterator[Step]:
         for correction in kalman(F, H, Q, R, P0):
             made.append(correction)
             yield to_step(F, H, correction)

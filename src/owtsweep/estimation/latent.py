@@ -1,10 +1,10 @@
 """The augmented Kalman filter with latent forces: inputs are Gaussian processes in time.
 
 Alvarez, Luengo and Lawrence (2009); as state-space models Hartikainen and Sarkka (2010). A process
-with a Matern covariance of order 1/2 or 3/2 is a linear model with one or two states driven by white
-noise. Here the process is sampled at the model's steps, where the discrete model is exact, and the
-input is held over each step like any input of an `InputStateModel`. With r the time between two
-values, the covariances are
+with a Matern covariance of order 1/2 or 3/2 is a linear model with one or two states driven by
+white noise. Here the process is sampled at the model's steps, where the discrete model is exact,
+and the input is held over each step like any input of an `InputStateModel`. With r the time between
+two values, the covariances are
 
     Matern 1/2:  sigma^2 exp(-r / length)
     Matern 3/2:  sigma^2 (1 + a r) exp(-a r),   a = sqrt(3) / length.

@@ -174,9 +174,14 @@ def make_curve(m: Sequence[float], log_a: Sequence[float], knee: float | None = 
         If there is no branch, a number is missing, or two branches do not meet at the knee.
     """
     require(
-        len(m) in (1, 2) and len(m) == len(log_a),
-        f"fatigue.branches: {len(m)} exponents m and {len(log_a)} intercepts log_a; give one "
-        "branch or two, e.g. [{m: 3, log_a: 12.164}, {m: 5, log_a: 15.606}]",
+        len(m) == len(log_a),
+        f"log_a: there are {len(m)} exponents m, but {len(log_a)} intercepts log_a; each branch "
+        "needs both",
+    )
+    require(
+        len(m) in (1, 2),
+        f"fatigue.branches: an own S-N curve has one branch or two, not {len(m)}; give e.g. "
+        "[{m: 3, log_a: 12.164}, {m: 5, log_a: 15.606}]",
     )
     if len(m) == 1:
         require(knee is None, "fatigue.knee: a single branch has no knee; leave it out")

@@ -1,0 +1,263 @@
+"""Find what sensors do not see of a linear model: the test of Popov, Belevitch and Hautus.
+
+A direction v of state stays unseen for ever if and only if it lies in the null space of the matrix
+[A - lambda I; G] for an eigenvalue lambda of A (Kailath 1980, section 2.4), or in a chain that such
+directions begin: (A - lambda I) v is unseen, and G v = 0. Chains matter where A has Jordan blocks.
+A structure that moves rigidly is one: with inclinometers and accelerometers, its position is
+unseen, and a constant velocity too, for the position is all that the velocity changes. The rank of
+the matrix tells of the position only. But both keep an eigenvalue of 1 in every filter's closed
+loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+
+#: A singular value below this part of the largest one counts as zero, if nothing else is said.
+TOLERANCE = 1e-9
+#: Eigenvalues are the same if they differ by less than this (above 1: by this part of themselves).
+#: Rounding splits the eigenvalues of a Jordan block of size 2 by the root of the floating-point
+#: accuracy, 1e-8, and those of size 3 by 1e-5.
+SAME = 1e-5
+#: Components of a direction smaller than this part of the largest one are not told.
+TOLD = 0.05
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """What sensors do not see at one eigenvalue.
+
+    Attributes
+    ----------
+    eigenvalue
+        The eigenvalue of A. Of a complex pair, the one with positive imaginary part.
+    lacking
+        By how much the rank of [A - lambda I; G] is below n.
+    directions
+        Orthonormal directions of state, shape (n, directions): first those in the null space, then
+        those of the chains. There may be more directions than `lacking` says. Complex if the
+        eigenvalue is.
+    """
+
+    eigenvalue: complex
+    lacking: int
+    directions: Array
+
+    @property
+    def count(self) -> int:
+        """The number of real directions of state: twice the columns for a complex pair."""
+        columns = int(self.directions.shape[1])
+        return 2 * columns if self.eigenvalue.imag else columns
+
+
+@dataclass(frozen=True)
+class Observability:
+    """What sensors see of a model with n states.
+
+    Attributes
+    ----------
+    states
+        The number n of states.
+    rank
+        The dimension of what sensors see: the rank of the observability matrix, n if all is seen.
+    eigenvalues
+        The distinct eigenvalues of A, of complex pairs one each, shape (eigenvalues,).
+    ranks
+        Rank of [A - lambda I; G] for each of them, shape (eigenvalues,).
+    conditions
+        Largest singular value of this matrix over the smallest one that is not zero, shape
+        (eigenvalues,). If large, the eigenvalue's directions are seen, but badly.
+    unseen
+        What is not seen, per eigenvalue.
+    """
+
+    states: int
+    rank: int
+    eigenvalues: Array
+    ranks: Array
+    conditions: Array
+    unseen: tuple[Unseen, ...]
+
+    def describe(self, names: Sequence[str], step: float | None = None) -> str:
+        """Say in one line what sensors do not see.
+
+        Parameters
+        ----------
+        names
+            Names of the states, n of them.
+        step
+            Time between steps of the model in s, to tell frequencies in Hz; None for a model in
+            continuous time.
+
+        Raises
+        ------
+        InputError
+            If there are not as many names as states.
+        """
+        require(
+            len(names) == self.states,
+            f"names: {len(names)} names are given; give {self.states}, one per state",
+        )
+        worst = f"the largest condition number is {self.conditions.max():.1e}"
+        if not self.unseen:
+            return f"sensors see all {self.states} states; {worst}"
+        parts = "; ".join(_tell(unseen, self.states, names, step) for unseen in self.unseen)
+        return (
+            f"sensors see {self.rank} of {self.states} directions of state; unseen is {parts}; "
+            f"for what is seen, {worst}"
+        )
+
+
+def find_unobservable(
+    A: Array, G: Array, tolerance: float = TOLERANCE, size: Array | None = None
+) -> Observability:
+    """Find the directions of state that sensors never see, by the test of Popov-Belevitch-Hautus.
+
+    Parameters
+    ----------
+    A
+        Matrix of a model in discrete time (x[k+1] = A x[k]) or in continuous time (x' = A x), shape
+        (n, n). For inputs too, give the augmented matrices (`augmented.augment`).
+    G
+        Measurement matrix, shape (m, n).
+    tolerance
+        A singular value counts as zero below this part of the largest one. Rows of G are divided by
+        their norms before, since the unit of a sensor does not matter.
+    size
+        Typical size of each state, in which states are counted, shape (n,). None: the sizes that
+        balance A (`scipy.linalg.matrix_balance`).
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, or a matrix holds a value that is not finite.
+    """
+    A, G = np.asarray(A, dtype=np.float64), np.asarray(G, dtype=np.float64)
+    n = len(A)
+    require(A.shape == (n, n) and n > 0, f"A: its shape is {A.shape}; give a square matrix")
+    require(
+        G.ndim == 2 and G.shape[1] == n, f"G: its shape is {G.shape}; give (m, {n}), a row a sensor"
+    )
+    require(
+        bool(np.all(np.isfinite(A)) and np.all(np.isfinite(G))),
+        "A, G: a value is not finite; give finite matrices",
+    )
+    size = _balance(A) if size is None else np.asarray(size, dtype=np.float64)
+    require(
+        size.shape == (n,) and bool(np.all(size > 0.0)),
+        f"size: give {n} positive numbers, one per state",
+    )
+    scaled = A * size / size[:, None]
+    rows = G * size
+    norms = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows = np.divide(rows, norms, out=np.zeros_like(rows), where=norms > 0.0)
+    values, counts = _distinct(scaled)
+    ranks, conditions, unseen = [], [], []
+    for value, count in zip(values, counts, strict=True):
+        shifted = scaled - (value if value.imag else value.real) * np.eye(n)
+        null, singular = _null_space(np.vstack([shifted, rows]), tolerance)
+        ranks.append(n - null.shape[1])
+        seen = singular[: n - null.shape[1]]
+        conditions.append(seen[0] / seen[-1] if len(seen) else np.inf)
+        if null.shape[1]:
+            chain = _follow_chains(shifted, rows, null, count, tolerance)
+            directions = np.linalg.qr(size[:, None] * chain)[0]
+            unseen.append(Unseen(complex(value), null.shape[1], directions))
+    return Observability(
+        states=n,
+        rank=n - sum(found.count for found in unseen),
+        eigenvalues=values,
+        ranks=np.array(ranks),
+        conditions=np.array(conditions),
+        unseen=tuple(unseen),
+    )
+
+
+def _balance(A: Array) -> Array:
+    """Return the sizes of states (n,) that balance a matrix."""
+    from scipy.linalg import matrix_balance
+
+    _, (scale, _) = matrix_balance(A, permute=False, separate=True)
+    return np.asarray(scale)
+
+
+def _distinct(A: Array) -> tuple[Array, list[int]]:
+    """Return the distinct eigenvalues without negative imaginary part, and their multiplicities.
+
+    Eigenvalues that rounding has split are replaced by their mean, which is far more accurate than
+    each of them.
+    """
+    left = list(np.linalg.eigvals(A).astype(complex))
+    values, counts = [], []
+    while left:
+        group = [left.pop()]
+        for member in group:  # the group grows while it is gone through
+            near = SAME * max(1.0, abs(member))
+            group += [other for other in left if abs(other - member) <= near]
+            left = [other for other in left if abs(other - member) > near]
+        mean = complex(np.mean(group))
+        if abs(mean.imag) <= SAME * max(1.0, abs(mean)):
+            mean = complex(mean.real)
+        if mean.imag >= 0.0:
+            values.append(mean)
+            counts.append(len(group))
+    return np.array(values), counts
+
+
+def _null_space(matrix: Array, tolerance: float) -> tuple[Array, Array]:
+    """Return an orthonormal basis (n, directions) of the null space, and the singular values."""
+    _, singular, vectors = np.linalg.svd(matrix)
+    zero = singular <= tolerance * singular[0]
+    return vectors[zero].conj().T, singular
+
+
+def _follow_chains(
+    shifted: Array, rows: Array, null: Array, multiplicity: int, tolerance: float
+) -> Array:
+    """Return all unseen directions (n, directions) of an eigenvalue, the given null space first.
+
+    A direction v belongs to them if `rows` v = 0 and `shifted` v is one of them.
+    """
+    found = null
+    while found.shape[1] < multiplicity:
+        outside = shifted - found @ (found.conj().T @ shifted)
+        wider, _ = _null_space(np.vstack([outside, rows]), tolerance)
+        if wider.shape[1] <= found.shape[1]:
+            break
+        new = wider - found @ (found.conj().T @ wider)
+        left, _, _ = np.linalg.svd(new, full_matrices=False)
+        found = np.hstack([found, left[:, : wider.shape[1] - found.shape[1]]])
+    return found
+
+
+def _tell(unseen: Unseen, states: int, names: Sequence[str], step: float | None) -> str:
+    """Tell what is unseen at one eigenvalue, in words."""
+    value = unseen.eigenvalue
+    number = f"{value:.6g}" if value.imag else f"{value.real:.6g}"
+    if value.imag:
+        rate = abs(np.log(value)) / step if step else abs(value)
+        number += f" and its conjugate ({rate / (2.0 * np.pi):.3g} Hz)"
+    directions = ", and ".join(_name(column, names) for column in unseen.directions.T)
+    text = f"at the eigenvalue {number} (rank {states - unseen.lacking} of {states}): {directions}"
+    chained = unseen.directions.shape[1] - unseen.lacking
+    if chained:
+        text += f" (the last {chained} because all that changes by it is unseen)"
+    return text
+
+
+def _name(direction: Array, names: Sequence[str]) -> str:
+    """Name the states that make up a direction, the largest first."""
+    part = np.abs(direction) / np.abs(direction).max()
+    told = [k for k in np.argsort(-part, kind="stable") if part[k] >= TOLD]
+    if len(told) == 1:
+        return str(names[told[0]])
+    lead = direction[told[0]]
+    signs = ["+" if (direction[k] / lead).real >= 0.0 else "-" for k in told]
+    terms = [f"{sign} {part[k]:.2g} {names[k]}" for sign, k in zip(signs, told, strict=True)]
+    return " ".join(terms).removeprefix("+ 1 ")

@@ -1,0 +1,90 @@
+"""Looks up the scores of several records, for tests of statements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.tower.paper.scenarios import Scenario
+from owtsweep.verdicts.inference import Decision, Side, mean_ratio
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Columns that tell what a row's value is of, besides the record.
+KEYS = ("sensors", "sea", "gravity", "scheme", "tuning", "direction", "quantity", "measure")
+
+
+@dataclass(frozen=True)
+class Scores:
+    """The scores of several records.
+
+    Attributes
+    ----------
+    table
+        As `scores.tabulate` returns it.
+    """
+
+    table: pd.DataFrame
+
+    @property
+    def records(self) -> int:
+        """The number of records."""
+        return int(self.table["replicate"].nunique())
+
+    @cached_property
+    def _index(self) -> dict[tuple[Any, ...], Array]:
+        ordered = self.table.sort_values("replicate", kind="stable")
+        groups = ordered.groupby(list(KEYS), sort=False)["value"]
+        return {key: values.to_numpy(dtype=float) for key, values in groups}
+
+    def find(
+        self, scenario: Scenario, direction: str, quantity: str, measure: str
+    ) -> Array | None:
+        """Return a score of all records, shape (records,); None if there is no such score."""
+        return self._index.get(
+            (
+                scenario.sensors, scenario.sea, scenario.gravity, scenario.scheme, scenario.tuning,
+                direction, quantity, measure,
+            )
+        )  # fmt: skip
+
+    def list_quantities(self, scenario: Scenario, direction: str, measure: str) -> list[str]:
+        """Return the quantities of which there is a measure, in the order of the table."""
+        wanted = (
+            scenario.sensors, scenario.sea, scenario.gravity, scenario.scheme, scenario.tuning,
+            direction,
+        )  # fmt: skip
+        return [key[6] for key in self._index if key[:6] == wanted and key[7] == measure]
+
+
+def compare(
+    label: str, values: Array | None, side: Side, threshold: float, over: Array | None = None
+) -> Decision | None:
+    """Decide whether the mean of a score lies below (or above) a threshold.
+
+    Parameters
+    ----------
+    label
+        What is compared, for the reader.
+    values
+        Not negative, shape (records,); None if the scores lack them.
+    side, threshold
+        The claim.
+    over
+        If given, the ratio of both means is compared, paired over the records.
+
+    Returns
+    -------
+    Decision
+        None without values.
+    """
+    if values is None or len(values) == 0 or not np.all(np.isfinite(values)):
+        return None
+    if over is None:
+        return mean_ratio(label, values, 1.0, threshold, side)
+    return mean_ratio(label, values, over, threshold, side)

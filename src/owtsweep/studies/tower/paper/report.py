@@ -1,0 +1,129 @@
+"""Write the report on how well the study reproduces Simpson et al. (2025)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.paper.evidence import Scores
+from owtsweep.studies.tower.paper.goals import GOALS, TEXTS
+from owtsweep.studies.tower.paper.statements import STATEMENTS
+from owtsweep.studies.tower.paper.table_3 import PACKAGE, compare_table, show_table
+from owtsweep.verdicts import report, sections
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
+from owtsweep.verdicts.published import read_published
+from owtsweep.verdicts.statements import JudgedStatement, explain, judge, tabulate_claims
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+TITLE = "How well the tower study reproduces Simpson et al. (2025)"
+#: The origin of the tests.
+DEFINITIONS = (
+    "Definitions and thresholds were written down before these records were judged; numbers of "
+    "earlier prototypes were known."
+)
+
+
+def judge_statements(scores: Scores) -> list[JudgedStatement]:
+    """Judge the statements F1 to F14 of Simpson et al. (2025)."""
+    facts = read_published(PACKAGE, "simpson2025_facts.csv")
+    texts = dict(zip(facts["id"], facts["statement"], strict=True))
+    return judge(texts, STATEMENTS, scores)
+
+
+def judge_goals(scores: Scores) -> list[JudgedStatement]:
+    """Judge the project's own goals G1 to G8."""
+    return judge(TEXTS, GOALS, scores)
+
+
+def write_report(
+    scores: Scores,
+    config: TowerConfig,
+    folder: Path,
+    figures: Mapping[str, Callable[[], Figure]],
+) -> list[Path]:
+    """Write fidelity.md, fidelity.html, their tables and figures into a folder; return the files.
+
+    Parameters
+    ----------
+    scores
+        Of all scenarios in `judging.ALL`.
+    config
+        The configuration of one of them, for the page's head.
+    folder
+        Made if it does not exist.
+    figures
+        Name of a figure -> function that draws it.
+    """
+    statements, goals = judge_statements(scores), judge_goals(scores)
+    table = compare_table(scores)
+    return report.write_report(
+        folder,
+        title=TITLE,
+        tables={
+            "scores": scores.table,
+            "table_3": table,
+            "fidelity_claims": tabulate_claims([*statements, *goals]),
+        },
+        figures=figures,
+        contents=lambda pictures: _document(scores, config, statements, goals, table),
+        metadata={"study": "tower", "paper": "Simpson et al. (2025)"},
+    )
+
+
+def _document(
+    scores: Scores,
+    config: TowerConfig,
+    statements: Sequence[JudgedStatement],
+    goals: Sequence[JudgedStatement],
+    table: pd.DataFrame,
+) -> list[Block]:
+    record = config.record
+    return [
+        Heading(TITLE, 1),
+        Paragraph(
+            f"{scores.records} records of {record.duration:g} s at {record.rate:g} Hz, seed "
+            f"{config.seed}, judged after {record.settling:g} s; noise 1 % of each signal's "
+            "standard deviation; tuning paper unless said otherwise; damage with the printed S-N "
+            "curve (m = 5, log a = 13.617, Goodman with 500 MPa). The truth is a linear beam with "
+            "soil, rotor-nacelle and rotor loads of declared statistics, not the paper's Simulink "
+            "turbine: absolute numbers (MAE, damage, inputs) cannot agree, ratios and statements "
+            "can. Brackets are 95 % intervals of means over the records; of ratios of means, "
+            "paired (Fieller). Directions: fa fore-aft, ss side-side."
+        ),
+        Heading("In short"),
+        Bullets(
+            [
+                f"Statements F1-F14: {sections.count_verdicts(statements)}.",
+                f"Goals G1-G8: {sections.count_verdicts(goals)}.",
+            ]
+        ),
+        *sections.statement_section(statements, DEFINITIONS),
+        Heading("Table 3"),
+        Paragraph(
+            "Printed number / mean over the records, wind only. MAE in m and rad. The drift of "
+            "displacements without displacement sensors is that of an unobservable motion: its size "
+            "depends on tuning and seed, and has no other meaning."
+        ),
+        show_table(table),
+        Heading("Goals of the project"),
+        TextTable(
+            ["", "to be reached", "verdict"], [[g.name, g.text, g.verdict] for g in goals]
+        ),
+        *_explain_goals(goals),
+    ]
+
+
+def _explain_goals(goals: Sequence[JudgedStatement]) -> list[Block]:
+    blocks: list[Block] = []
+    for goal in goals:
+        blocks += [
+            Heading(f"{goal.name}: {goal.verdict}", 3),
+            Paragraph(f"{goal.text}. Test: {goal.definition}"),
+            Bullets([f"{claim.text}: {explain(claim)}." for claim in goal.claims]),
+        ]
+    return blocks

@@ -1,0 +1,317 @@
+"""Numeric tests of what Simpson et al. (2025) say about their results.
+
+Each test's docstring is the definition that the report prints. Definitions and thresholds are those
+of the project's notes before any record was judged. TRAC and FRAC are judged by their distance from
+1, so "TRAC at least .9995" reads "1 - TRAC below 5e-4". MAE / sigma divides by the standard
+deviation of the true signal. Intervals are over records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS
+from owtsweep.studies.tower.paper.evidence import Scores, compare
+from owtsweep.studies.tower.paper.judging import ACCELEROMETERS, GNSS, WAVES, WEIGHTLESS, WIND
+from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
+from owtsweep.verdicts.claims import gather
+from owtsweep.verdicts.inference import Claim, Decision, Side
+
+#: States that the paper compares, by kind.
+ROTATIONS, DISPLACEMENTS = ("theta0", "theta15"), ("x0", "x15")
+
+
+class Place(NamedTuple):
+    """Where a score is looked up: a scenario, a direction, a quantity."""
+
+    scenario: Scenario
+    direction: str
+    quantity: str
+
+    def __str__(self) -> str:
+        """Return the place in words, e.g. "Sparse: θ-a, M0 fa"."""
+        setup = SETUPS.get(self.scenario.sensors, self.scenario.sensors)
+        return f"{setup}, {self.quantity} {self.direction}"
+
+
+def everywhere(
+    scenarios: Iterable[Scenario],
+    quantities: Iterable[str],
+    directions: Iterable[str] = DIRECTIONS,
+) -> list[Place]:
+    """Return all places of scenarios, directions and quantities."""
+    kept, each = list(quantities), list(directions)
+    return [Place(s, d, q) for s in scenarios for d in each for q in kept]
+
+
+def claim(
+    text: str,
+    scores: Scores,
+    places: Iterable[Place],
+    measure: str,
+    side: Side,
+    threshold: float,
+    *,
+    of: Callable[[np.ndarray], np.ndarray] = np.asarray,
+) -> Claim:
+    """Claim that the mean of a measure lies below (above) a threshold at all places.
+
+    `of` turns values (records,) into what is compared, e.g. the distance from 1.
+    """
+    parts: list[tuple[str, Decision | None]] = []
+    for place in places:
+        values = scores.find(*place, measure)
+        found = None if values is None else of(values)
+        parts.append((str(place), compare(str(place), found, side, threshold)))
+    return gather(text, parts)
+
+
+def claim_ratio(
+    text: str,
+    scores: Scores,
+    pairs: Iterable[tuple[Place, Place]],
+    measures: tuple[str, str],
+    side: Side,
+    threshold: float,
+) -> Claim:
+    """Claim that ratios of two means lie below (above) a threshold; signs do not count."""
+    parts: list[tuple[str, Decision | None]] = []
+    for above, below in pairs:
+        first, second = scores.find(*above, measures[0]), scores.find(*below, measures[1])
+        label = f"{above} / {below}"
+        known = first is not None and second is not None
+        decision = (
+            compare(label, np.abs(first), side, threshold, np.abs(second)) if known else None
+        )
+        parts.append((label, decision))
+    return gather(text, parts)
+
+
+def below_one(values: np.ndarray) -> np.ndarray:
+    """Return 1 - values, not below 0."""
+    return np.maximum(1.0 - values, 0.0)
+
+
+def off_one(values: np.ndarray) -> np.ndarray:
+    """Return by how much values differ from 1."""
+    return np.abs(values - 1.0)
+
+
+def judge_f1(scores: Scores) -> list[Claim]:
+    """1 - TRAC below 5e-4 for theta0 and theta15, both directions, all set-ups, wind only."""
+    places = everywhere(WIND.values(), ROTATIONS)
+    return [claim("1 - TRAC of rotations", scores, places, "trac", "below", 5e-4, of=below_one)]
+
+
+def judge_f2(scores: Scores) -> list[Claim]:
+    """1 - TRAC below 5e-4 for x0 and x15, both directions, Dense: x-a, wind only."""
+    places = everywhere([WIND["dense_x_a"]], DISPLACEMENTS)
+    return [claim("1 - TRAC of displacements", scores, places, "trac", "below", 5e-4, of=below_one)]
+
+
+def judge_f3(scores: Scores) -> list[Claim]:
+    """Set-up Dense: θ-a, wind only, modal coordinates of mass-normalised modes.
+
+    The rms error of the worst rigid mode is more than 100 times that of the worst other mode;
+    1 - TRAC of the worst normal or attachment mode is below 1e-3.
+    """
+    places = everywhere([WIND["dense_theta_a"]], ["modes"])
+    pairs = [(place, place) for place in places]
+    errors = ("rigid_error", "other_error")
+    return [
+        claim_ratio("error of rigid over other modes", scores, pairs, errors, "above", 100.0),
+        claim("1 - TRAC of other modes", scores, places, "least_trac", "below", 1e-3, of=below_one),
+    ]
+
+
+def judge_f4(scores: Scores) -> list[Claim]:
+    """Set-ups without displacement sensors, wind only: mean FRAC over mean TRAC of x0, x15 above 1."""
+    drifting = [WIND["dense_theta_a"], WIND["sparse_theta_a"]]
+    pairs = [(place, place) for place in everywhere(drifting, DISPLACEMENTS)]
+    return [claim_ratio("FRAC / TRAC", scores, pairs, ("frac", "trac"), "above", 1.0)]
+
+
+def judge_f5(scores: Scores) -> list[Claim]:
+    """Wind only, all set-ups, each direction: worst deviation of damage below 15 %.
+
+    The worst deviation of a record is the largest |estimated / true - 1| over the nodes with more
+    than 1 % of the direction's largest damage; its mean over the records is judged.
+    """
+    places = everywhere(WIND.values(), ["welds"])
+    return [claim("worst deviation of damage", scores, places, "worst_deviation", "below", 0.15)]
+
+
+def judge_f6(scores: Scores) -> list[Claim]:
+    """Wind only: TRAC of each of the 8 inputs differs by less than .01 between both dense set-ups."""
+    parts: list[tuple[str, Decision | None]] = []
+    for direction in DIRECTIONS:
+        for name in INPUTS:
+            first, second = (
+                scores.find(WIND[setup], direction, name, "trac")
+                for setup in ("dense_x_a", "dense_theta_a")
+            )
+            known = first is not None and second is not None
+            difference = np.abs(first - second) if known else None
+            label = f"{name} {direction}"
+            parts.append((label, compare(label, difference, "below", 0.01)))
+    return [gather("difference of TRAC", parts)]
+
+
+def judge_f7(scores: Scores) -> list[Claim]:
+    """Wind only. MAE of F0 and M0 with Sparse: θ-a more than twice that with Dense: θ-a.
+
+    The lag of F0 fore-aft is above 50 ms with Sparse: θ-a and below 10 ms with Dense: θ-a. As the
+    offset from p-delta (F8) is in the MAE, it is judged in records without gravity too.
+    """
+    ground = ("F0", "M0")
+    claims = []
+    for words, world in (("with gravity", WIND), ("without gravity", WEIGHTLESS)):
+        sparse = everywhere([world["sparse_theta_a"]], ground)
+        dense = everywhere([world["dense_theta_a"]], ground)
+        pairs = list(zip(sparse, dense, strict=True))
+        text = f"MAE of sparse over dense, {words}"
+        claims.append(claim_ratio(text, scores, pairs, ("mae", "mae"), "above", 2.0))
+    late, prompt = Place(WIND["sparse_theta_a"], "fa", "F0"), Place(WIND["dense_theta_a"], "fa", "F0")
+    return [
+        *claims,
+        claim("lag (s), sparse", scores, [late], "lag", "above", 0.05, of=np.abs),
+        claim("lag (s), dense", scores, [prompt], "lag", "below", 0.01, of=np.abs),
+    ]
+
+
+def judge_f8(scores: Scores) -> list[Claim]:
+    """Set-up Dense: θ-a, wind only, fore-aft.
+
+    The mean error of F175 with gravity is more than 10 times that without. MAE of theta0 and
+    theta15 with gravity is less than 1.05 times that without, and so is the damage ratio at the
+    ground.
+    """
+    heavy, light = WIND["dense_theta_a"], WEIGHTLESS["dense_theta_a"]
+    offset = [(Place(heavy, "fa", "F175"), Place(light, "fa", "F175"))]
+    states = [(Place(heavy, "fa", q), Place(light, "fa", q)) for q in ROTATIONS]
+    ground = [(Place(heavy, "fa", "z=0"), Place(light, "fa", "z=0"))]
+    ratios = ("damage_ratio", "damage_ratio")
+    return [
+        claim_ratio("offset of F175", scores, offset, ("offset", "offset"), "above", 10.0),
+        claim_ratio("MAE of rotations", scores, states, ("mae", "mae"), "below", 1.05),
+        claim_ratio("damage ratio at the ground", scores, ground, ratios, "below", 1.05),
+    ]
+
+
+def judge_f9(scores: Scores) -> list[Claim]:
+    """Sparse: θ-a, waves along the wind. Estimated over true damage at the ground, fore-aft.
+
+    It is below .6 with p_1, and between .75 and 1.25 with p_2. Side-side it differs by less than
+    2 % between p_1 and p_2.
+    """
+    return [
+        *_judge_ground(scores, 0, "fa", 0.6),
+        _compare_inputs(scores, 0, "ss", 0.02),
+    ]
+
+
+def judge_f10(scores: Scores) -> list[Claim]:
+    """Sparse: θ-a, waves 30 degrees from the wind. Estimated over true damage, ground, side-side.
+
+    It is below .7 with p_1, and between .75 and 1.25 with p_2.
+    """
+    return _judge_ground(scores, 30, "ss", 0.7)
+
+
+def judge_f11(scores: Scores) -> list[Claim]:
+    """Sparse: θ-a, waves along the wind, p_1, fore-aft; spectra (Welch) from .13 to .20 Hz.
+
+    The amplitude of F0 and M0 in this band, estimated over true, is below .9; the frequency of the
+    peak differs by less than .005 Hz. TRAC of F175 and M175 differs by less than .05 from that in
+    case study 1, with p_1 and p_2.
+    """
+    without = WAVES[0, "p_1"]
+    places = [Place(without, "fa", name) for name in ("F0", "M0")]
+    parts: list[tuple[str, Decision | None]] = []
+    for inputs in ("p_1", "p_2"):
+        for name in ("F175", "M175"):
+            rough = scores.find(WAVES[0, inputs], "fa", name, "trac")
+            calm = scores.find(WIND["sparse_theta_a"], "fa", name, "trac")
+            known = rough is not None and calm is not None
+            difference = np.abs(rough - calm) if known else None
+            label = f"{name} fa, {inputs}"
+            parts.append((label, compare(label, difference, "below", 0.05)))
+    return [
+        claim("amplitude ratio at the first mode", scores, places, "mode_ratio", "below", 0.9),
+        claim("shift of the peak (Hz)", scores, places, "mode_shift", "below", 0.005),
+        gather("difference of TRAC at the top", parts),
+    ]
+
+
+def judge_f12(scores: Scores) -> list[Claim]:
+    """Sparse: θ-a and one GNSS receiver at the nacelle, wind only, both directions.
+
+    No error of the settled filter stays for ever (eigenvalues of its loop are below 1 - 1e-7), but
+    two do per direction without the receiver. The rms error of x0 in the last 100 s is less than
+    twice that in the first 100 s judged, and less than .1 of that without the receiver.
+    """
+    with_gnss = everywhere([GNSS], ["x0"])
+    without = everywhere([WIND["sparse_theta_a"]], ["x0"])
+    same = [(place, place) for place in with_gnss]
+    ends, late = ("late_error", "early_error"), ("late_error", "late_error")
+    seen = everywhere([GNSS], ["filter"])
+    unseen = everywhere([WIND["sparse_theta_a"]], ["filter"])
+    pairs = list(zip(with_gnss, without, strict=True))
+    return [
+        claim("errors that never fade, with GNSS", scores, seen, "unfading", "below", 0.5),
+        claim("errors that never fade, without", scores, unseen, "unfading", "above", 1.5),
+        claim_ratio("late over early error of x0", scores, same, ends, "below", 2.0),
+        claim_ratio("late error over that without GNSS", scores, pairs, late, "below", 0.1),
+    ]
+
+
+def judge_f13(scores: Scores) -> list[Claim]:
+    """The accelerometers of Sparse: θ-a alone, wind only, both directions.
+
+    The damage of the worst node is wrong by more than a factor of 2, either way.
+    """
+    places = everywhere([ACCELEROMETERS], ["welds"])
+    return [claim("factor of the worst damage", scores, places, "worst_factor", "above", 2.0)]
+
+
+def judge_f14(scores: Scores) -> list[Claim]:
+    """Computing time per sample at 100 Hz below 1 ms, with all three set-ups, per direction."""
+    places = everywhere(WIND.values(), ["filter"])
+    text = "seconds per sample"
+    return [claim(text, scores, places, "seconds_per_step", "below", 1e-3)]
+
+
+def _judge_ground(scores: Scores, yaw: int, direction: str, limit: float) -> list[Claim]:
+    """Claim that p_1 underestimates the damage at the ground, and p_2 does not."""
+    without, with_waves = (
+        [Place(WAVES[yaw, inputs], direction, "z=0")] for inputs in ("p_1", "p_2")
+    )
+    measure = "damage_ratio"
+    return [
+        claim("damage ratio, p_1", scores, without, measure, "below", limit),
+        claim("damage ratio, p_2", scores, with_waves, measure, "above", 0.75),
+        claim("damage ratio, p_2", scores, with_waves, measure, "below", 1.25),
+    ]
+
+
+def _compare_inputs(scores: Scores, yaw: int, direction: str, limit: float) -> Claim:
+    """Claim that p_1 and p_2 give nearly one damage at the ground."""
+    first, second = (
+        scores.find(WAVES[yaw, inputs], direction, "z=0", "damage_ratio")
+        for inputs in ("p_1", "p_2")
+    )
+    known = first is not None and second is not None
+    difference = off_one(first / second) if known else None
+    label = f"ground, {direction}, p_1 over p_2"
+    return gather("side-side, p_1 against p_2", [(label, compare(label, difference, "below", limit))])
+
+
+#: Statement -> its test.
+STATEMENTS: dict[str, Callable[[Scores], list[Claim]]] = {
+    "F1": judge_f1, "F2": judge_f2, "F3": judge_f3, "F4": judge_f4, "F5": judge_f5, "F6": judge_f6,
+    "F7": judge_f7, "F8": judge_f8, "F9": judge_f9, "F10": judge_f10, "F11": judge_f11, "F12": judge_f12,
+    "F13": judge_f13, "F14": judge_f14,
+}  # fmt: skip

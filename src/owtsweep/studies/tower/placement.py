@@ -1,0 +1,311 @@
+"""Choose places of sensors without any record, from the settled covariance of the AKF.
+
+The augmented Kalman filter on the cut structure (Simpson et al. 2025, Algorithm 1) has a covariance
+that no measurement changes. So what a further sensor buys is known before it is mounted: the
+standard deviations of the stress at each weld and of M0, each as a share of a scale.
+
+Set-ups without a displacement do not see the rigid translation: its covariance grows without bound.
+Position and velocity of this one mode are left out of the model. That changes nothing else. No
+inclinometer and no accelerometer measures them, no other state's equation holds them (the mode has
+neither stiffness nor damping), and neither stress nor interface loads depend on them. The
+covariance of all other states settles if the sensors see them, and is then found by doubling the
+number of steps. A set-up that does not see all of them has an infinite error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.estimation.periodic import CovarianceMap
+from owtsweep.studies.tower.contract import Channel, Setting
+from owtsweep.studies.tower.models import model_cut
+
+#: The covariance has settled when doubling the number of steps changes variances by less than this.
+SETTLED = 1e-6
+#: Most doublings: 2^17 steps are 22 minutes at 100 Hz. What has not settled then counts as unseen.
+DOUBLINGS = 17
+#: Most sets of sensors that an exhaustive choice tries: some minutes.
+MOST_SETS = 200_000
+#: A column this small beside the largest entry of its matrix is zero.
+NOTHING = 1e-9
+#: By what a set of sensors is judged.
+Criterion = Literal["stress", "moment"]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is known before sensors are chosen, for one direction.
+
+    The state is augmented by the loads, and every component is scaled by the standard deviation of
+    its own process noise, so that the process noise's covariance is the identity.
+
+    Attributes
+    ----------
+    transition
+        Transition of the state per step, shape (n, n).
+    given
+        Information per step of the sensors that are there: the sum of h h' / sigma^2 over their
+        rows h, shape (n, n).
+    heights
+        Heights of the candidate sensors above ground in m, shape (candidates,).
+    rows
+        Rows h / sigma of the candidate sensors, shape (candidates, n).
+    stress
+        Stress at each weld as a share of its scale, from the state, shape (welds, n).
+    moment
+        Moment M0 as a share of its scale, from the state, shape (n,).
+    lasting
+        What the candidates read of the directions of state that last for ever (eigenvalue 1) and
+        that the given sensors do not see, shape (candidates, directions).
+    """
+
+    transition: Array
+    given: Array
+    heights: Array
+    rows: Array
+    stress: Array
+    moment: Array
+    lasting: Array
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A set of candidate sensors with its predicted errors.
+
+    Attributes
+    ----------
+    chosen
+        Numbers of the candidates, increasing.
+    heights
+        Their heights above ground in m.
+    stress
+        Standard deviation of the stress over its scale at the worst weld; inf if it never settles.
+    weld
+        Number of this weld.
+    moment
+        Standard deviation of M0 over its scale; inf if it never settles.
+    """
+
+    chosen: tuple[int, ...]
+    heights: tuple[float, ...]
+    stress: float
+    weld: int
+    moment: float
+
+    def error(self, criterion: Criterion) -> float:
+        """Return the predicted error that a criterion asks for."""
+        return self.stress if criterion == "stress" else self.moment
+
+
+def pose(
+    setting: Setting,
+    candidates: Sequence[Channel],
+    stress: Array,
+    *,
+    stress_scale: Array | float = 1.0,
+    moment_scale: float = 1.0,
+    wave: bool = False,
+) -> Problem:
+    """Pose the choice of sensors for one direction.
+
+    Parameters
+    ----------
+    setting
+        The structure, its tuning, and the sensors that are there whatever is chosen.
+    candidates
+        Sensors to choose from, with the standard deviations of their noise.
+    stress
+        Stress (Pa) at each weld for unit degrees of freedom of the cut, shape (welds, dof).
+    stress_scale, moment_scale
+        What predicted errors are divided by, in Pa, shape (welds,) or one number, and in N m: e.g.
+        the standard deviations of the true signals. With 1, errors are in Pa and N m.
+    wave
+        Whether the wave load is a further unknown (AKF_WAVE).
+    """
+    channels = (*setting.channels, *candidates)
+    model = model_cut(replace(setting, channels=channels), wave=wave)
+    discrete, modes, inputs = model.discrete, model.modes, len(model.inputs)
+    states = 2 * modes
+    change = setting.believed.step_sigma[model.inputs] / model.scale
+    size = np.append(np.full(states, np.sqrt(setting.tuning.process_noise)), change)
+    transition = np.eye(states + inputs)
+    transition[:states] = np.hstack([discrete.A, discrete.B])
+    transition = transition * size / size[:, None]
+    sigma = np.array([channel.sigma for channel in channels])
+    rows = np.hstack([discrete.G, discrete.J]) * size / sigma[:, None]
+    bent = np.zeros((len(stress), states + inputs))
+    bent[:, :modes] = stress @ model.basis
+    bent *= size / np.broadcast_to(stress_scale, len(stress))[:, None]
+    moment = np.concatenate([model.loads_of_state[1], model.loads_of_input[1]])
+    moment = moment * size / moment_scale
+    asked = np.vstack([rows, bent, moment])
+    kept = _leave_out_translation(transition, asked, modes)
+    transition = transition[kept][:, kept]
+    given = rows[: len(setting.channels), kept]
+    nodes = [channel.node for channel in candidates]
+    return Problem(
+        transition=transition,
+        given=given.T @ given,
+        heights=setting.cut.heights[nodes] - setting.cut.heights[0],
+        rows=rows[len(setting.channels) :, kept],
+        stress=bent[:, kept],
+        moment=moment[kept],
+        lasting=_see_lasting(transition, given, rows[len(setting.channels) :, kept]),
+    )
+
+
+def _see_lasting(transition: Array, given: Array, rows: Array) -> Array:
+    """Return what `rows` read of lasting directions that `given` rows do not see.
+
+    Lasting is what the transition returns unchanged (eigenvalue 1): a lean, and loads in balance.
+    All other directions fade. So by the test of Popov, Belevitch and Hautus, sensors see all that
+    matters if they see each lasting direction.
+    """
+    directions = _null_space(_normalise(transition - np.eye(len(transition))))
+    unseen = directions @ _null_space(_normalise(given) @ directions)
+    return np.asarray(_normalise(rows) @ unseen)
+
+
+def _null_space(matrix: Array) -> Array:
+    """Return an orthonormal basis of what a matrix (m, n) maps to zero, shape (n, dimension)."""
+    _, values, right = np.linalg.svd(matrix)
+    return np.asarray(right[int(np.sum(values > NOTHING)) :].T)
+
+
+def _normalise(rows: Array) -> Array:
+    """Return rows of length 1; rows of zeros stay."""
+    length = np.linalg.norm(rows, axis=1, keepdims=True)
+    return np.asarray(rows / np.where(length > 0.0, length, 1.0))
+
+
+def _leave_out_translation(transition: Array, asked: Array, modes: int) -> list[int]:
+    """Return the numbers of the states that stay when the rigid translation is left out.
+
+    The translation is the first mode. Its position and velocity stay, too, if a row of `asked`
+    (sensors and wanted quantities) or another state's equation holds one of them.
+    """
+    pair = [0, modes]
+    kept = [number for number in range(len(transition)) if number not in pair]
+    others = np.abs(transition[kept][:, pair]).max()
+    read = np.abs(asked[:, pair]) / np.abs(asked).max(axis=1, keepdims=True)
+    if others <= NOTHING and read.max() <= NOTHING:
+        return kept
+    return list(range(len(transition)))
+
+
+def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
+    """Compute the settled covariance of the filtered state with some candidates beside the given.
+
+    Returns
+    -------
+    covariance
+        Shape (n, n), or None if it does not settle: the sensors do not see all states.
+    """
+    numbers = list(chosen)
+    seen = np.linalg.svd(problem.lasting[numbers], compute_uv=False)
+    if int(np.sum(seen > NOTHING)) < problem.lasting.shape[1]:
+        return None
+    rows = problem.rows[numbers]
+    information = problem.given + rows.T @ rows
+    size = len(information)
+    steps = CovarianceMap(problem.transition, information, np.eye(size))
+    for _ in range(DOUBLINGS):
+        before = np.diagonal(steps.H)
+        steps = steps.then(steps)
+        after = np.diagonal(steps.H)
+        if not np.all(np.isfinite(after)) or np.any(after <= 0.0):
+            return None
+        if np.all(np.abs(after - before) <= SETTLED * after):
+            predicted = steps.H
+            return np.asarray(np.linalg.solve(np.eye(size) + predicted @ information, predicted))
+    return None
+
+
+def predict(problem: Problem, chosen: Iterable[int]) -> Choice:
+    """Predict the errors with some candidates (by their numbers) beside the given sensors."""
+    numbers = tuple(sorted(chosen))
+    heights = tuple(float(problem.heights[number]) for number in numbers)
+    covariance = settle(problem, numbers)
+    if covariance is None:
+        return Choice(numbers, heights, np.inf, 0, np.inf)
+    variances = np.einsum("wi,ij,wj->w", problem.stress, covariance, problem.stress)
+    weld = int(np.argmax(variances))
+    return Choice(
+        numbers,
+        heights,
+        float(np.sqrt(variances[weld])),
+        weld,
+        float(np.sqrt(problem.moment @ covariance @ problem.moment)),
+    )
+
+
+def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "stress") -> Choice:
+    """Try every set of `count` candidates; return the one with the least predicted error.
+
+    Raises
+    ------
+    InputError
+        If there are fewer candidates, or more sets than can be tried.
+    """
+    from math import comb
+
+    candidates = len(problem.heights)
+    require(
+        0 <= count <= candidates,
+        f"count: {count} inclinometers, but there are {candidates} candidate heights; give more "
+        "heights or choose fewer",
+    )
+    sets = comb(candidates, count)
+    require(
+        sets <= MOST_SETS,
+        f"count: {count} of {candidates} heights are {sets} sets, more than {MOST_SETS}; choose "
+        "greedily or give fewer heights",
+    )
+    tried = (predict(problem, chosen) for chosen in combinations(range(candidates), count))
+    return min(tried, key=lambda choice: choice.error(criterion))
+
+
+def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress") -> list[Choice]:
+    """Add one sensor at a time, each where it lowers the predicted error most.
+
+    With too few sensors every error is infinite, and no first sensor is better than another. So the
+    smallest set with a finite error is chosen exhaustively, and single sensors are added to it.
+
+    Returns
+    -------
+    choices
+        The sets of that smallest number of sensors, of one more, ..., of `count`.
+
+    Raises
+    ------
+    InputError
+        If no set of `count` candidates has a finite error.
+    """
+    for fewest in range(count + 1):
+        best = choose_exhaustively(problem, fewest, criterion)
+        if np.isfinite(best.error(criterion)):
+            break
+    else:
+        require(
+            False,
+            f"count: no {count} of the candidate heights let the filter see all loads; a cut has "
+            "4 unknown loads, of which accelerometers see 2: choose 3 or more inclinometers, and "
+            "2 or more accelerometers",
+        )
+    choices = [best]
+    while len(choices[-1].chosen) < count:
+        choices.append(min(extend(problem, choices[-1]), key=lambda c: c.error(criterion)))
+    return choices
+
+
+def extend(problem: Problem, choice: Choice) -> list[Choice]:
+    """Return the sets with one candidate more, upwards: what a next sensor buys at each height."""
+    others = [n for n in range(len(problem.heights)) if n not in choice.chosen]
+    return [predict(problem, (*choice.chosen, number)) for number in others]

@@ -1,0 +1,26 @@
+"""What Simpson et al. (2025) print is read as printed."""
+
+from owtsweep.config import conf_directory
+from owtsweep.studies.tower.published import read_facts, read_table3
+
+
+def test_table_3_is_whole():
+    table = read_table3()
+    assert list(table.columns) == ["setup", "metric", "state", "value"]
+    sizes = table.groupby(["setup", "metric"])["state"].nunique()
+    assert len(table) == 72
+    assert (sizes == 8).all()
+    value = table.set_index(["setup", "metric", "state"])["value"]
+    assert value["dense_x_a", "MAE", "x0_FA"] == 8e-6
+    assert value["dense_theta_a", "TRAC", "x15_SS"] == 0.380
+    assert value["sparse_theta_a", "FRAC", "x0_SS"] == 0.785
+    assert value["sparse_theta_a", "MAE", "theta15_SS"] == 5e-7
+    assert (value.xs("FRAC", level="metric") >= value.xs("TRAC", level="metric")).all()
+    folder = conf_directory() / "studies" / "tower" / "sensors"
+    assert set(table["setup"]) <= {path.stem for path in folder.glob("*.yaml")}
+
+
+def test_every_statement_has_a_reading():
+    facts = read_facts()
+    assert facts["id"].tolist() == [f"F{i}" for i in range(1, 15)]
+    assert not facts.isna().any(axis=None)
