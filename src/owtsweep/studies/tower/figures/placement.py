@@ -7,17 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.studies.tower.placement import Choice, Problem, extend
+from owtsweep.studies.tower.placement import Choice, Criterion, Problem, extend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 STRESS, MOMENT = "C0", "C3"
+NAMES = {"stress": "the stress at the worst weld", "moment": "the moment M0"}
 
 
 def draw_placement(
-    problem: Problem, greedy: Sequence[Choice], exhaustive: Sequence[Choice], note: str
+    problem: Problem,
+    greedy: Sequence[Choice],
+    exhaustive: Sequence[Choice],
+    criterion: Criterion,
+    note: str,
 ) -> Figure:
     """Draw the figure of a choice of inclinometers.
 
@@ -29,6 +34,8 @@ def draw_placement(
         Sets of sensors that were chosen one after another.
     exhaustive
         The best sets of some numbers of sensors.
+    criterion
+        What the sets were chosen for.
     note
         Where the numbers are from, for the bottom of the figure.
     """
@@ -37,7 +44,7 @@ def draw_placement(
     figure = style.new_figure(9.0, 4.6)
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
     _draw_errors(left, greedy, exhaustive)
-    _draw_next(figure, right, problem, greedy)
+    _draw_next(figure, right, problem, greedy, criterion)
     style.footnote(figure, note)
     return figure
 
@@ -55,19 +62,25 @@ def _draw_errors(axes: Axes, greedy: Sequence[Choice], exhaustive: Sequence[Choi
     axes.set_xlabel("inclinometers")
     axes.set_ylabel("predicted error (% of the signal's std)")
     axes.set_xticks(numbers)
-    axes.set_ylim(bottom=0.0)
-    axes.legend(frameon=False)
-    axes.set_title("What they buy", loc="left")
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_minor_formatter(lambda value, _: "")
+    axes.margins(y=0.35)
+    axes.legend(frameon=False, loc="center")
+    axes.set_title("What inclinometers buy", loc="left")
 
 
-def _draw_next(figure: Figure, axes: Axes, problem: Problem, greedy: Sequence[Choice]) -> None:
-    """Draw by how much a further inclinometer at each height lowers the stress error."""
+def _draw_next(
+    figure: Figure, axes: Axes, problem: Problem, greedy: Sequence[Choice], criterion: Criterion
+) -> None:
+    """Draw by how much a further inclinometer at each height lowers the predicted error."""
     order = np.argsort(problem.heights)
     gain = np.full((len(order), len(greedy)), np.nan)
     for column, choice in enumerate(greedy):
         for further in extend(problem, choice):
             added = (set(further.chosen) - set(choice.chosen)).pop()
-            gain[added, column] = 100.0 * (1.0 - further.stress / choice.stress)
+            left = further.error(criterion) / choice.error(criterion)
+            gain[added, column] = 100.0 * (1.0 - left)
     rows = np.arange(len(order))
     image = axes.pcolormesh(
         np.arange(len(greedy)), rows, gain[order], cmap="Blues", vmin=0.0, shading="nearest"
@@ -79,13 +92,11 @@ def _draw_next(figure: Figure, axes: Axes, problem: Problem, greedy: Sequence[Ch
         if np.any(np.isfinite(gain[:, column])):
             best = int(np.nanargmax(gain[:, column]))
             axes.plot(column, place[best], "*", color="C1", ms=11)
-    axes.set_xticks(
-        range(len(greedy)), [f"{len(c.chosen)} → {len(c.chosen) + 1}" for c in greedy]
-    )
+    axes.set_xticks(range(len(greedy)), [f"{len(c.chosen)} → {len(c.chosen) + 1}" for c in greedy])
     shown = rows[:: max(1, len(rows) // 20)]
     axes.set_yticks(shown, [f"{problem.heights[order[row]]:.3g}" for row in shown])
     axes.set_xlabel("inclinometers: from → to")
     axes.set_ylabel("height above ground (m)")
     axes.grid(False)
-    axes.set_title("Where the next one pays (■ taken, ★ best)", loc="left")
-    figure.colorbar(image, ax=axes, label="stress error falls by (%)")
+    axes.set_title("Where the next one pays (squares: taken; star: best)", loc="left")
+    figure.colorbar(image, ax=axes, label=f"error of {NAMES[criterion]} falls by (%)")
