@@ -79,22 +79,28 @@ class PlacementCase:
         )
 
 
-def divide_tubes(structure: Structure, longest: float) -> Structure:
-    """Divide tubes so that no element is longer than `longest` m; sensors can be at the new ends.
+def divide_tubes(structure: Structure, longest: float, heights: Sequence[float] = ()) -> Structure:
+    """Divide tubes, so that sensors can be at the new ends.
 
-    Tapered tubes stay as they are but for rounding, because diameter and wall change linearly.
+    No element is then longer than `longest` m, and one ends at each of `heights` (m above ground)
+    that is inside a tube. Tapered tubes stay as they are but for rounding, because diameter and
+    wall change linearly.
     """
     tubes = []
     for tube in structure.tubes:
-        pieces = int(np.ceil((tube.top - tube.bottom) / longest - 1e-9))
-        ends = np.linspace(tube.bottom, tube.top, pieces + 1)
-        for number, (low, high) in enumerate(pairwise(map(float, ends)), start=1):
+        inside = (structure.mudline + height for height in heights)
+        cuts = sorted({tube.bottom, *(z for z in inside if tube.bottom < z < tube.top), tube.top})
+        ends = [tube.bottom]
+        for low, high in pairwise(cuts):
+            pieces = int(np.ceil((high - low) / longest - 1e-9))
+            ends += [float(z) for z in np.linspace(low, high, pieces + 1)[1:]]
+        for number, (low, high) in enumerate(pairwise(ends), start=1):
             at = [(z - tube.bottom) / (tube.top - tube.bottom) for z in (low, high)]
             shape = {
                 key: [float(np.interp(share, [0.0, 1.0], values)) for share in at]
                 for key, values in (("diameter", tube.diameter), ("thickness", tube.thickness))
             }
-            name = f"{tube.name}_{number}" if pieces > 1 else tube.name
+            name = f"{tube.name}_{number}" if len(ends) > 2 else tube.name
             tubes.append(changed(tube, name=name, bottom=low, top=high, **shape))
     return changed(structure, tubes=tubes)
 
