@@ -75,9 +75,9 @@ def main(folder: Path, overrides: list[str]) -> None:
     ]  # fmt: skip
     table = pd.concat(parts, ignore_index=True)[columns]
     folder.mkdir(parents=True, exist_ok=True)
-    write_table(folder / "crossover.csv", table)
+    file = write_table(folder, "crossover", table)
     print(table.to_string(index=False))
-    print(folder / "crossover.csv")
+    print(file)
 
 
 if __name__ == "__main__":
