@@ -63,7 +63,7 @@ class Scores:
 
 
 def compare(
-    label: str, values: Array | None, side: Side, threshold: float, over: Array | None = None
+    label: str, values: Array | None, side: Side, threshold: float
 ) -> Decision | None:
     """Decide whether the mean of a score lies below (or above) a threshold.
 
@@ -75,8 +75,6 @@ def compare(
         Not negative, shape (records,); None if the scores lack them.
     side, threshold
         The claim.
-    over
-        If given, the ratio of both means is compared, paired over the records.
 
     Returns
     -------
@@ -85,6 +83,4 @@ def compare(
     """
     if values is None or len(values) == 0 or not np.all(np.isfinite(values)):
         return None
-    if over is None:
-        return mean_ratio(label, values, 1.0, threshold, side)
-    return mean_ratio(label, values, over, threshold, side)
+    return mean_ratio(label, values, 1.0, threshold, side)

@@ -10,10 +10,10 @@ from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.paper.evidence import Scores
 from owtsweep.studies.tower.paper.goals import GOALS, TEXTS
 from owtsweep.studies.tower.paper.statements import STATEMENTS
-from owtsweep.studies.tower.paper.table_3 import PACKAGE, compare_table, show_table
+from owtsweep.studies.tower.paper.table_3 import compare_table, show_table
+from owtsweep.studies.tower.published import read_facts
 from owtsweep.verdicts import report, sections
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
-from owtsweep.verdicts.published import read_published
 from owtsweep.verdicts.statements import JudgedStatement, explain, judge, tabulate_claims
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ DEFINITIONS = (
 
 def judge_statements(scores: Scores) -> list[JudgedStatement]:
     """Judge the statements F1 to F14 of Simpson et al. (2025)."""
-    facts = read_published(PACKAGE, "simpson2025_facts.csv")
+    facts = read_facts()
     texts = dict(zip(facts["id"], facts["statement"], strict=True))
     return judge(texts, STATEMENTS, scores)
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from owtsweep.studies.tower.paper.evidence import Scores
 from owtsweep.studies.tower.paper.judging import WIND
+from owtsweep.studies.tower.published import read_table3
 from owtsweep.verdicts.page import TextTable
-from owtsweep.verdicts.published import read_published
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: The package whose folder `data/` holds the printed numbers.
-PACKAGE = "owtsweep.studies.tower"
 
 
 def compare_table(scores: Scores) -> pd.DataFrame:
@@ -24,39 +21,33 @@ def compare_table(scores: Scores) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        One row per printed number. Columns: sensors, metric, state (e.g. "x0"), direction,
-        published, mean, least and greatest over the records, and relative: the mean over the true
+        One row per printed number. Columns: sensors, metric, state (e.g. "x0_FA"), published,
+        mean, least and greatest over the records, and relative: the mean over the true
         signal's standard deviation, for MAE.
     """
     import pandas as pd
 
-    wide = read_published(PACKAGE, "simpson2025_table3.csv")
     rows = []
-    for _, printed in wide.iterrows():
-        for column in wide.columns[2:]:
-            state, direction = column.rsplit("_", 1)
-            metric = str(printed["metric"])
-            scenario = WIND[str(printed["sensors"])]
-            found = scores.find(scenario, direction, state, metric.lower())
-            relative = scores.find(scenario, direction, state, "relative_mae")
-            none = np.array([np.nan])
-            values = none if found is None else found
-            ratio = none if relative is None or metric != "MAE" else relative
-            rows.append(
-                {
-                    "sensors": printed["sensors"], "metric": metric, "state": state,
-                    "direction": direction, "published": float(printed[column]),
-                    "mean": values.mean(), "least": values.min(), "greatest": values.max(),
-                    "relative": ratio.mean(),
-                }
-            )  # fmt: skip
+    printed: Any = read_table3().itertuples(index=False)
+    for setup, metric, state, value in printed:
+        quantity, direction = state.lower().split("_")
+        found = scores.find(WIND[setup], direction, quantity, metric.lower())
+        relative = scores.find(WIND[setup], direction, quantity, "relative_mae")
+        values = np.array([np.nan]) if found is None else found
+        ratio = np.array([np.nan]) if relative is None or metric != "MAE" else relative
+        rows.append(
+            {
+                "sensors": setup, "metric": metric, "state": state, "published": value,
+                "mean": values.mean(), "least": values.min(), "greatest": values.max(),
+                "relative": ratio.mean(),
+            }
+        )  # fmt: skip
     return pd.DataFrame(rows)
 
 
 def show_table(table: pd.DataFrame) -> TextTable:
     """Return the comparison as a table of texts, laid out as the print: "published | mean"."""
-    states = list(dict.fromkeys(zip(table["state"], table["direction"], strict=True)))
-    columns = [f"{state} {direction}" for state, direction in states]
+    columns = list(dict.fromkeys(table["state"]))
     rows = []
     for (sensors, metric), part in table.groupby(["sensors", "metric"], sort=False):
         cells = [
