@@ -40,14 +40,14 @@ class TowerEngine:
     drawings = staticmethod(list_maps)
 
     def backend(self, config: TowerConfig) -> str:
-        """Return "loky", joblib's backend for processes: rainflow counting runs Python code.
+        """Return "loky", joblib's backend for processes: rainflow counting runs Python code."""
+        return "loky"
 
-        Log what the set-up sees, and a warning if it has few inclinometers.
-        """
+    def warm_up(self, config: TowerConfig, workers: int) -> None:
+        """Log what the set-up sees, and a warning if it has few inclinometers."""
         for line in describe_sight(config):
             logger.info("%s", line)
         warn_of_few_inclinometers(config)
-        return "loky"
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""
