@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from tower.turbine import CUTS, STEP, STRUCTURE
 
+from owtsweep.structures.bernoulli import assemble_cut, assemble_whole
+from owtsweep.structures.reduction import reduce_free
+from owtsweep.structures.stress import strain_matrix
 from owtsweep.studies.tower.contract import Believed, Channel, Setting
 from owtsweep.studies.tower.loads.waves import triangular_load
 from owtsweep.studies.tower.truth import find_damping
 from owtsweep.studies.tower.tuning import Tuning
-from owtsweep.structures.bernoulli import assemble_cut, assemble_whole
-from owtsweep.structures.reduction import reduce_free
-from owtsweep.structures.stress import strain_matrix
+from tower.turbine import CUTS, STEP, STRUCTURE
 
 CUT = assemble_cut(STRUCTURE, *CUTS)
 STRAIN = strain_matrix(STRUCTURE, CUT)
 TUNING = Tuning(
-    name="test",
     inputs="declared",
     process_noise=1e-3,
     initial=1e6,

@@ -25,6 +25,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.input_state import InputStateModel, hold_inputs
@@ -56,7 +57,7 @@ class Model:
 
     discrete: InputStateModel
     scale: Array
-    inputs: Array
+    inputs: NDArray[np.int64]
     basis: Array
     loads_of_state: Array
     loads_of_input: Array
@@ -64,7 +65,7 @@ class Model:
     @property
     def modes(self) -> int:
         """The number of modal coordinates."""
-        return self.basis.shape[1]
+        return int(self.basis.shape[1])
 
     def read(self, states: Array, inputs: Array) -> Estimates:
         """Turn states (steps, 2 modes) and scaled inputs (steps, inputs) into estimates."""

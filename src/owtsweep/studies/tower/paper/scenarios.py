@@ -170,7 +170,7 @@ def run_scenarios(
 
 def place_sensors(config: TowerConfig, record: Case) -> Case:
     """Return a record with the sensors of a configuration in place of its own."""
-    places = list_places(config.sensors, record.part.cut, config.structure.mudline)
+    places = list_places(config.sensors, config.nodes)
     where = [(place.kind, place.node) for place in places]
     signals = {
         direction: take_signals(motion, record.part.strain, where, config.faults)

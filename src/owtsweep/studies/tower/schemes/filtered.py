@@ -24,15 +24,21 @@ BEYOND = 1e-9
 MARGINAL = 1e-7
 #: Singular values of a scaled matrix below this are rounding (others are above 0.01).
 UNSEEN = 1e-9
-#: A mode is rigid if its strains, and unseen if its signals, are less than this part of the largest.
+#: A mode is rigid if its strains, and unseen if its signals, are less than this part of the
+#: largest.
 RIGID = 1e-9
 
 
 class Settled(Protocol):
     """A filter with the closed loop x[k] = F x[k-1] + K y[k] after its gains have settled."""
 
-    F: Array
-    K: Array
+    @property
+    def F(self) -> Array:
+        """The closed loop, shape (N, N)."""
+
+    @property
+    def K(self) -> Array:
+        """The gain, shape (N, channels)."""
 
     def run(self, y: Array) -> Array:
         """Return states, then inputs, for measurements (steps, channels)."""
@@ -66,6 +72,9 @@ class FilterScheme:
         Makes the model.
     tune
         Makes the filter.
+    any_input
+        Whether inputs may be anything, so that sensors must tell all of them apart. Inputs that
+        fade by themselves need not be seen.
     linear
         Whether estimates are linear in the measurements.
     """
@@ -74,6 +83,7 @@ class FilterScheme:
     knows_soil: bool
     model: Callable[[Setting], Model]
     tune: Callable[[Setting, Model], Settled]
+    any_input: bool = True
     linear: bool = True
 
     def prepare(self, setting: Setting) -> Filtered:
@@ -85,14 +95,16 @@ class FilterScheme:
             If the filter is unstable there, or does not see how the structure is bent.
         """
         model = self.model(setting)
+        if self.any_input:
+            check_seen(self.name, setting, model)
         made = self.tune(setting, model)
-        check_bending(self.name, setting, model, made.F)
+        check_loop(self.name, setting, model, made.F)
         return Filtered(model, made)
 
 
 def noise_of_states(setting: Setting, model: Model) -> Array:
     """Return Q of Eq. (24), shape (2 modes, 2 modes)."""
-    return setting.tuning.process_noise * np.eye(2 * model.modes)
+    return np.diag(np.full(2 * model.modes, setting.tuning.process_noise))
 
 
 def noise_of_inputs(setting: Setting, model: Model) -> Array:
@@ -116,49 +128,56 @@ def prior(setting: Setting, model: Model) -> Array:
     return np.diag(np.concatenate([states, size_of_inputs(setting, model) ** 2]))
 
 
-def check_bending(name: str, setting: Setting, model: Model, loop: Array) -> None:
-    """Check that a settled filter forgets its errors, rigid motion that no sensor sees left out.
+def check_seen(name: str, setting: Setting, model: Model) -> None:
+    """Check that the sensors tell all states and all inputs apart, whatever these inputs are.
 
-    `loop` is the filter's closed loop; its first 2 x modes states are those of the model. What the
-    sensors do not see keeps an eigenvalue of 1 there, whatever the gain is. Position and velocity
-    of a rigid motion may be unseen (inclinometers and accelerometers do not feel the translation):
-    then they drift, but they bend nothing.
+    Position and velocity of a rigid motion that no sensor feels are left out (inclinometers and
+    accelerometers do not feel the translation): they drift, but they bend nothing.
 
     Raises
     ------
     Unable
-        If the sensors see too little (with the rank), or errors grow or never fade although the
-        sensors see enough (with the spectral radius).
+        If they do not; the message has the rank.
+    """
+    unseen = list_unseen_rigid(setting, model)
+    kept = np.setdiff1d(np.arange(sum(model.discrete.B.shape)), unseen)
+    seen = count_seen(model, kept)
+    if seen < len(kept):
+        raise Unable(
+            f"{name} is blind: the sensors see {seen} of {len(kept)} states and inputs (PBH rank "
+            "at the eigenvalue 1; rigid motion that they do not feel left out)"
+        )
+
+
+def check_loop(name: str, setting: Setting, model: Model, loop: Array) -> None:
+    """Check that a settled filter forgets its errors, rigid motion that no sensor feels left out.
+
+    `loop` is the filter's closed loop; its first 2 x modes states are those of the model. What the
+    sensors do not feel keeps an eigenvalue of 1 there, whatever the gain is.
+
+    Raises
+    ------
+    Unable
+        If errors grow or never fade; the message has the spectral radius.
     """
     if not np.all(np.isfinite(loop)):
         raise Unable(f"{name} is unstable: its covariances grow beyond all bounds")
     kept = np.setdiff1d(np.arange(len(loop)), list_unseen_rigid(setting, model))
-    inner = loop[np.ix_(kept, kept)]
-    size = np.abs(np.linalg.eigvals(inner))
-    radius = float(size.max())
-    if radius <= 1.0 - MARGINAL:
-        return
-    seen, needed = count_seen(model, kept)
-    if seen < needed:
-        raise Unable(
-            f"{name} is blind: the sensors see {seen} of {needed} states and inputs (PBH rank at "
-            "the eigenvalue 1; rigid motion that they do not feel left out)"
-        )
-    fate = "is unstable" if radius > 1.0 + BEYOND else "does not forget its errors"
-    raise Unable(f"{name} {fate}: the spectral radius of its closed loop is {radius:.11g}")
+    radius = float(np.abs(np.linalg.eigvals(loop[np.ix_(kept, kept)])).max())
+    if radius > 1.0 - MARGINAL:
+        fate = "is unstable" if radius > 1.0 + BEYOND else "does not forget its errors"
+        raise Unable(f"{name} {fate}: the spectral radius of its closed loop is {radius:.11g}")
 
 
-def count_seen(model: Model, kept: NDArray[np.int64]) -> tuple[int, int]:
-    """Return how many of the states and inputs sensors see at the eigenvalue 1, and how many count.
+def count_seen(model: Model, kept: NDArray[np.int64]) -> int:
+    """Return how many of the states and inputs `kept` the sensors see at the eigenvalue 1.
 
-    Inputs are walks (Eq. 22), which have this eigenvalue, as has rigid motion; all other
-    eigenvalues of a damped structure are stable. `kept` are the states and inputs that count.
-
-    The rank is that of Popov, Belevitch and Hautus: of [F - I; H] with F = [A, B; 0, I], H = [G, J].
-    Rows and columns are scaled to norms of 1 before, for units to play no part.
+    Inputs count as walks (Eq. 22), which have this eigenvalue, as has rigid motion; all other
+    eigenvalues of a damped structure are stable. The rank is that of Popov, Belevitch and Hautus:
+    of [F - I; H] with F = [A, B; 0, I] and H = [G, J]. Rows and columns are scaled to norms of 1
+    before, for units to play no part.
     """
     discrete = model.discrete
-    kept = kept[kept < sum(discrete.B.shape)]  # a latent load may have further states
     moved = np.hstack([discrete.A - np.eye(len(discrete.A)), discrete.B])
     matrix = np.vstack([moved, np.hstack([discrete.G, discrete.J])])[:, kept]
     matrix = matrix[np.abs(matrix).max(axis=1) > 0.0]
@@ -166,8 +185,7 @@ def count_seen(model: Model, kept: NDArray[np.int64]) -> tuple[int, int]:
     for _ in range(10):
         matrix = matrix / np.linalg.norm(matrix, axis=1, keepdims=True)
         matrix /= np.linalg.norm(matrix, axis=0)
-    rank = int(np.sum(np.linalg.svd(matrix, compute_uv=False) > UNSEEN))
-    return rank, len(kept)
+    return int(np.sum(np.linalg.svd(matrix, compute_uv=False) > UNSEEN))
 
 
 def list_unseen_rigid(setting: Setting, model: Model) -> list[int]:

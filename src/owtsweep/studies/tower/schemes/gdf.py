@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from owtsweep.estimation.gillijns import make_gillijns
+from owtsweep.estimation.gillijns import find_feedthrough_rank, make_gillijns
 from owtsweep.studies.tower.contract import Setting, Unable
 from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
@@ -28,11 +28,10 @@ def tune(setting: Setting, model: Model) -> Settled:
     Unable
         If the feedthrough matrix has too small a rank.
     """
-    J = model.discrete.J
-    rank = int(np.linalg.matrix_rank(J))
-    if rank < J.shape[1]:
+    rank, inputs = find_feedthrough_rank(model.discrete.J), len(model.inputs)
+    if rank < inputs:
         raise Unable(
-            f"GDF is blind: the feedthrough matrix J has rank {rank}, but {J.shape[1]} inputs are "
+            f"GDF is blind: the feedthrough matrix J has rank {rank}, but {inputs} inputs are "
             "unknown; it needs as many accelerometers at different heights"
         )
     initial = setting.tuning.initial * np.eye(2 * model.modes)
