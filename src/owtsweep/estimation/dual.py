@@ -94,5 +94,5 @@ def _join(model: InputStateModel, of_p: Correction, of_x: Correction, reading: s
         F=np.vstack([new_x, new_p]),
         K=np.vstack([new_x_y, of_p.K]),
         states=np.concatenate([deviation(of_x.predicted), deviation(of_p.predicted)]),
-        noise=of_x.noise,
+        corrections=np.vstack([of_x.corrections, of_p.corrections]),
     )

@@ -22,6 +22,7 @@ from owtsweep.estimation.input_state import (
     check_noise,
     combine,
     deviation,
+    overflows,
     root_of,
     settle,
 )
@@ -68,30 +69,26 @@ def find_feedthrough_rank(J: Array) -> int:
 
 
 def _steps(model: InputStateModel, root_Q: Array, root_R: Array, root: Array) -> Iterator[Step]:
-    """Yield the steps of the filter whose state is [x, p].
+    """Yield the steps of the filter whose state is [x, p], until its covariances overflow.
 
-    With the gains M of the input and L of the state (M J = I and L J = 0), errors of the estimates
-    of x and p at k are linear in the prediction's error e and in the noise v:
-    (I - L G) e - L v, and -M G e - M v.
+    With known input, the innovation would be e = T u with its root T and unit white noise u, and
+    the state would be corrected by C u. Whitened, the innovation with unknown input is
+    T^-1 J p + u. With the factors q r of T^-1 J, least squares give the input r^-1 q' of it. The
+    error r^-1 q' u of the input moves the state by -C q q' u.
     """
-    G, J = model.G, model.J
-    both = np.hstack([model.A, model.B])
-    n = len(model.A)
-    while True:
-        seen = combine(G @ root, root_R)  # root of the innovation's covariance for known input
-        white = np.linalg.solve(seen, J)
-        q, r = np.linalg.qr(white)
-        M = np.linalg.solve(r, np.linalg.solve(seen.T, q).T)
-        gain = np.linalg.solve(seen.T, np.linalg.solve(seen, G @ root) @ root.T).T
-        L = gain - (gain @ J) @ M
-        gains = np.vstack([L, M])
-        predict = np.vstack([np.eye(n), np.zeros((len(M), n))]) - gains @ G
-        inner = predict @ both
-        yield Step(
-            inner,
-            gains,
-            np.concatenate([deviation(root), deviation(M @ seen)]),
-            deviation(root_R),
-        )
-        errors = combine(predict @ root, gains @ root_R)
+    A, B, G, J = model.A, model.B, model.G, model.J
+    n, inputs = B.shape
+    m = len(G)
+    both = np.hstack([A, B])
+    no_input = np.zeros((inputs, n))
+    while not overflows(root):
+        made = combine(np.vstack([root_R, np.zeros((n, m))]), np.vstack([G @ root, root]))
+        T, C, known = made[:m, :m], made[m:, :m], made[m:, m:]
+        q, r = np.linalg.qr(np.linalg.solve(T, J))
+        solve_r = np.linalg.inv(r)
+        corrections = np.vstack([C - C @ q @ q.T, solve_r @ q.T])
+        gains = np.linalg.solve(T.T, corrections.T).T
+        predict = np.vstack([np.eye(n), no_input]) - gains @ G
+        errors = np.block([[known, -C @ q], [no_input, solve_r]])
+        yield Step(predict @ both, gains, deviation(errors), corrections)
         root = combine(both @ errors, root_Q)

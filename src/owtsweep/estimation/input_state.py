@@ -23,13 +23,15 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 
-#: Gains have settled once a change of the gain, times the sensors' noise, moves no estimate by more
-#: than this part of its standard deviation ...
+#: Gains have settled once typical corrections change, from one step to the next, by less than this
+#: part of the standard deviation of what they correct ...
 TOLERANCE = 1e-10
 #: ... in so many steps, one after the other.
 QUIET_STEPS = 5
 #: Most steps for which gains are computed. After these steps, the last gain stays, settled or not.
 LONGEST = 6000
+#: Standard deviations beyond this count as overflow: a filter is unstable.
+OVERFLOW = 1e100
 
 
 @dataclass(frozen=True)
@@ -89,14 +91,15 @@ def hold_inputs(A: Array, B: Array, G: Array, J: Array, step: float) -> InputSta
 class Step(NamedTuple):
     """One step of a linear filter: x^[k] = F x^[k-1] + K y[k].
 
-    Changes of K are judged in units of `states`, the standard deviations (N,) of the estimate's
-    error before the measurement, and of `noise`, those (m,) of the sensors' noise.
+    `states` are standard deviations (N,) of the estimate's error, in which changes are judged.
+    `corrections` is K times a root of the innovation's covariance, shape (N, m): how much typical
+    measurements correct the estimate.
     """
 
     F: Array
     K: Array
     states: Array
-    noise: Array
+    corrections: Array
 
 
 @dataclass(frozen=True)
@@ -183,16 +186,21 @@ def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
 
     The gain counts as settled after `QUIET_STEPS` steps with changes below `TOLERANCE`. Gains are
     watched rather than covariances: where sensors do not see a direction of state, its variance
-    grows for ever while the gain settles. A gain that has not settled after `LONGEST` steps stays
-    as it is then, and the filter's `settled` is False.
+    grows for ever while the gain settles. If the gain has not settled after `LONGEST` steps, or
+    when covariances have grown beyond what numbers can hold, the last gain stays, and the filter's
+    `settled` is False.
     """
     made: list[Step] = []
     quiet = 0
-    for step in islice(steps, LONGEST):
-        made.append(step)
-        quiet = quiet + 1 if len(made) > 1 and _is_quiet(made[-2].K, step) else 0
-        if quiet == QUIET_STEPS or not np.all(np.isfinite(step.K)):
-            break
+    try:
+        for step in islice(steps, LONGEST):
+            quiet = quiet + 1 if made and _is_quiet(made[-1], step) else 0
+            made.append(step)
+            if quiet == QUIET_STEPS:
+                break
+    except np.linalg.LinAlgError:  # one direction has outgrown all others
+        if not made:
+            raise
     return Filter(
         F=made[-1].F,
         K=made[-1].K,
@@ -203,9 +211,9 @@ def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
     )
 
 
-def _is_quiet(before: Array, step: Step) -> bool:
+def _is_quiet(before: Step, step: Step) -> bool:
     """Return whether the gain has changed by no more than `TOLERANCE` says."""
-    change = np.max(np.abs(step.K - before) * step.noise, axis=1)
+    change = np.max(np.abs(step.corrections - before.corrections), axis=1)
     return bool(np.all(change <= TOLERANCE * step.states))
 
 
@@ -216,23 +224,23 @@ class Correction(NamedTuple):
     ----------
     K
         Gain, shape (N, m).
-    noise
-        Standard deviations of the sensors' noise, shape (m,).
     innovation
         Root of the innovation's covariance, shape (m, m), lower triangular.
+    corrections
+        K times this root, shape (N, m).
     predicted, filtered
         Roots of the states' covariance before and after the measurement, shape (N, N).
     """
 
     K: Array
-    noise: Array
     innovation: Array
+    corrections: Array
     predicted: Array
     filtered: Array
 
 
 def kalman(F: Array, H: Array, Q: Array, R: Array, P0: Array) -> Iterator[Correction]:
-    """Yield the Kalman filter's gains and covariances, step by step, without end.
+    """Yield the Kalman filter's gains and covariances, step by step, until they overflow.
 
     Parameters
     ----------
@@ -250,17 +258,15 @@ def kalman(F: Array, H: Array, Q: Array, R: Array, P0: Array) -> Iterator[Correc
     """
     root_Q, root_R, root = root_of("Q", Q), check_noise(R), root_of("P0", P0)
     m, N = H.shape
-    weight, noise = np.linalg.solve(R, H), deviation(root_R)
-    while True:
+    while not overflows(root):
         root = combine(F @ root, root_Q)
         both = combine(
             np.vstack([root_R, np.zeros((N, m))]),
             np.vstack([H @ root, root]),
         )
-        filtered = both[m:, m:]
-        # P H' R^-1 with the new P: the innovation's covariance is far worse conditioned than R.
-        K = filtered @ (weight @ filtered).T
-        yield Correction(K, noise, both[:m, :m], root, filtered)
+        innovation, corrections, filtered = both[:m, :m], both[m:, :m], both[m:, m:]
+        K = np.linalg.solve(innovation.T, corrections.T).T
+        yield Correction(K, innovation, corrections, root, filtered)
         root = filtered
 
 
@@ -276,12 +282,17 @@ def make_kalman(
 
 def to_step(F: Array, H: Array, made: Correction) -> Step:
     """Turn the gain of a Kalman filter with matrices F and H into a step of a `Filter`."""
-    return Step(F - made.K @ (H @ F), made.K, deviation(made.predicted), made.noise)
+    return Step(F - made.K @ (H @ F), made.K, deviation(made.predicted), made.corrections)
 
 
 def deviation(root: Array) -> Array:
     """Return the standard deviations of the covariance with this root, shape (N,)."""
     return np.asarray(np.linalg.norm(root, axis=1))
+
+
+def overflows(root: Array) -> bool:
+    """Return whether the covariance with this root is too large to go on."""
+    return not bool(np.all(np.abs(root) < OVERFLOW))
 
 
 def combine(*roots: Array) -> Array:

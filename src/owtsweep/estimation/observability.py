@@ -131,7 +131,8 @@ def find_unobservable(
         their norms before, since the unit of a sensor does not matter.
     size
         Typical size of each state, in which states are counted, shape (n,). None: the sizes that
-        balance A (`scipy.linalg.matrix_balance`).
+        balance A (`scipy.linalg.matrix_balance`). They serve unless states that are coupled one way
+        only (position and velocity of a free body) are in units many orders of magnitude apart.
 
     Raises
     ------
