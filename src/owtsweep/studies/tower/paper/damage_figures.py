@@ -85,7 +85,9 @@ def _draw_pair(left: Axes, right: Axes, outcomes: Mapping[str, Outcome], words: 
     right.axvline(1.0, color="black", linewidth=1.0)
     right.set_xscale("log")
     right.set_xlim(0.95 * SHOWN[0], 1.05 * SHOWN[1])
-    right.set_xticks([0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0], ["0.3", "0.5", "0.7", "1", "1.5", "2", "3"])
+    right.set_xticks(
+        [0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0], ["0.3", "0.5", "0.7", "1", "1.5", "2", "3"]
+    )
     right.minorticks_off()
     right.set_title("estimated / true", fontsize=10)
     right.set_xlabel("ratio; grey: ±15 %")
@@ -101,7 +103,7 @@ def _is_ten_minutes(outcome: Outcome) -> bool:
 
 def _note(outcome: Outcome) -> str:
     return (
-        f"{describe(outcome)}. S-N curve as printed (m = 5, log a = 13.617), Goodman with 500 MPa. "
-        "Damage at a node of the mesh, of bending in one direction, on a logarithmic axis: the share of a "
-        "weld's life. Blue: mean sea level. Triangles: beyond the axis, with the ratio."
+        f"{describe(outcome)}. S-N curve as printed (m = 5, log a = 13.617), Goodman with 500 MPa; "
+        "damage at a node of the mesh, of bending in one direction, on a logarithmic axis: the share "
+        "of a weld's life. Blue: mean sea level. Triangles: beyond the axis, with the ratio."
     )

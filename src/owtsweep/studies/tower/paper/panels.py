@@ -70,9 +70,7 @@ def describe(outcome: Outcome) -> str:
     )
 
 
-def draw_rows(
-    rows: Sequence[Row], title: str, note: str, *, spectra: bool = False
-) -> Figure:
+def draw_rows(rows: Sequence[Row], title: str, note: str, *, spectra: bool = False) -> Figure:
     """Draw rows of three panels: the record, an excerpt, and criteria (or spectra)."""
     figure = style.new_figure(11.0, 0.9 + 2.1 * len(rows))
     grid = figure.subplots(len(rows), 3, width_ratios=(1.3, 1.2, 1.2), squeeze=False)
@@ -83,8 +81,8 @@ def draw_rows(
             draw_spectra(line[2], row)
         else:
             _draw_criteria(line[2], row)
-    titles = ["whole record; grey: not judged", f"excerpt of {EXCERPT:g} s",
-              "power spectral density" if spectra else "distance from the truth (less is better)"]  # fmt: skip
+    third = "power spectral density" if spectra else "distance from the truth (less is better)"
+    titles = ["whole record; grey: not judged", f"excerpt of {EXCERPT:g} s", third]
     for axes, text in zip(grid[0], titles, strict=True):
         axes.set_title(text, fontsize=10)
     for axes in grid[-1, : 3 if spectra else 2]:

@@ -86,8 +86,8 @@ def _document(
             "turbine: absolute numbers (MAE, damage, inputs) cannot agree, ratios and statements "
             "can. Displacements drift without displacement sensors, because inclinometers and "
             "accelerometers do not see position and velocity of the rigid translation: that is "
-            "observability, not tuning. Brackets are 95 % intervals of means over the records; of ratios of means, "
-            "paired (Fieller). Directions: fa fore-aft, ss side-side."
+            "observability, not tuning. Brackets are 95 % intervals of means over the records. "
+            "Directions: fa fore-aft, ss side-side."
         ),
         Heading("In short"),
         Bullets(
@@ -100,14 +100,12 @@ def _document(
         Heading("Table 3"),
         Paragraph(
             "Printed number / mean over the records, wind only. MAE in m and rad. The drift of "
-            "displacements without displacement sensors is that of an unobservable motion: its size "
-            "depends on tuning and seed, and has no other meaning."
+            "displacements without displacement sensors is that of an unobservable motion: its "
+            "size depends on tuning and seed, and has no other meaning."
         ),
         show_table(table),
         Heading("Goals of the project"),
-        TextTable(
-            ["", "to be reached", "verdict"], [[g.name, g.text, g.verdict] for g in goals]
-        ),
+        TextTable(["", "to be reached", "verdict"], [[g.name, g.text, g.verdict] for g in goals]),
         *_explain_goals(goals),
     ]
 

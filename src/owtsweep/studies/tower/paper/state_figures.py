@@ -28,8 +28,8 @@ Results = Mapping[Scenario, Outcomes]
 def draw_modes(results: Results) -> Figure:
     """Draw Figure 4: rigid modes and normal modes of the substructure, over height.
 
-    Both directions have one set of modes, which do not couple. The attachment modes, which the print
-    leaves out, are drawn thin.
+    Both directions have one set of modes. The attachment modes, which the print leaves out, are
+    drawn thin.
     """
     outcome = next(iter(results.values()))["fa"]
     reduced = outcome.setting.reduced
@@ -74,7 +74,7 @@ def draw_states(results: Results) -> Figure:
     return draw_rows(
         rows,
         "Displacement and rotation at 0 m and 15 m, wind only (Fig. 5 of Simpson et al. 2025)",
-        f"{describe(first)}. TRAC and FRAC as printed, means included; both are near 1 for a signal "
+        f"{describe(first)}. TRAC and FRAC as printed, means included; both are near 1 for signals "
         "with a large mean. σ: standard deviation of the truth.",
     )
 
@@ -97,7 +97,9 @@ def draw_modal(results: Results) -> Figure:
             for piece in make_line(outcome.time, true[:, mode]):
                 axes.plot(*piece, **TRUTH)
             for piece in make_line(outcome.time, estimated[:, mode]):
-                axes.plot(*piece, linewidth=1.0, label=f"estimate, {name}", **LOOKS[name], zorder=2.2)
+                axes.plot(
+                    *piece, linewidth=1.0, label=f"estimate, {name}", **LOOKS[name], zorder=2.2
+                )
             judged = np.concatenate([true[outcome.judged, mode], estimated[outcome.judged, mode]])
             room = 0.1 * float(np.ptp(judged))
             axes.set_ylim(judged.min() - room, judged.max() + room)
@@ -111,9 +113,9 @@ def draw_modal(results: Results) -> Figure:
     title = "Modal coordinates, wind only (Fig. 6 of Simpson et al. 2025)"
     note = (
         f"{describe(first)}. Modes have a mass of 1 kg; rigid 1 is translation, rigid 2 rotation "
-        "about the centre of mass: inclinometers see the latter, so translation alone drifts. (Rigid "
-        "modes that mix both, as eigenvectors of the eigenvalue 0 may, would drift both.) Grey: not "
-        "judged."
+        "about the centre of mass: inclinometers see the latter, so only translation drifts. "
+        "(Modes that mix both, as eigenvectors of the eigenvalue 0 may, would drift both.) Grey: "
+        "not judged."
     )
     finish(figure, grid[0, 0], title, note)
     return figure
