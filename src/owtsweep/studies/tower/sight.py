@@ -23,7 +23,7 @@ from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting, Unable
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes import resolve_all
-from owtsweep.studies.tower.schemes.filtered import count_seen, list_unseen_rigid
+from owtsweep.studies.tower.schemes.filtered import check_seen
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 #: Noise by which a set-up is judged before there is a record, in SI units. Only orders of magnitude
@@ -100,7 +100,7 @@ def require_sight(config: TowerConfig) -> None:
 
 def _require_sight(config: TowerConfig) -> None:
     setting, places = _set(config)
-    if _count_missing(setting) == 0:
+    if _sees_bending(setting):
         return
     reasons = []
     # The last schemes of the list are the quickest to prepare.
@@ -155,26 +155,26 @@ def _missed(seen: Observability, names: Sequence[str]) -> set[str]:
     return {name for part in parts for name, size in zip(names, part, strict=True) if size > TOLD}
 
 
-def _count_missing(setting: Setting) -> int:
-    """Return how many states and inputs are unseen, rigid motion that no sensor feels left out."""
-    model = model_cut(setting)
-    unfelt = list_unseen_rigid(setting, model)
-    kept = np.setdiff1d(np.arange(sum(model.discrete.B.shape)), unfelt)
-    return len(kept) - count_seen(model, kept)
+def _sees_bending(setting: Setting) -> bool:
+    """Return whether sensors see all directions of state and load that bend the structure."""
+    try:
+        check_seen("AKF", setting, model_cut(setting))
+    except Unable:
+        return False
+    return True
 
 
 def _count_unseen(setting: Setting) -> int:
-    """Return by how much the PBH rank at the eigenvalue 1 lacks of all states and inputs."""
-    model = model_cut(setting)
-    everything = np.arange(sum(model.discrete.B.shape))
-    return len(everything) - count_seen(model, everything)
+    """Return how many directions of state and load are unseen."""
+    seen, _ = _observe(setting)
+    return seen.states - seen.rank
 
 
 def _advise(setting: Setting, places: Sequence[Place], ground: float) -> str:
     """Say which further inclinometers, chosen one after another, make all loads seen."""
     heights = setting.cut.heights
     chosen: list[Place] = []
-    while _count_missing(setting):
+    while not _sees_bending(setting):
         unseen = _count_unseen(setting)
         taken = [p.node for p in (*places, *chosen) if p.kind in ("theta", "x")]
         for node in _order_by_distance(heights, taken):
