@@ -161,7 +161,7 @@ def test_force_and_motion_of_the_mast_come_back(tmp_path):
     file = f"structure={ROOT / 'examples' / 'mast.yaml'}"
     config = compose(["study=tower", "experiment=mast", file])
     part = model_substructure(config)
-    places = [place[:2] for place in list_places(config.sensors, part.cut, 0.0)]
+    places = [place[:2] for place in list_places(config.sensors, config.nodes)]
     step = 1.0 / config.record.rate
     recorded = Recorded(file=str(tmp_path / "mast.csv"))
     motion = load_motions(recorded, part.cut, places, steps=5000, step=step)["fa"]
