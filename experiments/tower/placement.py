@@ -35,7 +35,7 @@ from owtsweep.studies.tower.placement import (
     choose_greedily,
     predict,
 )
-from owtsweep.studies.tower.placement_case import Case, make_case, simulate
+from owtsweep.studies.tower.placement_case import PlacementCase, make_case, simulate
 
 ACCELEROMETERS = (0.0, 35.0, 40.0, 84.0, 175.0)
 TABLE_2 = (0.0, 30.0, 58.0, 149.0, 175.0)
@@ -50,7 +50,7 @@ RANDOM = 12
 
 
 def tabulate(
-    criterion: Criterion, how: str, choices: list[Choice], case: Case
+    criterion: Criterion, how: str, choices: list[Choice], case: PlacementCase
 ) -> list[dict[str, object]]:
     """Return the rows of choices.csv."""
     return [

@@ -37,6 +37,10 @@ CELL_WIDTH = (0.95, 1.6)
 CELL_HEIGHT = (0.3, 0.55)
 ONE_LINE = 0.42
 MOST_LABELS = 600
+#: Columns of the legend, and the height of one of its lines in inches.
+LEGEND_COLUMNS, LEGEND_LINE = 3, 0.2
+#: A map of more schemes lists those in the legend that are best somewhere, the others below.
+MOST_LISTED = 9
 #: Where a line crosses a cell, the label moves to the left, and up or down, by this part of it.
 ASIDE = 0.3
 
@@ -137,9 +141,13 @@ def draw(
     letters = longest + 8 if tall else 2 * longest + 10
     width = max(np.clip(7.0 / columns, *CELL_WIDTH), 0.1 + 0.065 * letters)
 
-    figure = style.new_figure(max(7.2, 1.0 + width * columns), 2.2 + height * lines)
-    axes = figure.add_subplot()
     rows = shown.to_dict("records")
+    listed = list_in_legend(rows, schemes)
+    beyond = max(0, -(-len(listed) // LEGEND_COLUMNS) - MOST_LISTED // LEGEND_COLUMNS)
+    figure = style.new_figure(
+        max(7.2, 1.0 + width * columns), 2.2 + height * lines + LEGEND_LINE * beyond
+    )
+    axes = figure.add_subplot()
     labelled = len(rows) <= MOST_LABELS
     lines_of_text = "two lines" if tall else "one line"
     draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
@@ -148,11 +156,24 @@ def draw(
         f"tuning: {tuning}{_count_records(replicates, failures)}",
         loc="left",
     )
-    handles = _make_legend(rows, schemes, coinciding, holes=len(rows) < plane.size)
-    add_legend(figure, handles, columns=3, score=score)
+    handles = _make_legend(rows, listed, coinciding, holes=len(rows) < plane.size)
+    add_legend(figure, handles, columns=LEGEND_COLUMNS, score=score)
     explained = _explain(rows, coinciding, failures, score, labelled=labelled)
-    style.footnote(figure, " ".join([explained, *notes]))
+    unlisted = [name for name in schemes if name not in listed]
+    beaten = [f"Best in no cell: {', '.join(unlisted)}."] if unlisted else []
+    style.footnote(figure, " ".join([explained, *beaten, *notes]))
     return figure
+
+
+def list_in_legend(rows: Sequence[dict[Any, Any]], schemes: Sequence[str]) -> list[str]:
+    """Return the schemes that a map's legend lists: all, or of many those that are best somewhere.
+
+    `rows` are the cells, rows of best_scheme.csv.
+    """
+    if len(schemes) <= MOST_LISTED:
+        return list(schemes)
+    winners = {row["best"] for row in rows}
+    return [name for name in schemes if name in winners]
 
 
 def draw_cells(

@@ -8,6 +8,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
+from owtsweep.figures import palette
+from owtsweep.studies.tower.looks import LOOKS
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
@@ -19,6 +21,8 @@ __all__ = ["TowerStudy"]
 
 #: Packages whose code affects the numbers that the study stores.
 ROOMS = (waves, structures, sensing, motion, estimation, evaluation)
+
+palette.reserve(LOOKS)
 
 
 class TowerStudy:

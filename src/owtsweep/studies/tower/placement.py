@@ -256,12 +256,7 @@ def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "st
     """
     from math import comb
 
-    candidates = len(problem.heights)
-    require(
-        0 <= count <= candidates,
-        f"count: {count} inclinometers, but there are {candidates} candidate heights; give more "
-        "heights or choose fewer",
-    )
+    candidates = _count_candidates(problem, count)
     sets = comb(candidates, count)
     require(
         sets <= MOST_SETS,
@@ -286,8 +281,9 @@ def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress
     Raises
     ------
     InputError
-        If no set of `count` candidates has a finite error.
+        If there are fewer candidates, or no set of `count` candidates has a finite error.
     """
+    _count_candidates(problem, count)
     for fewest in range(count + 1):
         best = choose_exhaustively(problem, fewest, criterion)
         if np.isfinite(best.error(criterion)):
@@ -309,3 +305,14 @@ def extend(problem: Problem, choice: Choice) -> list[Choice]:
     """Return the sets with one candidate more, upwards: what a next sensor buys at each height."""
     others = [n for n in range(len(problem.heights)) if n not in choice.chosen]
     return [predict(problem, (*choice.chosen, number)) for number in others]
+
+
+def _count_candidates(problem: Problem, count: int) -> int:
+    """Return the number of candidates; raise `InputError` if `count` are more than that."""
+    candidates = len(problem.heights)
+    require(
+        0 <= count <= candidates,
+        f"count: {count} inclinometers, but there are {candidates} candidate heights; give more "
+        "heights or choose fewer",
+    )
+    return candidates

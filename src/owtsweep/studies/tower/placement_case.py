@@ -10,24 +10,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.config import changed
 from owtsweep.errors import require
 from owtsweep.streams import stream
 from owtsweep.structures import Structure
-from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut, assemble_whole
-from owtsweep.structures.reduction import reduce_free
-from owtsweep.structures.stress import strain_matrix, stress_matrix
+from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
+from owtsweep.structures.stress import stress_matrix
+from owtsweep.studies.tower.believed import make_believed
+from owtsweep.studies.tower.channels import find_node
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, Believed, Channel, Setting
-from owtsweep.studies.tower.loads.waves import triangular_load
-from owtsweep.studies.tower.models import list_interfaces
+from owtsweep.studies.tower.contract import Channel, Setting
 from owtsweep.studies.tower.placement import Problem, pose
-from owtsweep.studies.tower.truth import Motion, find_damping, make_truth
+from owtsweep.studies.tower.setting import make_setting, model_substructure
+from owtsweep.studies.tower.truth import Motion, make_truth
 
+#: Accelerometers where none are named.
+SPREAD = 5
 #: Signals below this share of the largest one of their kind are none: a clamped foot, a free end.
 SILENT = 1e-3
 #: Welds whose stress has less than this share of the largest standard deviation are not judged: on
@@ -36,7 +38,7 @@ IDLE = 0.01 ** (1.0 / 5.0)
 
 
 @dataclass(frozen=True)
-class Case:
+class PlacementCase:
     """A structure with its sensors to choose from, in one direction.
 
     Attributes
@@ -77,25 +79,30 @@ class Case:
         )
 
 
-def divide_tubes(structure: Structure, longest: float) -> Structure:
-    """Divide tubes so that no element is longer than `longest` m; sensors can be at the new ends.
+def divide_tubes(structure: Structure, longest: float, heights: Sequence[float] = ()) -> Structure:
+    """Divide tubes, so that sensors can be at the new ends.
 
-    Tapered tubes stay as they are but for rounding, because diameter and wall change linearly.
+    No element is then longer than `longest` m, and one ends at each of `heights` (m above ground)
+    that is inside a tube. Tapered tubes stay as they are but for rounding, because diameter and
+    wall change linearly.
     """
     tubes = []
     for tube in structure.tubes:
-        pieces = int(np.ceil((tube.top - tube.bottom) / longest - 1e-9))
-        ends = np.linspace(tube.bottom, tube.top, pieces + 1)
-        for number, (low, high) in enumerate(pairwise(map(float, ends)), start=1):
+        inside = (structure.mudline + height for height in heights)
+        cuts = sorted({tube.bottom, *(z for z in inside if tube.bottom < z < tube.top), tube.top})
+        ends = [tube.bottom]
+        for low, high in pairwise(cuts):
+            pieces = int(np.ceil((high - low) / longest - 1e-9))
+            ends += [float(z) for z in np.linspace(low, high, pieces + 1)[1:]]
+        for number, (low, high) in enumerate(pairwise(ends), start=1):
             at = [(z - tube.bottom) / (tube.top - tube.bottom) for z in (low, high)]
-            changed = {
+            shape = {
                 key: [float(np.interp(share, [0.0, 1.0], values)) for share in at]
                 for key, values in (("diameter", tube.diameter), ("thickness", tube.thickness))
             }
-            name = f"{tube.name}_{number}" if pieces > 1 else tube.name
-            changes = {"name": name, "bottom": low, "top": high, **changed}
-            tubes.append(tube.model_copy(update=changes))
-    return structure.model_copy(update={"tubes": tubes})
+            name = f"{tube.name}_{number}" if len(ends) > 2 else tube.name
+            tubes.append(changed(tube, name=name, bottom=low, top=high, **shape))
+    return changed(structure, tubes=tubes)
 
 
 def make_case(
@@ -107,7 +114,7 @@ def make_case(
     noise: float = 1.0,
     direction: str = "fa",
     records: int = 1,
-) -> Case:
+) -> PlacementCase:
     """Set up the choice of inclinometers on the substructure from the ground to the top.
 
     Parameters
@@ -134,67 +141,41 @@ def make_case(
         If a height has no node, or the structure does not stand.
     """
     require(noise > 0.0, f"noise: {noise:g} % leaves the covariance R singular; give more than 0")
-    low, high = structure.mudline, structure.hub
-    cut = assemble_cut(structure, low, high)
-    side = direction == DIRECTIONS[1]
-    step = 1.0 / config.record.rate
+    config = changed(config, structure=structure, cuts=None)
+    part = model_substructure(config)
+    low, step, first = structure.mudline, 1.0 / config.record.rate, config.record.settled
     motions = tuple(
         make_truth(
-            structure, (low, high), config.wind, config.waves,
-            partial(stream, config.seed, "tower", [], number), steps=config.record.steps,
+            structure, config.heights, config.wind, config.waves,
+            partial(stream, config.seed, "tower", (), number), steps=config.record.steps,
             step=step, gravity=config.truth.gravity, subdivision=config.truth.subdivision,
         )[direction]
         for number in range(records)
     )  # fmt: skip
-    first = config.record.settled
-    shift, push = (part[first:].std(axis=0) for part in
-                   (motions[0].displacement, motions[0].acceleration))  # fmt: skip
-    sizes = {"a": push[0::2], "theta": shift[1::2]}
-
-    def place(kind: str, heights: Sequence[float] | None, spread: int | None) -> list[Channel]:
-        size = sizes[kind]
-        heard = np.flatnonzero(size > SILENT * size.max())
-        if heights is None:
-            ideal = np.linspace(cut.heights[heard[0]], high, spread) if spread else None
-            nodes = heard if ideal is None else _nearest(cut, heard, ideal)
-        else:
-            what = "accelerometers" if kind == "a" else "inclinometers"
-            nodes = np.array([cut.find_node(low + height, what) for height in heights])
-            require(
-                bool(np.all(np.isin(nodes, heard))),
-                f"{what}: nothing moves at the clamped foot; leave out the height of 0 m",
-            )
-        return [Channel(kind, int(n), 0.01 * noise * float(size[n])) for n in nodes]  # type: ignore[arg-type]
-
-    stress = stress_matrix(structure, cut)
-    scale = (motions[0].displacement[first:] @ stress.T).std(axis=0)
+    turning = motions[0].displacement[first:, 1::2].std(axis=0)
+    pushing = motions[0].acceleration[first:, 0::2].std(axis=0)
+    given = _place("accelerometers", part.cut, low, pushing, accelerometers)
+    if accelerometers is None:
+        given = _spread(part.cut, given)
+    offered = _place("inclinometers", part.cut, low, turning, inclinometers)
+    share = 0.01 * noise
+    channels = [Channel("a", node, share * float(pushing[node])) for node in given]
+    believed = make_believed(config.filters, step, motions[0])
+    true_stress = stress_matrix(structure, assemble_cut(structure, *config.heights))
+    scale = (motions[0].displacement[first:] @ true_stress.T).std(axis=0)
     judged = scale > IDLE * scale.max()
-    whole = assemble_whole(structure, side=side, gravity=config.model.gravity)
-    start = whole.find_node(low)
-    nodes: Any = np.arange(start, start + len(cut.heights))
-    filters = config.filters
-    change = np.array([filters.force, filters.moment] * 2 + [filters.wave])
-    setting = Setting(
-        direction=direction, cut=cut, cut_damping=find_damping(structure, cut),
-        reduced=reduce_free(cut, list(list_interfaces(cut)), config.model.modes), whole=whole,
-        whole_damping=np.zeros_like(whole.mass),  # the cut's schemes do not look at the whole
-        nodes=nodes, wave_shape=triangular_load(structure, cut),
-        strain=strain_matrix(structure, cut),
-        channels=tuple(place("a", accelerometers, 5)), step=step,
-        believed=Believed(change, change, np.full(5, filters.correlation_time)), tuning=filters,
-    )  # fmt: skip
-    return Case(
-        setting=setting,
-        candidates=tuple(place("theta", inclinometers, None)),
-        stress=stress[judged],
-        welds=cut.heights[judged] - low,
+    return PlacementCase(
+        setting=make_setting(config, part, direction, 1.0, channels, believed),
+        candidates=tuple(Channel("theta", node, share * float(turning[node])) for node in offered),
+        stress=part.stress[judged],
+        welds=part.cut.heights[judged] - low,
         stress_scale=scale[judged],
         moment_scale=float(motions[0].inputs[first:, 1].std()),
         motions=motions,
     )
 
 
-def simulate(case: Case, chosen: Sequence[int], first: int) -> tuple[float, float]:
+def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[float, float]:
     """Run the AKF on the records with some of the candidates; return its real errors.
 
     `first` is the number of the first sample that is judged. The errors are root mean squares of
@@ -228,7 +209,29 @@ def simulate(case: Case, chosen: Sequence[int], first: int) -> tuple[float, floa
     return float(stress_error), float(moment_error)
 
 
-def _nearest(cut: PlaneBeam, nodes: Any, heights: Array) -> Any:
-    """Return those of `nodes` that are nearest to heights (m above mean sea level), once each."""
-    distance = np.abs(cut.heights[nodes][:, None] - heights)
-    return np.unique(nodes[np.argmin(distance, axis=0)])
+def _place(
+    what: str, cut: PlaneBeam, ground: float, size: Array, heights: Sequence[float] | None
+) -> list[int]:
+    """Return the nodes at heights above the ground; None stands for all nodes with a signal.
+
+    `size` is the standard deviation of the signal at each node; `what` names the sensors.
+    """
+    loud = [int(node) for node in np.flatnonzero(size > SILENT * size.max())]
+    if heights is None:
+        return loud
+    nodes = [find_node(cut.heights - ground, height, what) for height in heights]
+    for node, height in zip(nodes, heights, strict=True):
+        require(
+            node in loud,
+            f"{what}: nothing moves at {height:g} m above the ground, where the structure is "
+            "clamped; leave this height out",
+        )
+    return nodes
+
+
+def _spread(cut: PlaneBeam, nodes: Sequence[int]) -> list[int]:
+    """Return up to `SPREAD` of the nodes, evenly over the height."""
+    heights = cut.heights[list(nodes)]
+    ideal = np.linspace(heights[0], heights[-1], SPREAD)
+    nearest = np.argmin(np.abs(heights[:, None] - ideal), axis=0)
+    return sorted({nodes[place] for place in nearest})
