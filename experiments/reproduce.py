@@ -1,4 +1,4 @@
-"""Make everything behind docs/{reproduction,plant,tilt,better}.md: searches, runs, figures.
+"""Make everything behind docs/{reproduction,plant,tilt,better,tower}.md: searches, runs, figures.
 
     python experiments/reproduce.py [REPLICATES] [--check]
 
@@ -24,7 +24,9 @@ import plant
 from agreement import PROVENANCE, compare_folders, largest_difference
 from owtsweep.cli import main
 from owtsweep.figures import style
+from owtsweep.io.tables import write_table
 from owtsweep.studies.hub.figures import two_maps
+from owtsweep.studies.tower.measures import CRITERIA
 
 REFERENCE = Path("results/reference")
 SCRIPTS = Path(__file__).parent
@@ -64,6 +66,7 @@ KEPT = {
     "rivals": ("config.yaml", "manifest.json", "*.csv"),
     "plant": ("*.csv", "*.png", "*.md"),
     "better": ("*.csv", "*.png"),
+    "tower": ("*.csv", "*.md", "*.png"),
     **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
 
@@ -147,6 +150,7 @@ class Reproduction:
         self.make_rivals()
         self.make_plant()
         self.make_better()
+        self.make_tower()
 
     def make_rivals(self) -> None:
         """Search the rival explanations of table 8, judge them, and make the EKF's trade-off."""
@@ -188,6 +192,29 @@ class Reproduction:
         run_script("better.py", folder, replicates, *words)
         run_script("moving_sea.py", folder)
         self.keep("better")
+
+    def make_tower(self) -> None:
+        """Sweep the tower study with both tunings, judge its paper, find crossings and places.
+
+        Of each sweep the maps and the means of the criteria are kept.
+        """
+        folder = self.results / "tower"
+        folder.mkdir(exist_ok=True)
+        for tuning in ("paper", "matched"):
+            name = f"tower_{tuning}"
+            self.sweep(name, "study=tower", f"tuning={tuning}")
+            run_command("figures", str(self.results / name))
+            run = owtsweep.load(self.results / name)
+            summary = run.summary()
+            kept = summary[summary["measure"].isin([*CRITERIA, ""])]
+            write_table(folder, f"summary_{tuning}", kept)
+            write_table(folder, f"best_scheme_{tuning}", run.best_scheme())
+            for map_ in sorted((self.results / name / "figures").glob("map_*.png")):
+                shutil.copy(map_, folder / f"{map_.stem}_{tuning}.png")
+        run_script("tower/crossover.py", folder, f"results={self.results}")
+        run_script("tower/placement.py", folder)
+        run_script("tower/fidelity.py", folder)
+        self.keep("tower")
 
 
 def run_command(*words: str) -> None:
