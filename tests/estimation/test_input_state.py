@@ -17,7 +17,6 @@ from owtsweep.estimation.dual import make_dual
 from owtsweep.estimation.gillijns import make_gillijns
 from owtsweep.estimation.input_state import InputStateModel, hold_inputs
 from owtsweep.estimation.latent import make_latent
-from owtsweep.estimation.white import make_white
 
 #: A beam's cut in small: a rigid translation (no stiffness), and a damped mode.
 RIGID = np.array([[0.0, 0, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0], [0, -90.0, 0, -0.3]])
@@ -273,15 +272,6 @@ def test_latent_filter_is_gaussian_process_regression(kernel) -> None:
     dense = WrittenOut(case.model, case.Q, case.R, before, steps)
     made = make_latent(case.model, case.Q, case.R, kernel, sigma, length, case.P0[:4, :4])
     filtered = made.run(case.y)
-    for k in range(steps):
-        assert filtered[k] == pytest.approx(dense.estimate(case.y, k, k), rel=1e-8, abs=1e-8)
-
-
-def test_filter_of_white_inputs_is_dense_conditioning() -> None:
-    case, steps = draw_case(10), 12
-    before = block_diag(case.P0[:4, :4], np.kron(np.eye(steps + 1), case.S))
-    dense = WrittenOut(case.model, case.Q, case.R, before, steps)
-    filtered = make_white(case.model, case.Q, case.S, case.R, case.P0[:4, :4]).run(case.y)
     for k in range(steps):
         assert filtered[k] == pytest.approx(dense.estimate(case.y, k, k), rel=1e-8, abs=1e-8)
 
