@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, solve_discrete_are
 from written_out import Case, WrittenOut, draw_case, walk
 
 from dense import Measurement, posterior
@@ -110,6 +110,20 @@ def test_steady_filter_is_the_limit_whether_or_not_all_is_seen() -> None:
     assert np.sum(np.abs(np.linalg.eigvals(limit.F)) > 1.0 - 1e-6) == 2
 
 
+def test_steady_filter_does_not_trust_a_solution_that_does_not_fade() -> None:
+    # In these coordinates scipy solves the Riccati equation, though it has no solution.
+    model, T = rigid((1,)), np.random.default_rng(1).normal(size=(4, 4))
+    back = np.linalg.inv(T)
+    mixed = InputStateModel(back @ model.A @ T, back @ model.B, model.G @ T, model.J, STEP)
+    Q, S, R = 1e-3 * back @ back.T, np.eye(2), 1e-2 * np.eye(3)
+    F, H = augment(mixed, np.eye(2))
+    solve_discrete_are(F.T, H.T, block_diag(Q, S), R)
+    made = make_steady(mixed, Q, S, R)
+    plain = make_steady(model, 1e-3 * np.eye(4), S, R)
+    seen = block_diag(T, np.eye(2)) @ made.K
+    assert seen[[1, 3, 4, 5]] == pytest.approx(plain.K[[1, 3, 4, 5]], rel=1e-5, abs=1e-7)
+
+
 def test_gains_that_do_not_settle_stay_as_they_are(monkeypatch) -> None:
     monkeypatch.setattr(input_state, "LONGEST", 7)
     case = draw_case(3, steps=20)
@@ -140,7 +154,7 @@ def test_lagged_estimates_keep_on_after_gains_have_settled(monkeypatch) -> None:
     whole = made.run(case.y)
     monkeypatch.setattr("owtsweep.estimation.lagged.CHUNK", 7)
     assert made.run(case.y) == pytest.approx(whole, rel=1e-12, abs=1e-12)
-    for k in (rows - 8, rows - 2, rows - 1, rows, 80, 89):
+    for k in (rows // 4, rows - 8, rows - 2, rows - 1, rows, 80, 89):
         expected = dense.estimate(case.y, k, min(k + 6, 89))
         assert whole[k] == pytest.approx(expected, rel=1e-6, abs=1e-7)
 

@@ -11,13 +11,21 @@ import pytest
 from owtsweep.errors import InputError
 from owtsweep.structures import read_structure
 from owtsweep.structures.bernoulli import assemble_cut
-from owtsweep.studies.tower.contract import Estimates
-from owtsweep.studies.tower.recorded import (
+from owtsweep.studies.composing import compose
+from owtsweep.studies.tower.believed import make_believed
+from owtsweep.studies.tower.channels import list_places
+from owtsweep.studies.tower.contract import Channel, Estimates
+from owtsweep.studies.tower.measuring import Faults, take_signals
+from owtsweep.studies.tower.recorded import Recorded, read_record
+from owtsweep.studies.tower.recorded_truth import (
     compare,
+    load_motions,
     make_motions,
-    read_record,
+    measure,
     require_channels,
 )
+from owtsweep.studies.tower.schemes import resolve
+from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 ROOT = Path(__file__).parents[2]
 MAST = read_structure(ROOT / "examples" / "mast.yaml")
@@ -61,6 +69,10 @@ def test_a_users_names_are_translated(tmp_path):
     names = {"time": "clock", "a_12": "ACC3", "F_24": "LOAD"}
     record = read_record(file, names)
     np.testing.assert_array_equal(record.need("a", 12.0, "fa"), record.need("F", 24.0, "fa"))
+    assert Recorded(columns=["time:clock", "a_12:ACC3", "F_24: LOAD"]).list_names() == names
+    for bad in (["a_12"], ["a_12:ACC3", "a_12:ACC4"]):
+        with pytest.raises(InputError, match=r"recorded.columns: 'a_12.* is not CHANNEL:NAME, or"):
+            Recorded(columns=bad).list_names()
     for wrong, told in (
         ({"time": "clock", "a_12": "ACC4"}, r"columns.a_12: .* no column 'ACC4'; it has clock, AC"),
         ({"time": "clock", "acc_12": "ACC3"}, r"columns.acc_12: no channel has such a name"),
@@ -79,7 +91,7 @@ def test_bad_columns_are_told_in_one_line(tmp_path):
         ({"time": late, "a_12": ramp}, "not uniform: 0.014 s between data rows 20 and 21, els"),
         ({"time": np.delete(late, 3), "a_12": ramp[1:]}, "not uniform"),
         ({"time": holes, "a_12": ramp}, "column time has no time in data row 8"),
-        ({"time": TIME, "a_12": holes}, "a_12 has no number in 2 rows, the first is data row 8"),
+        ({"time": TIME, "a_12": holes}, "a_12 has no number in data row 8 .2 such rows"),
         ({"time": TIME, "a_12__furlong": ramp}, "column a_12: 'furlong' is not a unit known here"),
         ({"time": TIME, "a_12__mm": ramp}, "'mm' is a unit of length, not of acceleration"),
         ({"time": TIME, "F_24__lbf": ramp}, "'lbf' is not a unit of force known here; use one of"),
@@ -107,12 +119,24 @@ def test_places_must_be_nodes_and_cuts(tmp_path):
         require_channels(record, CUT, "fa", [("strain", 4)])
 
 
+def test_length_and_rate_are_those_of_the_study(tmp_path):
+    file = Recorded(file=str(write(tmp_path / "r.csv", time=TIME, a_12=TIME)))
+    motion = load_motions(file, CUT, [("a", 4)], steps=35, step=0.01)["fa"]
+    assert motion.acceleration.shape == (35, len(CUT.mass))
+    with pytest.raises(InputError, match=r"record.rate: 50 Hz, but .* every 0.01 s; .*rate=100"):
+        load_motions(file, CUT, [("a", 4)], steps=35, step=0.02)
+    with pytest.raises(InputError, match=r"record.duration: 0.41 s, but .* lasts 0.4 s; set rec"):
+        load_motions(file, CUT, [("a", 4)], steps=41, step=0.01)
+
+
 def test_only_what_is_known_is_compared(tmp_path):
     wave = np.sin(TIME)
     file = write(tmp_path / "r.csv", time=TIME, F_24=wave, x_12=wave)
     motion = make_motions(read_record(file), CUT)["fa"]
     dof = len(CUT.mass)
     guess = Estimates(np.tile(0.9 * wave[:, None], dof), np.tile(wave[:, None], 4))
+    worst = measure({"fa": motion}, {"fa": guess}, CUT, 5)
+    assert worst == pytest.approx({"F_024_fa": 0.0, "x_012_fa": 0.1, "displacement": 0.1}, abs=1e-7)
     got = compare(motion, guess, CUT, 5)
     assert got == pytest.approx({"F_024": 0.0, "x_012": 0.1}, abs=1e-7)
 
@@ -129,3 +153,26 @@ def test_the_mast_of_the_project_is_always_the_same(tmp_path):
     script["write"](script["make"](MAST, 1500), tmp_path / "b.csv")
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     assert make_motions(read_record(tmp_path / "a.csv"), CUT)["fa"].inputs[:, 2].std() > 100.0
+
+
+def test_force_and_motion_of_the_mast_come_back(tmp_path):
+    script = runpy.run_path(str(ROOT / "experiments" / "tower" / "make_recorded.py"))
+    script["write"](script["make"](MAST, 5000), tmp_path / "mast.csv")
+    file = f"structure={ROOT / 'examples' / 'mast.yaml'}"
+    config = compose(["study=tower", "experiment=mast", file])
+    part = model_substructure(config)
+    places = [place[:2] for place in list_places(config.sensors, config.nodes)]
+    step = 1.0 / config.record.rate
+    recorded = Recorded(file=str(tmp_path / "mast.csv"))
+    motion = load_motions(recorded, part.cut, places, steps=5000, step=step)["fa"]
+    signals = take_signals(motion, part.strain, places, Faults())
+    sigma = 0.01 * signals.std(axis=0)
+    channels = [Channel(*place, s) for place, s in zip(places, sigma, strict=True)]
+    believed = make_believed(config.filters, step, None)
+    setting = make_setting(config, part, "fa", 1.0, channels, believed)
+    noise = np.random.default_rng(3).standard_normal(signals.shape)
+    guess = resolve("AKF_STEADY").prepare(setting).run(signals + sigma * noise)
+    errors = compare(motion, guess, part.cut, config.record.settled)
+    assert len(errors) == 1 + 2 * 8  # the force, and displacement and rotation of eight nodes
+    assert max(errors.values()) == errors["F_024"] < 0.05
+    assert max(error for name, error in errors.items() if name != "F_024") < 0.02

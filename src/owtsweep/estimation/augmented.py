@@ -10,8 +10,9 @@ import numpy as np
 from scipy.linalg import block_diag, solve_discrete_are
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.input_state import Filter, InputStateModel, check_noise, make_kalman
+from owtsweep.estimation.input_state import Filter, InputStateModel, make_kalman
 from owtsweep.estimation.lagged import Lagged, make_smoother
+from owtsweep.estimation.square_root import check_noise
 
 #: The steady gain is taken from the Riccati equation if the closed loop's radius is this far below
 #: 1. Nearer to 1, the equation's solution is not accurate.

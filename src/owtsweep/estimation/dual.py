@@ -17,14 +17,12 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.estimation.input_state import (
-    Correction,
     Filter,
     InputStateModel,
     Step,
-    deviation,
-    kalman,
     settle,
 )
+from owtsweep.estimation.square_root import Correction, deviation, kalman
 
 #: Which state the input filter takes as known; see `make_dual`.
 READINGS = ("predicted", "previous")
@@ -57,8 +55,8 @@ def make_dual(
     reading
         What the input filter takes for the state at k. "predicted" fits the model, in which the
         input p[k-1] drives the state from k-1 to k: A x^[k-1] + B p^[k-1]. "previous" takes
-        x^[k-1] itself, and the new input p^[k] then drives the state from k-1 to k: the algorithm
-        as printed, whose discrete model has the input of the step's end.
+        x^[k-1] itself, and the new input p^[k] then drives the state from k-1 to k: our reading of
+        the printed algorithm, whose discrete model holds the input of the step's end.
 
     Raises
     ------

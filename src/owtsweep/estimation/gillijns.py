@@ -19,13 +19,9 @@ from owtsweep.estimation.input_state import (
     Filter,
     InputStateModel,
     Step,
-    check_noise,
-    combine,
-    deviation,
-    overflows,
-    root_of,
     settle,
 )
+from owtsweep.estimation.square_root import check_noise, combine, deviation, overflows, root_of
 
 #: A singular value of the scaled feedthrough below this part of the largest one counts as zero.
 RANK_TOLERANCE = 1e-9

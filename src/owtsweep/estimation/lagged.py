@@ -21,14 +21,13 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.estimation.input_state import (
-    Correction,
     Filter,
     Step,
     check_record,
-    kalman,
     settle,
     to_step,
 )
+from owtsweep.estimation.square_root import Correction, kalman
 
 #: Steps that are smoothed at once, so that little memory is needed.
 CHUNK = 4096
@@ -143,7 +142,7 @@ class Lagged:
 def make_smoother(F: Array, H: Array, Q: Array, R: Array, P0: Array, lag: int) -> Lagged:
     """Make the fixed-lag smoother of x[k+1] = F x[k] + w[k], y[k] = H x[k] + v[k].
 
-    Parameters are those of `input_state.kalman`; `lag` is in steps, at least 0.
+    Parameters are those of `square_root.kalman`; `lag` is in steps, at least 0.
 
     Raises
     ------

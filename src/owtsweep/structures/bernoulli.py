@@ -113,6 +113,25 @@ def assemble_cut(
     InputError
         If a cut is not at the end of a tube, or fewer than two elements lie between the cuts.
     """
+    inside = list_nodes(structure, low, high)
+    bodies = [
+        body for body in list_bodies(structure) if low + NEAR < body[0] < high - NEAR
+    ]  # those at the cuts belong to the neighbours
+    beam = _assemble(structure, _divide(inside, subdivision), gravity=gravity)
+    _add_bodies(beam, bodies, structure.gravity if gravity else 0.0)
+    return beam
+
+
+def list_nodes(structure: Structure, low: float, high: float) -> Array:
+    """Return the heights (m above mean sea level) of the nodes between two cuts, upwards.
+
+    `low` and `high` are the heights of the cuts, which are nodes too.
+
+    Raises
+    ------
+    InputError
+        If a cut is not at the end of a tube, or fewer than two elements lie between the cuts.
+    """
     ends = _ends(structure)
     for name, cut in (("low", low), ("high", high)):
         require(
@@ -126,12 +145,7 @@ def assemble_cut(
         f"cuts: {max(len(inside) - 1, 0)} element between {low:g} and {high:g} m; a substructure "
         "needs 2 or more, so divide a tube or cut elsewhere",
     )
-    bodies = [
-        body for body in list_bodies(structure) if low + NEAR < body[0] < high - NEAR
-    ]  # those at the cuts belong to the neighbours
-    beam = _assemble(structure, _divide(inside, subdivision), gravity=gravity)
-    _add_bodies(beam, bodies, structure.gravity if gravity else 0.0)
-    return beam
+    return inside
 
 
 def assemble_whole(

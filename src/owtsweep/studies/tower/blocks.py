@@ -15,10 +15,11 @@ from owtsweep.results.status import OK, UNABLE
 from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Unable
+from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Prepared, Scheme, Unable
 from owtsweep.studies.tower.measures import WINDOW, compare, find_true_damage
 from owtsweep.studies.tower.schemes import resolve, resolve_all
 from owtsweep.studies.tower.setting import make_setting
+from owtsweep.studies.tower.sight import require_sight
 from owtsweep.sweep.study import Block
 
 #: Keys and sections of the configuration on which every row depends, beside the cuts.
@@ -29,12 +30,13 @@ SHARED = (
 
 
 def plan(config: TowerConfig) -> list[Block]:
-    """Return all blocks of a configuration.
+    """Return all blocks of a configuration, at whose sensors some scheme can work.
 
     There is one block per replicate, noise, scheme, and soil factor. A scheme that does not know
     the soil has one block for all soil factors. The blocks of a replicate are a group: truth and
     measurements are made once for them.
     """
+    require_sight(config)
     shared = _describe_content(config)
     schemes = resolve_all(config.schemes)
     every = len(config.grid.soil_factor)
@@ -67,10 +69,12 @@ def run(config: TowerConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
         measured = {d: measure(config, case, d, channels[d]) for d in DIRECTIONS}
         for block in of_noise:
             chosen = block.choose(config)
-            scheme, factor = block.content["scheme"], block.content.get("soil_factor")
+            scheme = resolve(block.content["scheme"])
+            # A scheme that does not know the soil is told the right one.
+            factor = block.content.get("soil_factor", 1.0)
             try:
                 estimates = {
-                    d: _prepare(chosen, case, d, channels[d], scheme, factor).run(measured[d])
+                    d: _prepare(chosen, case, d, factor, channels[d], scheme).run(measured[d])
                     for d in DIRECTIONS
                 }
             except Unable as reason:
@@ -97,11 +101,11 @@ def _prepare(
     config: TowerConfig,
     case: Case,
     direction: str,
+    soil_factor: float,
     channels: Sequence[Channel],
-    scheme: str,
-    soil_factor: float | None,
-) -> Any:
-    """Make a scheme ready for one direction; a scheme without soil is told the right one.
+    scheme: Scheme,
+) -> Prepared:
+    """Make a scheme ready for one direction.
 
     Raises
     ------
@@ -109,8 +113,8 @@ def _prepare(
         If the scheme cannot work there.
     """
     believed = make_believed(config.filters, 1.0 / config.record.rate, case.motion[direction])
-    setting = make_setting(config, case.part, direction, soil_factor or 1.0, channels, believed)
-    return resolve(scheme).prepare(setting)
+    setting = make_setting(config, case.part, direction, soil_factor, channels, believed)
+    return scheme.prepare(setting)
 
 
 def _tell(block: Block, found: dict[str, float], status: str, reason: str) -> pd.DataFrame:

@@ -71,7 +71,7 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
         subdivision=config.truth.subdivision,
     )
     cut = assemble_cut(structure, *config.heights)
-    places = list_places(config.sensors, cut, structure.mudline)
+    places = list_places(config.sensors, config.nodes)
     strain, where = strain_matrix(structure, cut), [(place.kind, place.node) for place in places]
     return Case(
         replicate=replicate,

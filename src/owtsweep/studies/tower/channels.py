@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from owtsweep.structures.bernoulli import PlaneBeam
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.contract import Kind
 from owtsweep.studies.tower.sections import KINDS, Sensors
 
@@ -18,17 +20,15 @@ class Place(NamedTuple):
     gnss: bool = False
 
 
-def list_places(sensors: Sensors, cut: PlaneBeam, ground: float) -> list[Place]:
+def list_places(sensors: Sensors, nodes: Array) -> list[Place]:
     """Return the channels of each direction: displacements, rotations, accelerations, strains.
 
     Parameters
     ----------
     sensors
         The section `sensors`.
-    cut
-        The cut structure.
-    ground
-        Height of the ground above mean sea level in m.
+    nodes
+        Heights of the nodes of the cut structure above the ground in m.
 
     Raises
     ------
@@ -38,28 +38,24 @@ def list_places(sensors: Sensors, cut: PlaneBeam, ground: float) -> list[Place]:
     places = []
     for name, kind in KINDS.items():
         if name in sensors.every_node:
-            places += [Place(kind, node) for node in range(len(cut.heights))]
+            places += [Place(kind, node) for node in range(len(nodes))]
         places += [
-            Place(kind, find_node(cut, height, ground, f"sensors.{name}"))
+            Place(kind, find_node(nodes, height, f"sensors.{name}"))
             for height in getattr(sensors, name)
         ]
     places += [
-        Place("x", find_node(cut, height, ground, "sensors.gnss"), gnss=True)
-        for height in sensors.gnss
+        Place("x", find_node(nodes, height, "sensors.gnss"), gnss=True) for height in sensors.gnss
     ]
     return places
 
 
-def find_node(cut: PlaneBeam, height: float, ground: float, what: str) -> int:
+def find_node(nodes: Array, height: float, what: str) -> int:
     """Return the node at a height above the ground; raise `InputError` if there is none."""
-    from owtsweep.config import require
-
-    above = cut.heights - ground
-    near = abs(above - height) <= 1e-6
+    near = abs(nodes - height) <= NEAR
     require(
         bool(near.any()),
         f"{what}: no node of the mesh is {height:g} m above the ground; take one of "
-        f"{', '.join(f'{z:g}' for z in above)}",
+        f"{', '.join(f'{z:g}' for z in nodes)}",
     )
     return int(near.argmax())
 

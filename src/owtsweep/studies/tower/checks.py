@@ -6,7 +6,6 @@ import logging
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
-from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.tower.channels import count_rotations, list_places
 from owtsweep.studies.tower.loads.recorded import read_loads
 from owtsweep.studies.tower.loads.wind import NAMES
@@ -46,18 +45,11 @@ def check(config: TowerConfig) -> None:
         f"cuts: the lower cut at {low - config.structure.mudline:g} m is not below the upper one "
         f"at {high - config.structure.mudline:g} m",
     )
-    check_sensors(config, assemble_cut(config.structure, low, high))
+    _check_sensors(config)
 
 
-def check_sensors(config: TowerConfig, cut: PlaneBeam) -> None:
-    """Check that sensors are at nodes of the cut structure.
-
-    Raises
-    ------
-    InputError
-        If there is no sensor, or one at a height without a node.
-    """
-    places = list_places(config.sensors, cut, config.structure.mudline)
+def _check_sensors(config: TowerConfig) -> None:
+    places = list_places(config.sensors, config.nodes)
     require(
         len(places) > 0,
         f"sensors: {config.sensors.name} has none, so no load at a cut (F0, M0, F175, M175) can be "
@@ -76,8 +68,7 @@ def warn_of_few_inclinometers(config: TowerConfig) -> None:
     Displacement sensors count as well.
     """
     inputs = 5 if config.waves.hs > 0.0 else 4
-    cut = assemble_cut(config.structure, *config.heights)
-    count = count_rotations(list_places(config.sensors, cut, config.structure.mudline))
+    count = count_rotations(list_places(config.sensors, config.nodes))
     if count < inputs:
         logger.warning(
             "sensors: %s has %d inclinometers or displacement sensors per direction for %d unknown "

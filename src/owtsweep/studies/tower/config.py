@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
+from owtsweep.arrays import Array
 from owtsweep.config import Config, Finite, changed, key, require
 from owtsweep.config.typed import as_plain
 from owtsweep.structures import Structure, find_structure
+from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.tower.loads.config import SeaState, Wind
 from owtsweep.studies.tower.measuring import Faults
@@ -94,6 +97,17 @@ class TowerConfig(Config):
             return self.structure.mudline, self.structure.hub
         low, high = self.cuts
         return self.structure.mudline + low, self.structure.mudline + high
+
+    @property
+    def nodes(self) -> Array:
+        """The heights of the nodes of the cut structure above the ground, m, shape (nodes,).
+
+        Raises
+        ------
+        InputError
+            If a cut is inside an element, or fewer than two elements lie between the cuts.
+        """
+        return np.asarray(list_nodes(self.structure, *self.heights) - self.structure.mudline)
 
     @classmethod
     def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:

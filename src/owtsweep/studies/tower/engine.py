@@ -13,6 +13,7 @@ from owtsweep.studies.tower.conditions import CONDITIONS
 from owtsweep.studies.tower.maps import list_maps
 from owtsweep.studies.tower.measures import CRITERIA, WINDOW
 from owtsweep.studies.tower.origin import describe_draws, describe_errors, describe_truth
+from owtsweep.studies.tower.sight import describe_sight
 from owtsweep.studies.tower.tables import make_tables
 
 if TYPE_CHECKING:
@@ -39,19 +40,21 @@ class TowerEngine:
     drawings = staticmethod(list_maps)
 
     def backend(self, config: TowerConfig) -> str:
-        """Return "loky", joblib's backend for processes: rainflow counting runs Python code.
-
-        Log a warning if the set-up has few inclinometers.
-        """
-        warn_of_few_inclinometers(config)
+        """Return "loky", joblib's backend for processes: rainflow counting runs Python code."""
         return "loky"
+
+    def warm_up(self, config: TowerConfig, workers: int) -> None:
+        """Log what the set-up sees, and a warning if it has few inclinometers."""
+        for line in describe_sight(config):
+            logger.info("%s", line)
+        warn_of_few_inclinometers(config)
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""
         return ["noise", "soil_factor", "scheme", "measure", "window", "replicate"]
 
     def terminal(self, config: TowerConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Return the map by the key `criterion`, and for each criterion a sentence on who wins."""
+        """Return the map by the key `criterion`, who wins by each one, and what the sensors see."""
         from rich.console import Group
         from rich.text import Text
 
@@ -71,7 +74,8 @@ class TowerEngine:
             for criterion in CRITERIA
             if len(cells := best[best["criterion"] == criterion])
         ]
-        return Group(*(Text(line, style="bold") for line in origin), shown, *told)
+        seen = [Text(line) for line in describe_sight(config)]
+        return Group(*(Text(line, style="bold") for line in origin), shown, *told, *seen)
 
     def overview(self, config: TowerConfig) -> str:
         """Return the name of the map by the key `criterion`."""

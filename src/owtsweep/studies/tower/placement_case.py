@@ -219,7 +219,7 @@ def _place(
     loud = [int(node) for node in np.flatnonzero(size > SILENT * size.max())]
     if heights is None:
         return loud
-    nodes = [find_node(cut, height, ground, what) for height in heights]
+    nodes = [find_node(cut.heights - ground, height, what) for height in heights]
     for node, height in zip(nodes, heights, strict=True):
         require(
             node in loud,

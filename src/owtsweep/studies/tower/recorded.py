@@ -7,17 +7,14 @@ A column is called kind_height or kind_height_direction, e.g. `a_012`, `theta_3.
 
 The height is in m above ground, the direction `fa` (taken where none is written) or `ss`. A unit
 may stand behind the name, `a_012 (g)`; without one the column is in SI units. Other names are
-translated by `recorded.columns`.
-
-The record stands in the place of a simulated truth: sensors measure the columns at their places,
-and estimates are compared with the columns that are there. What no column holds is NaN. Velocities
-are read and checked, but no scheme returns a velocity to compare with.
+translated by `recorded.columns`. Velocities are read and checked, but no scheme returns a velocity
+to compare with.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,9 +28,6 @@ from owtsweep.motion.recorded.columns import guess_roles
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.timing import fit_comb
 from owtsweep.motion.recorded.units import find_factor
-from owtsweep.structures.bernoulli import PlaneBeam
-from owtsweep.studies.tower.contract import Estimates, Kind
-from owtsweep.studies.tower.truth import Motion
 
 #: Kinds of columns with the dimension of their unit.
 KINDS = {
@@ -64,10 +58,29 @@ class Recorded(Section):
         "simulated",
         default=None,
     )
-    columns: dict[str, str] = key(
-        "channel: name of its column in the file, where the column has another name",
-        default_factory=dict,
+    columns: list[str] = key(
+        "CHANNEL:NAME where a channel's column has another name in the file, e.g. [a_012:ACC3]",
+        default_factory=list,
     )
+
+    def list_names(self) -> dict[str, str]:
+        """Return channel -> name of its column, for the renamed channels.
+
+        Raises
+        ------
+        InputError
+            If an item has no colon, or a channel is there twice.
+        """
+        names: dict[str, str] = {}
+        for item in self.columns:
+            channel, colon, name = item.partition(":")
+            require(
+                bool(colon) and channel not in names,
+                f"recorded.columns: {item!r} is not CHANNEL:NAME, or the channel is there twice; "
+                "write e.g. recorded.columns=[time:clock,a_012:ACC3]",
+            )
+            names[channel.strip()] = name.strip()
+        return names
 
 
 @dataclass(frozen=True)
@@ -191,7 +204,7 @@ def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> R
     if time is None:
         raise InputError(
             f"{path}: no column of time among {_list(table.names)}; call one `time`, or name it by "
-            "recorded.columns={time: NAME}"
+            "recorded.columns=[time:NAME]"
         )
     others = [name for name in table.names if name != time]
     used = {name: match for name in others if (match := NAME.fullmatch(renamed.get(name, name)))}
@@ -209,115 +222,15 @@ def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> R
         missing = np.flatnonzero(~np.isfinite(values))
         require(
             len(missing) == 0,
-            f"{path}: column {name} has no number in {len(missing)} rows, the first is data row "
-            f"{missing[0] + 1 if len(missing) else 0}; fill the gaps or cut the record there",
+            f"{path}: column {name} has no number in data row "
+            f"{missing[0] + 1 if len(missing) else 0} ({len(missing)} such rows in all); fill the "
+            "gaps or cut the record there",
         )
         signals.append(Signal(match[1], float(match[2]), match[3] or "fa", name, values))
     _refuse_repeats(path, signals)
     return RecordedStructure(
         Path(path), step, tuple(signals), tuple(name for name in others if name not in used)
     )
-
-
-def make_motions(record: RecordedStructure, cut: PlaneBeam) -> dict[str, Motion]:
-    """Put a record in the place of a simulated truth.
-
-    Parameters
-    ----------
-    record
-        The record.
-    cut
-        The beam between the cuts; its lowest node is the ground, to which heights refer.
-
-    Returns
-    -------
-    dict
-        Direction -> motion, for the directions that the record has. What no column holds is NaN;
-        the wave load is zero.
-
-    Raises
-    ------
-    InputError
-        If a column is at a height without a node, or a force or moment is not at a cut.
-    """
-    dof = len(cut.mass)
-    ground = float(cut.heights[0])
-    top = float(cut.heights[-1]) - ground
-    motions = {
-        direction: Motion(
-            np.full((record.steps, dof), np.nan), np.full((record.steps, dof), np.nan),
-            np.full((record.steps, 4), np.nan), np.zeros(record.steps),
-        )
-        for direction in record.directions
-    }  # fmt: skip
-    for signal in record.signals:
-        motion, where = motions[signal.direction], f"{record.path}: column {signal.column}"
-        if signal.kind in "FM":
-            require(
-                min(abs(signal.height), abs(signal.height - top)) <= NEAR,
-                f"{where}: at {signal.height:g} m is no cut; forces and moments are known at the "
-                f"cuts, 0 and {top:g} m above ground",
-            )
-            upper = abs(signal.height - top) <= NEAR
-            motion.inputs[:, 2 * upper + (signal.kind == "M")] = signal.values
-            continue
-        node = cut.find_node(ground + signal.height, where)
-        if signal.kind == "a":
-            motion.acceleration[:, 2 * node] = signal.values
-        elif signal.kind != "v":
-            motion.displacement[:, 2 * node + (signal.kind == "theta")] = signal.values
-    return motions
-
-
-def require_channels(
-    record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[tuple[Kind, int]]
-) -> None:
-    """Check that a record has the columns that sensors measure.
-
-    `channels` are kinds and nodes of `cut`.
-
-    Raises
-    ------
-    InputError
-        If a column is missing, or a kind cannot be recorded.
-    """
-    for kind, node in channels:
-        height = float(cut.heights[node] - cut.heights[0])
-        require(
-            kind in KINDS,
-            f"recorded.file: a record holds no channel of kind {kind}; use sensors of kind x, "
-            "theta and a",
-        )
-        record.need(kind, height, direction)
-
-
-def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) -> dict[str, float]:
-    """Compare estimates with what a record holds, from the sample `first` on.
-
-    Returns
-    -------
-    dict
-        Channel, e.g. "F_024" or "theta_012" -> rms error over the rms of the recorded signal.
-        Signals that are NaN or zero are left out.
-    """
-    heights = cut.heights - cut.heights[0]
-    ends = heights[[0, 0, -1, -1]]
-    pairs = [
-        (f"{kind}_{height:03g}", motion.inputs[first:, i], estimates.inputs[first:, i])
-        for i, (kind, height) in enumerate(zip("FMFM", ends, strict=True))
-    ]
-    for node, height in enumerate(heights):
-        for part, kind in enumerate(("x", "theta")):
-            at = 2 * node + part
-            pairs.append((
-                f"{kind}_{height:03g}", motion.displacement[first:, at],
-                estimates.displacement[first:, at],
-            ))  # fmt: skip
-    return {
-        name: float(np.sqrt(np.mean((guess - truth) ** 2) / np.mean(truth**2)))
-        for name, truth, guess in pairs
-        if np.all(np.isfinite(truth)) and np.any(truth)
-    }
 
 
 def _find_step(path: str | Path, name: str, time: Array) -> float:

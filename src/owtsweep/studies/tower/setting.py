@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from owtsweep.studies.tower.truth import find_damping
 
 @dataclass(frozen=True)
 class Substructure:
-    """The model of the substructure between the cuts, which is that of both directions.
+    """The model of the substructure between the cuts, one for both directions.
 
     Attributes
     ----------
@@ -34,6 +34,10 @@ class Substructure:
         Strains and stresses (Pa) of the outer fibre for unit degrees of freedom, (nodes, dof).
     wave_shape
         As in `Setting`.
+    gravity
+        Whether the weight softens the model of the whole structure.
+    wholes
+        Models of the whole structure that were assembled before, by direction and soil factor.
     """
 
     structure: Structure
@@ -43,6 +47,20 @@ class Substructure:
     strain: Array
     stress: Array
     wave_shape: Array
+    gravity: bool
+    wholes: dict[tuple[str, float], PlaneBeam] = field(default_factory=dict)
+
+    def assemble_whole(self, direction: str, soil_factor: float) -> PlaneBeam:
+        """Assemble the whole structure with the soil that is believed, or take it from before."""
+        key = direction, soil_factor
+        if key not in self.wholes:
+            self.wholes[key] = assemble_whole(
+                self.structure,
+                side=direction == DIRECTIONS[1],
+                gravity=self.gravity,
+                soil_factor=soil_factor,
+            )
+        return self.wholes[key]
 
 
 def misjudge(config: TowerConfig) -> Structure:
@@ -93,6 +111,7 @@ def model_substructure(config: TowerConfig) -> Substructure:
         strain=strain_matrix(structure, cut),
         stress=stress_matrix(structure, cut),
         wave_shape=triangular_load(structure, cut),
+        gravity=config.truth.gravity,
     )
 
 
@@ -108,21 +127,13 @@ def make_setting(
 
     The model of the whole structure has the aerodynamic dampers, and the weight if the truth has
     it.
-
-    Raises
-    ------
-    InputError
-        If the structure buckles or does not stand.
     """
-    side = direction == DIRECTIONS[1]
-    whole = assemble_whole(
-        part.structure, side=side, gravity=config.truth.gravity, soil_factor=soil_factor
-    )
+    whole = part.assemble_whole(direction, soil_factor)
     first, size = whole.find_node(part.cut.heights[0]), len(part.cut.mass)
     inside = slice(2 * first, 2 * first + size)
     damping = np.zeros_like(whole.mass)
     damping[inside, inside] = part.damping
-    damper = config.wind.side_damping if side else config.wind.damping
+    damper = config.wind.damping if direction == DIRECTIONS[0] else config.wind.side_damping
     damping[-2, -2] += damper * config.model.damping
     return Setting(
         direction=direction,

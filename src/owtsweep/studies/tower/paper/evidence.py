@@ -42,9 +42,7 @@ class Scores:
         groups = ordered.groupby(list(KEYS), sort=False)["value"]
         return {key: values.to_numpy(dtype=float) for key, values in groups}
 
-    def find(
-        self, scenario: Scenario, direction: str, quantity: str, measure: str
-    ) -> Array | None:
+    def find(self, scenario: Scenario, direction: str, quantity: str, measure: str) -> Array | None:
         """Return a score of all records, shape (records,); None if there is no such score."""
         return self._index.get(
             (
@@ -62,9 +60,7 @@ class Scores:
         return [key[6] for key in self._index if key[:6] == wanted and key[7] == measure]
 
 
-def compare(
-    label: str, values: Array | None, side: Side, threshold: float
-) -> Decision | None:
+def compare(label: str, values: Array | None, side: Side, threshold: float) -> Decision | None:
     """Decide whether the mean of a score lies below (or above) a threshold.
 
     Parameters

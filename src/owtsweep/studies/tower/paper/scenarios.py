@@ -1,7 +1,8 @@
 """Run the case studies of Simpson et al. (2025), section 5, with the tower study's own parts.
 
 A sweep of the study has one set-up of sensors and one sea. The paper compares several, on the same
-records; so its scenarios are run here, each from the configuration that the command `sweep` would take.
+records; so its scenarios are run here, each from the configuration that the command `sweep` would
+take.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from time import perf_counter
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.augmented import augment
+from owtsweep.estimation.observability import find_unobservable
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.composing import compose
 from owtsweep.studies.tower.believed import make_believed
@@ -22,7 +25,7 @@ from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
 from owtsweep.studies.tower.measuring import take_signals
 from owtsweep.studies.tower.schemes import resolve
-from owtsweep.studies.tower.schemes.filtered import MARGINAL, Filtered, FilterScheme
+from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
 from owtsweep.studies.tower.setting import make_setting
 from owtsweep.studies.tower.truth import Motion
 
@@ -92,8 +95,9 @@ class Outcome:
         Bending stress (Pa) at each node for unit degrees of freedom, shape (nodes, dof).
     seconds_per_step
         Computing time of the filter per sample of this direction.
-    unfading
-        Number of directions of state and input in which the settled filter's errors never fade.
+    unseen
+        Number of directions of state and input that the sensors do not see (Popov, Belevitch and
+        Hautus).
     """
 
     scenario: Scenario
@@ -105,7 +109,7 @@ class Outcome:
     estimates: Estimates
     stress: Array
     seconds_per_step: float
-    unfading: int
+    unseen: int
 
     @property
     def judged(self) -> slice:
@@ -170,7 +174,7 @@ def run_scenarios(
 
 def place_sensors(config: TowerConfig, record: Case) -> Case:
     """Return a record with the sensors of a configuration in place of its own."""
-    places = list_places(config.sensors, record.part.cut, config.structure.mudline)
+    places = list_places(config.sensors, config.nodes)
     where = [(place.kind, place.node) for place in places]
     signals = {
         direction: take_signals(motion, record.part.strain, where, config.faults)
@@ -186,8 +190,8 @@ def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: 
     believed = make_believed(config.filters, 1.0 / config.record.rate, truth)
     setting = make_setting(config, part, direction, 1.0, channels, believed)
     measured = measure(config, record, direction, channels)
-    # `scheme.prepare` refuses a set-up that leaves bending unseen. The paper judges such a one, with
-    # accelerometers only, by its damage (F13); so the filter is made without that check.
+    # `scheme.prepare` refuses a set-up that leaves bending unseen. The paper judges such a set-up
+    # (accelerometers only) by its damage (F13); so the filter is made without that check.
     scheme = resolve(scenario.scheme)
     assert isinstance(scheme, FilterScheme)
     model = scheme.model(setting)
@@ -195,7 +199,7 @@ def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: 
     begin = perf_counter()
     estimates = prepared.run(measured)
     seconds = (perf_counter() - begin) / len(measured)
-    unfading = np.sum(np.abs(np.linalg.eigvals(prepared.filter.F)) > 1.0 - MARGINAL)
+    seen = find_unobservable(*augment(model.discrete, np.eye(len(model.inputs))))
     return Outcome(
         scenario=scenario,
         direction=direction,
@@ -206,5 +210,5 @@ def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: 
         estimates=estimates,
         stress=part.stress,
         seconds_per_step=seconds,
-        unfading=int(unfading),
+        unseen=seen.states - seen.rank,
     )

@@ -1,4 +1,4 @@
-"""Turn outcomes of the paper's case studies into numbers, one row per record, direction and quantity."""
+"""Turn outcomes of the paper's case studies into numbers, one row per record and quantity."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def _measure(outcome: Outcome) -> Iterator[tuple[str, str, float]]:
     yield "welds", "worst_deviation", float(np.abs(ratio[large] - 1.0).max())
     yield "welds", "worst_factor", float(off.max())
     yield "filter", "seconds_per_step", outcome.seconds_per_step
-    yield "filter", "unfading", float(outcome.unfading)
+    yield "filter", "unseen", float(outcome.unseen)
 
 
 def _compare(name: str, true: Array, estimated: Array) -> Iterator[tuple[str, str, float]]:

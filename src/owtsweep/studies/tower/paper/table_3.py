@@ -60,5 +60,7 @@ def show_table(table: pd.DataFrame) -> TextTable:
 
 def _format(metric: str, published: float, mean: float) -> str:
     if metric == "MAE":
-        return f"{published:.0e} / {mean:.0e}" if published < 0.01 else f"{published:g} / {mean:.3g}"
+        return (
+            f"{published:.0e} / {mean:.0e}" if published < 0.01 else f"{published:g} / {mean:.3g}"
+        )
     return f"{published:.3f} / {mean:.4f}"

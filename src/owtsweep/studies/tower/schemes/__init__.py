@@ -22,7 +22,7 @@ REGISTERED = {
     "AKF_WHOLE": "AKF on the whole turbine, with soil and rotor, loads at its top",
     "AKF_WHOLE_WAVE": "AKF_WHOLE with a triangular wave load as a further input",
     "KF_WHOLE": "Kalman filter on the whole turbine, its loads a slow part and white noise",
-    "MDE": "modal decomposition and expansion in two bands, offline",
+    "MDE": "modal decomposition and expansion in three bands, offline",
     "THRUST_LEVER": "thrust from one sensor, times the lever, static",
     "QUASI_STATIC": "static shapes of the substructure through the inclinometers",
 }

@@ -1,0 +1,200 @@
+"""What a sensor set-up sees of the substructure and its loads, in words; refuses blind set-ups.
+
+The model is that of the scheme AKF: the substructure between the cuts, whose loads are random
+walks. It is one and the same for both directions.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import as_mapping
+from owtsweep.errors import InputError
+from owtsweep.estimation.augmented import augment
+from owtsweep.estimation.observability import Observability, find_unobservable
+from owtsweep.studies.tower.believed import make_believed
+from owtsweep.studies.tower.channels import Place, list_places
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting, Unable
+from owtsweep.studies.tower.models import model_cut
+from owtsweep.studies.tower.schemes import resolve_all
+from owtsweep.studies.tower.schemes.filtered import check_seen
+from owtsweep.studies.tower.setting import make_setting, model_substructure
+
+#: Noise by which a set-up is judged before there is a record, in SI units. Only orders of magnitude
+#: matter for what is seen.
+NOMINAL: dict[Kind, float] = {"x": 1e-3, "theta": 1e-5, "a": 1e-3, "strain": 1e-6}
+#: Least part of an unseen direction that names a state or a load.
+TOLD = 0.05
+SHIFT, LEAN = "rigid translation", "rigid rotation"
+
+
+def observe(config: TowerConfig) -> tuple[Observability, list[str]]:
+    """Find what the set-up sees of the states and inputs of AKF's model.
+
+    Returns
+    -------
+    tuple
+        What is seen, and the names of the states, loads last.
+    """
+    setting, _ = _set(config)
+    return _observe(setting)
+
+
+def describe_sight(config: TowerConfig) -> list[str]:
+    """Say in a few lines what the set-up sees in each direction, and why it misses the rest."""
+    setting, places = _set(config)
+    seen, names = _observe(setting)
+    missed = _missed(seen, names)
+    kinds = {place.kind for place in places}
+    lines = [
+        f"Of a direction's motion and loads, sensors {config.sensors.name} see {seen.rank} of "
+        f"{seen.states} states (rank by PBH); what is seen has a condition number of up to "
+        f"{seen.conditions.max():.0f}."
+    ]
+    if SHIFT in missed and "x" not in kinds:
+        lines.append(
+            "Position and velocity of the rigid translation are unseen (one Jordan block at the "
+            "eigenvalue 1), because no sensor feels where the structure stands or a constant "
+            "velocity: displacements drift, bending does not. A displacement sensor or a GNSS "
+            "receiver stops the drift."
+        )
+    if LEAN in missed and "theta" not in kinds:
+        lines.append(
+            "Angle and angular velocity of the rigid rotation are unseen, because no sensor tells "
+            "a constant lean apart. An inclinometer does."
+        )
+    loads = [name for name in INPUTS if name in missed]
+    if loads:
+        lines.append(
+            f"Constant {', '.join(loads)} that balance each other are unseen, because no sensor "
+            "tells the bent shape at rest apart. Inclinometers do."
+        )
+    return lines
+
+
+#: Set-ups that were found to be no blind ones.
+_passed: set[str] = set()
+
+
+def require_sight(config: TowerConfig) -> None:
+    """Refuse a set-up at which every scheme of the run is blind or unstable.
+
+    Raises
+    ------
+    InputError
+        If no scheme can work; the message names loads that are unseen, and sensors that would do.
+    """
+    decisive = as_mapping(config) | {"cuts": config.heights, "rate": config.record.rate}
+    names = ("structure", "cuts", "rate", "sensors", "filters", "model", "schemes")
+    setup = json.dumps({name: decisive[name] for name in names})
+    if setup not in _passed:
+        _require_sight(config)
+        _passed.add(setup)
+
+
+def _require_sight(config: TowerConfig) -> None:
+    setting, places = _set(config)
+    if _sees_bending(setting):
+        return
+    reasons = []
+    # The last schemes of the list are the quickest to prepare.
+    for scheme in reversed(resolve_all(config.schemes)):
+        try:
+            scheme.prepare(setting)
+        except Unable as reason:
+            reasons.append(str(reason))
+        else:
+            return
+    loads = [name for name in INPUTS if name in _missed(*_observe(setting))]
+    told = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
+    raise InputError(
+        f"sensors: no scheme can work with the set-up {config.sensors.name}: {told}; "
+        f"{_advise(setting, places, config.structure.mudline)}"
+    )
+
+
+def _set(config: TowerConfig) -> tuple[Setting, list[Place]]:
+    """Return the setting fore-aft with nominal noise, and the channels' places."""
+    part = model_substructure(config)
+    places = list_places(config.sensors, config.nodes)
+    believed = make_believed(config.filters, 1.0 / config.record.rate, None)
+    setting = make_setting(config, part, DIRECTIONS[0], 1.0, _equip(places), believed)
+    return setting, places
+
+
+def _equip(places: Sequence[Place]) -> tuple[Channel, ...]:
+    return tuple(Channel(place.kind, place.node, NOMINAL[place.kind]) for place in places)
+
+
+def _observe(setting: Setting) -> tuple[Observability, list[str]]:
+    discrete = model_cut(setting).discrete
+    F, H = augment(discrete, np.eye(discrete.B.shape[1]))
+    return find_unobservable(F, H), _name_states(setting)
+
+
+def _name_states(setting: Setting) -> list[str]:
+    """Return the names of the states of AKF's model: coordinates, their rates, loads."""
+    numbers: dict[str, int] = {}
+    coordinates = []
+    for kind in setting.reduced.kinds:
+        numbers[kind] = numbers.get(kind, 0) + 1
+        rigid = (SHIFT, LEAN)[numbers[kind] - 1] if kind == "rigid" else ""
+        coordinates.append(rigid or f"{kind} mode {numbers[kind]}")
+    return [*coordinates, *(f"rate of {name}" for name in coordinates), *INPUTS]
+
+
+def _missed(seen: Observability, names: Sequence[str]) -> set[str]:
+    """Return the names of states that have a part in what is unseen."""
+    parts = [np.abs(found.directions).max(axis=1) for found in seen.unseen]
+    return {name for part in parts for name, size in zip(names, part, strict=True) if size > TOLD}
+
+
+def _sees_bending(setting: Setting) -> bool:
+    """Return whether sensors see all directions of state and load that bend the structure."""
+    try:
+        check_seen("AKF", setting, model_cut(setting))
+    except Unable:
+        return False
+    return True
+
+
+def _count_unseen(setting: Setting) -> int:
+    """Return how many directions of state and load are unseen."""
+    seen, _ = _observe(setting)
+    return seen.states - seen.rank
+
+
+def _advise(setting: Setting, places: Sequence[Place], ground: float) -> str:
+    """Say which further inclinometers, chosen one after another, make all loads seen."""
+    heights = setting.cut.heights
+    chosen: list[Place] = []
+    while not _sees_bending(setting):
+        unseen = _count_unseen(setting)
+        taken = [p.node for p in (*places, *chosen) if p.kind in ("theta", "x")]
+        for node in _order_by_distance(heights, taken):
+            added = replace(setting, channels=(*setting.channels, *_equip([Place("theta", node)])))
+            if _count_unseen(added) < unseen:
+                setting = added
+                chosen.append(Place("theta", node))
+                break
+        else:
+            return "add inclinometers and accelerometers at more heights"
+    *others, last = (f"{heights[place.node] - ground:g}" for place in sorted(chosen))
+    if not others:
+        return f"add an inclinometer at {last} m"
+    return f"add inclinometers at {', '.join(others)} and {last} m"
+
+
+def _order_by_distance(heights: Array, taken: Sequence[int]) -> list[int]:
+    """Return the nodes that are not taken, the one farthest from those taken first."""
+    free = [node for node in range(len(heights)) if node not in taken]
+    if not taken:
+        return free[::-1]
+    nearest = [float(np.abs(heights[list(taken)] - heights[node]).min()) for node in free]
+    return [free[i] for i in np.argsort(-np.array(nearest), kind="stable")]
