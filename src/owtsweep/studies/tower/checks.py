@@ -10,6 +10,7 @@ from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.tower.channels import count_rotations, list_places
 from owtsweep.studies.tower.loads.recorded import read_loads
 from owtsweep.studies.tower.loads.wind import NAMES
+from owtsweep.studies.tower.recorded_truth import load_motions
 from owtsweep.studies.tower.schemes import check_names
 
 if TYPE_CHECKING:
@@ -46,7 +47,10 @@ def check(config: TowerConfig) -> None:
         f"cuts: the lower cut at {low - config.structure.mudline:g} m is not below the upper one "
         f"at {high - config.structure.mudline:g} m",
     )
-    check_sensors(config, assemble_cut(config.structure, low, high))
+    cut = assemble_cut(config.structure, low, high)
+    check_sensors(config, cut)
+    if config.recorded.file is not None:
+        _check_recorded(config, cut)
 
 
 def check_sensors(config: TowerConfig, cut: PlaneBeam) -> None:
@@ -100,6 +104,19 @@ def _check_record(config: TowerConfig) -> None:
         f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
         f"samples of a record of {record.duration:g} s; at least 100 must be left",
     )
+
+
+def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:
+    places = list_places(config.sensors, cut, config.structure.mudline)
+    record = config.record
+    require(
+        config.criterion != "damage",
+        "criterion: a record holds no damage to compare with; use criterion=displacement",
+    )
+    load_motions(
+        config.recorded, cut, [(place.kind, place.node) for place in places],
+        steps=record.steps, step=1.0 / record.rate,
+    )  # fmt: skip
 
 
 def _check_loads(config: TowerConfig) -> None:
