@@ -69,6 +69,10 @@ def test_a_users_names_are_translated(tmp_path):
     names = {"time": "clock", "a_12": "ACC3", "F_24": "LOAD"}
     record = read_record(file, names)
     np.testing.assert_array_equal(record.need("a", 12.0, "fa"), record.need("F", 24.0, "fa"))
+    assert Recorded(columns=["time:clock", "a_12:ACC3", "F_24: LOAD"]).list_names() == names
+    for bad in (["a_12"], ["a_12:ACC3", "a_12:ACC4"]):
+        with pytest.raises(InputError, match=r"recorded.columns: 'a_12.* is not CHANNEL:NAME, or"):
+            Recorded(columns=bad).list_names()
     for wrong, told in (
         ({"time": "clock", "a_12": "ACC4"}, r"columns.a_12: .* no column 'ACC4'; it has clock, AC"),
         ({"time": "clock", "acc_12": "ACC3"}, r"columns.acc_12: no channel has such a name"),
@@ -87,7 +91,7 @@ def test_bad_columns_are_told_in_one_line(tmp_path):
         ({"time": late, "a_12": ramp}, "not uniform: 0.014 s between data rows 20 and 21, els"),
         ({"time": np.delete(late, 3), "a_12": ramp[1:]}, "not uniform"),
         ({"time": holes, "a_12": ramp}, "column time has no time in data row 8"),
-        ({"time": TIME, "a_12": holes}, "a_12 has no number in 2 rows, the first is data row 8"),
+        ({"time": TIME, "a_12": holes}, "a_12 has no number in data row 8 .2 such rows"),
         ({"time": TIME, "a_12__furlong": ramp}, "column a_12: 'furlong' is not a unit known here"),
         ({"time": TIME, "a_12__mm": ramp}, "'mm' is a unit of length, not of acceleration"),
         ({"time": TIME, "F_24__lbf": ramp}, "'lbf' is not a unit of force known here; use one of"),

@@ -58,10 +58,29 @@ class Recorded(Section):
         "simulated",
         default=None,
     )
-    columns: dict[str, str] = key(
-        "channel: name of its column in the file, where the column has another name",
-        default_factory=dict,
+    columns: list[str] = key(
+        "CHANNEL:NAME where a channel's column has another name in the file, e.g. [a_012:ACC3]",
+        default_factory=list,
     )
+
+    def list_names(self) -> dict[str, str]:
+        """Return channel -> name of its column, for the renamed channels.
+
+        Raises
+        ------
+        InputError
+            If an item has no colon, or a channel is there twice.
+        """
+        names: dict[str, str] = {}
+        for item in self.columns:
+            channel, colon, name = item.partition(":")
+            require(
+                bool(colon) and channel not in names,
+                f"recorded.columns: {item!r} is not CHANNEL:NAME, or the channel is there twice; "
+                "write e.g. recorded.columns=[time:clock,a_012:ACC3]",
+            )
+            names[channel.strip()] = name.strip()
+        return names
 
 
 @dataclass(frozen=True)
@@ -185,7 +204,7 @@ def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> R
     if time is None:
         raise InputError(
             f"{path}: no column of time among {_list(table.names)}; call one `time`, or name it by "
-            "recorded.columns={time: NAME}"
+            "recorded.columns=[time:NAME]"
         )
     others = [name for name in table.names if name != time]
     used = {name: match for name in others if (match := NAME.fullmatch(renamed.get(name, name)))}
@@ -203,8 +222,9 @@ def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> R
         missing = np.flatnonzero(~np.isfinite(values))
         require(
             len(missing) == 0,
-            f"{path}: column {name} has no number in {len(missing)} rows, the first is data row "
-            f"{missing[0] + 1 if len(missing) else 0}; fill the gaps or cut the record there",
+            f"{path}: column {name} has no number in data row "
+            f"{missing[0] + 1 if len(missing) else 0} ({len(missing)} such rows in all); fill the "
+            "gaps or cut the record there",
         )
         signals.append(Signal(match[1], float(match[2]), match[3] or "fa", name, values))
     _refuse_repeats(path, signals)

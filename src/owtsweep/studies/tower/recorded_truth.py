@@ -98,7 +98,7 @@ def load_motions(
     InputError
         If the file cannot be used, lacks a sensor's column, is too short or has another step.
     """
-    record = read_record(str(recorded.file), recorded.columns)
+    record = read_record(str(recorded.file), recorded.list_names())
     require(
         abs(record.step - step) <= 1e-6 * step,
         f"record.rate: {1.0 / step:g} Hz, but {record.path} has a row every {record.step:g} s; "
