@@ -24,8 +24,8 @@ from owtsweep.sweep.study import Block
 
 #: Keys and sections of the configuration on which every row depends, beside the cuts.
 SHARED = (
-    "seed", "structure", "record", "truth", "recorded", "wind", "waves", "sensors", "faults", "filters",
-    "model", "fatigue",
+    "seed", "structure", "record", "truth", "recorded", "wind", "waves", "sensors", "faults",
+    "filters", "model", "fatigue",
 )  # fmt: skip
 
 
@@ -98,7 +98,7 @@ def _describe_content(config: TowerConfig) -> dict[str, Any]:
         loads = Path(config.wind.file).expanduser().read_bytes()
         content["loads"] = blake2b(loads, digest_size=16).hexdigest()
     if config.recorded.file is not None:
-        table = Path(config.recorded.file).read_bytes()
+        table = Path(config.recorded.file).expanduser().read_bytes()
         content["recorded"] |= {"file": blake2b(table, digest_size=16).hexdigest()}
     return content
 
