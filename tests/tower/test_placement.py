@@ -140,3 +140,13 @@ def test_impossible_counts_are_refused(setting, problem):
     many = pose(setting, theta(*PLACES, *PLACES, *PLACES, *PLACES), STRESS)
     with pytest.raises(InputError, match="count: 10 of 28 heights are 13123110 sets, more than"):
         choose_exhaustively(many, 10)
+
+
+def test_rounding_does_not_make_two_inclinometers_enough(setting):
+    # with quiet sensors, rounding alone would stop the growth of the covariance
+    quiet = tuple(replace(channel, sigma=1e-5) for channel in setting.channels)
+    candidates = [replace(channel, sigma=1e-6) for channel in theta(*PLACES)]
+    problem = pose(replace(setting, channels=quiet), candidates, STRESS)
+    for count, seen in ((1, False), (2, False), (3, True)):
+        for chosen in combinations(range(len(PLACES)), count):
+            assert np.isfinite(predict(problem, chosen).moment) == seen

@@ -47,7 +47,7 @@ def write(path: Path, **columns: np.ndarray) -> Path:
 def test_columns_become_the_truth_in_si_units(tmp_path):
     ramp = np.arange(ROWS) + 1.0
     file = write(
-        tmp_path / "r.csv", time__ms=1e3 * TIME, F_24__kN=ramp, a_012__g=ramp, theta_3__deg=ramp,
+        tmp_path / "r.csv", time__ms=1e3 * TIME, F_24__kN=ramp, M_0__MNm=ramp, a_012__g=ramp, theta_3__deg=ramp,
         x_24_ss__mm=ramp, v_24=ramp, strange=ramp,
     )  # fmt: skip
     record = read_record(file)
@@ -56,12 +56,13 @@ def test_columns_become_the_truth_in_si_units(tmp_path):
     motions = make_motions(record, CUT)
     assert list(motions) == ["fa", "ss"]
     np.testing.assert_allclose(motions["fa"].inputs[:, 2], 1e3 * ramp)
+    np.testing.assert_allclose(motions["fa"].inputs[:, 1], 1e6 * ramp)
     np.testing.assert_allclose(motions["fa"].acceleration[:, 2 * 4], 9.80665 * ramp)
     np.testing.assert_allclose(motions["fa"].displacement[:, 2 * 1 + 1], np.deg2rad(ramp))
     np.testing.assert_allclose(motions["ss"].displacement[:, 2 * 8], 1e-3 * ramp)
     known = sum(int(np.isfinite(part).all(axis=0).sum()) for m in motions.values()
                 for part in (m.inputs, m.displacement, m.acceleration))  # fmt: skip
-    assert known == 4  # everything else is NaN
+    assert known == 5  # everything else is NaN
 
 
 def test_a_users_names_are_translated(tmp_path):
@@ -89,7 +90,7 @@ def test_bad_columns_are_told_in_one_line(tmp_path):
     holes[[7, 9]] = np.nan
     for columns, told in (
         ({"time": late, "a_12": ramp}, "not uniform: 0.014 s between data rows 20 and 21, els"),
-        ({"time": np.delete(late, 3), "a_12": ramp[1:]}, "not uniform"),
+        ({"time": np.delete(TIME, 3), "a_12": ramp[1:]}, "not uniform"),
         ({"time": holes, "a_12": ramp}, "column time has no time in data row 8"),
         ({"time": TIME, "a_12": holes}, "a_12 has no number in data row 8 .2 such rows"),
         ({"time": TIME, "a_12__furlong": ramp}, "column a_12: 'furlong' is not a unit known here"),

@@ -9,7 +9,9 @@ Position and velocity of this one mode are left out of the model. That changes n
 inclinometer and no accelerometer measures them, no other state's equation holds them (the mode has
 neither stiffness nor damping), and neither stress nor interface loads depend on them. The
 covariance of all other states settles if the sensors see them, and is then found by doubling the
-number of steps. A set-up that does not see all of them has an infinite error.
+number of steps. A set-up that does not see all of them has an infinite error; that is decided
+beforehand by the rank of what its sensors read, because rounding may feign a covariance that
+settles.
 """
 
 from __future__ import annotations

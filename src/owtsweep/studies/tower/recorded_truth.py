@@ -7,6 +7,7 @@ there. What no column holds is NaN.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -98,7 +99,7 @@ def load_motions(
     InputError
         If the file cannot be used, lacks a sensor's column, is too short or has another step.
     """
-    record = read_record(str(recorded.file), recorded.list_names())
+    record = read_record(Path(str(recorded.file)).expanduser(), recorded.list_names())
     require(
         abs(record.step - step) <= 1e-6 * step,
         f"record.rate: {1.0 / step:g} Hz, but {record.path} has a row every {record.step:g} s; "
