@@ -36,13 +36,15 @@ def make_believed(tuning: Tuning, step: float, motion: Motion | None) -> Believe
     if tuning.inputs == "declared" or motion is None:
         return Believed(change, change * np.sqrt(length / (2.0 * step)), length)
     loads = np.column_stack([motion.inputs, motion.wave])
+    known = np.isfinite(loads).all(axis=0)  # a record may lack loads: the tuning's numbers hold
+    loads = np.where(known, loads, 0.0)
     moving = np.any(loads != 0.0, axis=0)
     seen = np.std(np.diff(loads, axis=0), axis=0)
     size = np.sqrt(np.mean(np.square(loads), axis=0))
     least = LEAST * change
     return Believed(
-        step_sigma=np.maximum(seen, least),
-        sigma=np.maximum(size, least),
+        step_sigma=np.where(known, np.maximum(seen, least), change),
+        sigma=np.where(known, np.maximum(size, least), change * np.sqrt(length / (2.0 * step))),
         length=np.where(moving, _correlate(loads, step), length),
     )
 

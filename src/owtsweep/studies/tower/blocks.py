@@ -15,8 +15,9 @@ from owtsweep.results.status import OK, UNABLE
 from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Prepared, Scheme, Unable
+from owtsweep.studies.tower.contract import Channel, Prepared, Scheme, Unable
 from owtsweep.studies.tower.measures import WINDOW, compare, find_true_damage
+from owtsweep.studies.tower.recorded_truth import measure as compare_with_record
 from owtsweep.studies.tower.schemes import resolve, resolve_all
 from owtsweep.studies.tower.setting import make_setting
 from owtsweep.studies.tower.sight import require_sight
@@ -24,8 +25,8 @@ from owtsweep.sweep.study import Block
 
 #: Keys and sections of the configuration on which every row depends, beside the cuts.
 SHARED = (
-    "seed", "structure", "record", "truth", "wind", "waves", "sensors", "faults", "filters",
-    "model", "fatigue",
+    "seed", "structure", "record", "truth", "recorded", "wind", "waves", "sensors", "faults",
+    "filters", "model", "fatigue",
 )  # fmt: skip
 
 
@@ -63,10 +64,11 @@ def run(config: TowerConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
     The truth is made once, also for several tunings; measurements are made once per noise.
     """
     case = make_case(config, blocks[0].content["replicate"])
-    true_damage = find_true_damage(config, case)
+    recorded = config.recorded.file is not None  # a record has stresses nowhere
+    true_damage = {} if recorded else find_true_damage(config, case)
     for noise, of_noise in groupby(blocks, lambda block: block.content["noise"]):
-        channels = {d: list_channels(config, case, d, noise) for d in DIRECTIONS}
-        measured = {d: measure(config, case, d, channels[d]) for d in DIRECTIONS}
+        channels = {d: list_channels(config, case, d, noise) for d in case.motion}
+        measured = {d: measure(config, case, d, channels[d]) for d in case.motion}
         for block in of_noise:
             chosen = block.choose(config)
             scheme = resolve(block.content["scheme"])
@@ -75,12 +77,17 @@ def run(config: TowerConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
             try:
                 estimates = {
                     d: _prepare(chosen, case, d, factor, channels[d], scheme).run(measured[d])
-                    for d in DIRECTIONS
+                    for d in case.motion
                 }
             except Unable as reason:
                 yield block, _tell(block, {"": float("nan")}, UNABLE, str(reason))
                 continue
-            found = compare(chosen, case, true_damage, estimates)
+            if recorded:
+                found = compare_with_record(
+                    case.motion, estimates, case.part.cut, config.record.settled
+                )
+            else:
+                found = compare(chosen, case, true_damage, estimates)
             yield block, _tell(block, found, OK, "")
 
 
@@ -94,6 +101,9 @@ def _describe_content(config: TowerConfig) -> dict[str, Any]:
     if config.wind.file is not None:
         loads = Path(config.wind.file).expanduser().read_bytes()
         content["loads"] = blake2b(loads, digest_size=16).hexdigest()
+    if config.recorded.file is not None:
+        table = Path(config.recorded.file).expanduser().read_bytes()
+        content["recorded"] |= {"file": blake2b(table, digest_size=16).hexdigest()}
     return content
 
 

@@ -13,8 +13,9 @@ from owtsweep.errors import require
 from owtsweep.streams import stream
 from owtsweep.studies.tower.channels import Place, list_places
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, Channel
+from owtsweep.studies.tower.contract import Channel
 from owtsweep.studies.tower.measuring import add_errors, take_signals
+from owtsweep.studies.tower.recorded_truth import load_motions
 from owtsweep.studies.tower.setting import Substructure, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
@@ -48,7 +49,7 @@ class Case:
 
 
 def make_case(config: TowerConfig, replicate: int) -> Case:
-    """Simulate the record with a number.
+    """Simulate the record with a number, or read the one that `recorded.file` names.
 
     Raises
     ------
@@ -59,20 +60,24 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
     from owtsweep.structures.stress import strain_matrix, stress_matrix
 
     structure, record = config.structure, config.record
-    motion = make_truth(
-        structure,
-        config.heights,
-        config.wind,
-        config.waves,
-        partial(stream, config.seed, config.study, (), replicate),
-        steps=record.steps,
-        step=1.0 / record.rate,
-        gravity=config.truth.gravity,
-        subdivision=config.truth.subdivision,
-    )
+    step = 1.0 / record.rate
     cut = assemble_cut(structure, *config.heights)
     places = list_places(config.sensors, config.nodes)
     strain, where = strain_matrix(structure, cut), [(place.kind, place.node) for place in places]
+    if config.recorded.file is not None:
+        motion = load_motions(config.recorded, cut, where, steps=record.steps, step=step)
+    else:
+        motion = make_truth(
+            structure,
+            config.heights,
+            config.wind,
+            config.waves,
+            partial(stream, config.seed, config.study, (), replicate),
+            steps=record.steps,
+            step=step,
+            gravity=config.truth.gravity,
+            subdivision=config.truth.subdivision,
+        )
     return Case(
         replicate=replicate,
         motion=motion,
@@ -81,7 +86,7 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
         places=places,
         signals={
             direction: take_signals(motion[direction], strain, where, config.faults)
-            for direction in DIRECTIONS
+            for direction in motion
         },
     )
 

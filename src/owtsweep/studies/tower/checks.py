@@ -6,9 +6,11 @@ import logging
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
+from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.tower.channels import count_rotations, list_places
 from owtsweep.studies.tower.loads.recorded import read_loads
 from owtsweep.studies.tower.loads.wind import NAMES
+from owtsweep.studies.tower.recorded_truth import load_motions
 from owtsweep.studies.tower.schemes import check_names
 
 if TYPE_CHECKING:
@@ -46,6 +48,8 @@ def check(config: TowerConfig) -> None:
         f"at {high - config.structure.mudline:g} m",
     )
     _check_sensors(config)
+    if config.recorded.file is not None:
+        _check_recorded(config, assemble_cut(config.structure, low, high))
 
 
 def _check_sensors(config: TowerConfig) -> None:
@@ -91,6 +95,19 @@ def _check_record(config: TowerConfig) -> None:
         f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
         f"samples of a record of {record.duration:g} s; at least 100 must be left",
     )
+
+
+def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:
+    places = list_places(config.sensors, config.nodes)
+    record = config.record
+    require(
+        config.criterion != "damage",
+        "criterion: a record holds no damage to compare with; use criterion=displacement",
+    )
+    load_motions(
+        config.recorded, cut, [(place.kind, place.node) for place in places],
+        steps=record.steps, step=1.0 / record.rate,
+    )  # fmt: skip
 
 
 def _check_loads(config: TowerConfig) -> None:

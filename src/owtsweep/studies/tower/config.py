@@ -16,6 +16,7 @@ from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.tower.loads.config import SeaState, Wind
 from owtsweep.studies.tower.measuring import Faults
+from owtsweep.studies.tower.recorded import Recorded
 from owtsweep.studies.tower.sections import Grid, Model, Record, Sensors, Truth
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
@@ -49,6 +50,7 @@ class TowerConfig(Config):
     grid: Grid = key("the axes of the sweep")
     record: Record = key("a record of loads, motion and measurements")
     truth: Truth = key("the structure as it is")
+    recorded: Recorded = key("a record of a structure in place of a simulated one")
     wind: Wind = key("loads of the rotor on the top")
     waves: SeaState = key("the sea, set by sea=NAME")
     sensors: Sensors = key("where sensors are")

@@ -38,6 +38,7 @@ def list_maps(
             metadata,
         )
         for criterion in CRITERIA
+        if criterion in set(tables["best_scheme"]["criterion"])
     }  # fmt: skip
 
 
