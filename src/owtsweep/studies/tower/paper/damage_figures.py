@@ -104,6 +104,6 @@ def _is_ten_minutes(outcome: Outcome) -> bool:
 def _note(outcome: Outcome) -> str:
     return (
         f"{describe(outcome)}. S-N curve as printed (m = 5, log a = 13.617), Goodman with 500 MPa; "
-        "damage at a node of the mesh, of bending in one direction, on a logarithmic axis: the share "
-        "of a weld's life. Blue: mean sea level. Triangles: beyond the axis, with the ratio."
+        "damage at a node of the mesh, of bending in one direction, on a logarithmic axis: the "
+        "share of a weld's life. Blue: mean sea level. Triangles: beyond the axis, with the ratio."
     )

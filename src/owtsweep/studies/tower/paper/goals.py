@@ -7,12 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from owtsweep.studies.tower.contract import INPUTS
-from owtsweep.studies.tower.paper.evidence import Scores
-from owtsweep.studies.tower.paper.judging import GNSS, MATCHED, WAVES, WEIGHTLESS, WIND
-from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
-from owtsweep.studies.tower.paper.statements import (
-    DISPLACEMENTS,
-    ROTATIONS,
+from owtsweep.studies.tower.paper.claims import (
     Place,
     below_one,
     claim,
@@ -20,6 +15,10 @@ from owtsweep.studies.tower.paper.statements import (
     everywhere,
     off_one,
 )
+from owtsweep.studies.tower.paper.evidence import Scores
+from owtsweep.studies.tower.paper.judging import GNSS, MATCHED, WAVES, WEIGHTLESS, WIND
+from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
+from owtsweep.studies.tower.paper.statements import DISPLACEMENTS, ROTATIONS
 from owtsweep.verdicts.inference import Claim
 
 #: Largest deviation of the damage of a weld, by set-up.

@@ -72,8 +72,8 @@ def draw_gravity(results: Results) -> Figure:
     grid[2].legend(frameon=False, fontsize=8)
     title = "Offset of the shear force at the tower top (Fig. 10 of Simpson et al. 2025)"
     note = (
-        f"{describe(worlds['with gravity']['fa'])}. The estimators' model has no gravity in either case. "
-        " σ: standard deviation of the truth. Wind loads are those of one record: both truths "
+        f"{describe(worlds['with gravity']['fa'])}. The estimators' model has no gravity in either "
+        "case. σ: standard deviation of the truth. Wind loads are those of one record: both truths "
         "differ by the weight alone."
     )
     finish(figure, grid[0], title, note)

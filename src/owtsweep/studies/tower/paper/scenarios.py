@@ -125,7 +125,7 @@ class Outcome:
     def heights(self) -> Array:
         """Heights of the nodes above the ground in m."""
         heights = self.setting.cut.heights
-        return heights - heights[0]
+        return np.asarray(heights - heights[0])
 
     def find_node(self, height: float) -> int:
         """Return the number of the node nearest to a height above the ground."""

@@ -8,102 +8,26 @@ deviation of the true signal. Intervals are over records.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from collections.abc import Callable
 
 import numpy as np
 
-from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS
-from owtsweep.studies.tower.paper.evidence import Scores, compare
+from owtsweep.studies.tower.contract import INPUTS
+from owtsweep.studies.tower.paper.claims import (
+    Place,
+    below_one,
+    claim,
+    claim_difference,
+    claim_ratio,
+    everywhere,
+    invert,
+)
+from owtsweep.studies.tower.paper.evidence import Scores
 from owtsweep.studies.tower.paper.judging import ACCELEROMETERS, GNSS, WAVES, WEIGHTLESS, WIND
-from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
-from owtsweep.verdicts.claims import gather
-from owtsweep.verdicts.inference import Claim, Decision, Side
+from owtsweep.verdicts.inference import Claim
 
 #: States that the paper compares, by kind.
 ROTATIONS, DISPLACEMENTS = ("theta0", "theta15"), ("x0", "x15")
-
-
-class Place(NamedTuple):
-    """Where a score is looked up: a scenario, a direction, a quantity."""
-
-    scenario: Scenario
-    direction: str
-    quantity: str
-
-    def __str__(self) -> str:
-        """Return the place in words, e.g. "Sparse: θ-a, M0 fa"."""
-        setup = SETUPS.get(self.scenario.sensors, self.scenario.sensors)
-        return f"{setup}, {self.quantity} {self.direction}"
-
-
-def everywhere(
-    scenarios: Iterable[Scenario],
-    quantities: Iterable[str],
-    directions: Iterable[str] = DIRECTIONS,
-) -> list[Place]:
-    """Return all places of scenarios, directions and quantities."""
-    kept, each = list(quantities), list(directions)
-    return [Place(s, d, q) for s in scenarios for d in each for q in kept]
-
-
-def claim(
-    text: str,
-    scores: Scores,
-    places: Iterable[Place],
-    measure: str,
-    side: Side,
-    threshold: float,
-    *,
-    of: Callable[[np.ndarray], np.ndarray] = np.asarray,
-) -> Claim:
-    """Claim that the mean of a measure lies below (above) a threshold at all places.
-
-    `of` turns values (records,) into what is compared, e.g. the distance from 1.
-    """
-    parts: list[tuple[str, Decision | None]] = []
-    for place in places:
-        values = scores.find(*place, measure)
-        found = None if values is None else of(values)
-        parts.append((str(place), compare(str(place), found, side, threshold)))
-    return gather(text, parts)
-
-
-def claim_ratio(
-    text: str,
-    scores: Scores,
-    pairs: Iterable[tuple[Place, Place]],
-    measures: tuple[str, str],
-    side: Side,
-    threshold: float,
-) -> Claim:
-    """Claim that ratios of two scores lie below (above) a threshold; signs do not count.
-
-    The ratio is taken in each record, and its mean over the records is judged. Of errors that
-    scatter by orders of magnitude between records, the larger one belongs below the line.
-    """
-    parts: list[tuple[str, Decision | None]] = []
-    for above, below in pairs:
-        first, second = scores.find(*above, measures[0]), scores.find(*below, measures[1])
-        label = str(above) if above == below else f"{above} / {below}"
-        ratio = None if first is None or second is None else np.abs(first / second)
-        parts.append((label, compare(label, ratio, side, threshold)))
-    return gather(text, parts)
-
-
-def below_one(values: np.ndarray) -> np.ndarray:
-    """Return 1 - values, not below 0."""
-    return np.maximum(1.0 - values, 0.0)
-
-
-def invert(values: np.ndarray) -> np.ndarray:
-    """Return 1 / values."""
-    return 1.0 / values
-
-
-def off_one(values: np.ndarray) -> np.ndarray:
-    """Return by how much values differ from 1."""
-    return np.abs(values - 1.0)
 
 
 def judge_f1(scores: Scores) -> list[Claim]:
@@ -152,18 +76,9 @@ def judge_f5(scores: Scores) -> list[Claim]:
 
 def judge_f6(scores: Scores) -> list[Claim]:
     """Wind only: TRAC of each input differs by less than .01 between the dense set-ups."""
-    parts: list[tuple[str, Decision | None]] = []
-    for direction in DIRECTIONS:
-        for name in INPUTS:
-            first, second = (
-                scores.find(WIND[setup], direction, name, "trac")
-                for setup in ("dense_x_a", "dense_theta_a")
-            )
-            known = first is not None and second is not None
-            difference = np.abs(first - second) if known else None
-            label = f"{name} {direction}"
-            parts.append((label, compare(label, difference, "below", 0.01)))
-    return [gather("difference of TRAC", parts)]
+    first, second = (everywhere([WIND[setup]], INPUTS) for setup in ("dense_x_a", "dense_theta_a"))
+    pairs = zip(first, second, strict=True)
+    return [claim_difference("difference of TRAC", scores, pairs, "trac", 0.01)]
 
 
 def judge_f7(scores: Scores) -> list[Claim]:
@@ -216,11 +131,14 @@ def judge_f9(scores: Scores) -> list[Claim]:
     """Sparse: θ-a, waves along the wind. Estimated over true damage at the ground, fore-aft.
 
     It is below .6 with p_1, and between .75 and 1.25 with p_2. Side-side it differs by less than
-    2 % between p_1 and p_2.
+    .02 between p_1 and p_2.
     """
+    first, second = (Place(WAVES[0, inputs], "ss", "z=0") for inputs in ("p_1", "p_2"))
     return [
         *_judge_ground(scores, 0, "fa", 0.6),
-        _compare_inputs(scores, 0, "ss", 0.02),
+        claim_difference(
+            "damage ratio side-side, p_1 - p_2", scores, [(first, second)], "damage_ratio", 0.02
+        ),
     ]
 
 
@@ -241,19 +159,15 @@ def judge_f11(scores: Scores) -> list[Claim]:
     """
     without = WAVES[0, "p_1"]
     places = [Place(without, "fa", name) for name in ("F0", "M0")]
-    parts: list[tuple[str, Decision | None]] = []
-    for inputs in ("p_1", "p_2"):
-        for name in ("F175", "M175"):
-            rough = scores.find(WAVES[0, inputs], "fa", name, "trac")
-            calm = scores.find(WIND["sparse_theta_a"], "fa", name, "trac")
-            known = rough is not None and calm is not None
-            difference = np.abs(rough - calm) if known else None
-            label = f"{name} fa, {inputs}"
-            parts.append((label, compare(label, difference, "below", 0.05)))
+    pairs = [
+        (Place(WAVES[0, inputs], "fa", name), Place(WIND["sparse_theta_a"], "fa", name))
+        for inputs in ("p_1", "p_2")
+        for name in INPUTS[2:]
+    ]
     return [
         claim("amplitude ratio at the first mode", scores, places, "mode_ratio", "below", 0.9),
         claim("shift of the peak (Hz)", scores, places, "mode_shift", "below", 0.005),
-        gather("difference of TRAC at the top", parts),
+        claim_difference("difference of TRAC at the top", scores, pairs, "trac", 0.05),
     ]
 
 
@@ -261,8 +175,8 @@ def judge_f12(scores: Scores) -> list[Claim]:
     """Sparse: θ-a and one GNSS receiver at the nacelle, wind only, both directions.
 
     The sensors see all states and inputs of a direction (PBH test), but miss two without the
-    receiver: position and velocity of the rigid translation. The rms error of x0 in the last 100 s is
-    less than twice that in the first 100 s judged, and less than .1 of that without the receiver.
+    receiver: position and velocity of the rigid translation. The rms error of x0 in the last 100 s
+    is less than twice that in the first 100 s judged, and less than .1 of that without it.
     """
     with_gnss = everywhere([GNSS], ["x0"])
     without = everywhere([WIND["sparse_theta_a"]], ["x0"])
@@ -308,20 +222,6 @@ def _judge_ground(scores: Scores, yaw: int, direction: str, limit: float) -> lis
         claim("damage ratio, p_2", scores, with_waves, measure, "above", 0.75),
         claim("damage ratio, p_2", scores, with_waves, measure, "below", 1.25),
     ]
-
-
-def _compare_inputs(scores: Scores, yaw: int, direction: str, limit: float) -> Claim:
-    """Claim that p_1 and p_2 give nearly one damage at the ground."""
-    first, second = (
-        scores.find(WAVES[yaw, inputs], direction, "z=0", "damage_ratio")
-        for inputs in ("p_1", "p_2")
-    )
-    known = first is not None and second is not None
-    difference = off_one(first / second) if known else None
-    label = f"ground, {direction}, p_1 over p_2"
-    return gather(
-        "side-side, p_1 against p_2", [(label, compare(label, difference, "below", limit))]
-    )
 
 
 #: Statement -> its test.

@@ -1,0 +1,114 @@
+"""Claims about the scores of the paper's case studies: at every place, the mean over records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.tower.contract import DIRECTIONS
+from owtsweep.studies.tower.paper.evidence import Scores, compare
+from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
+from owtsweep.verdicts.claims import gather
+from owtsweep.verdicts.inference import Claim, Decision, Side
+
+
+class Place(NamedTuple):
+    """Where a score is looked up: a scenario, a direction, a quantity."""
+
+    scenario: Scenario
+    direction: str
+    quantity: str
+
+    def __str__(self) -> str:
+        """Return the place in words, e.g. "Sparse: θ-a, M0 fa"."""
+        setup = SETUPS.get(self.scenario.sensors, self.scenario.sensors)
+        return f"{setup}, {self.quantity} {self.direction}"
+
+
+def everywhere(
+    scenarios: Iterable[Scenario],
+    quantities: Iterable[str],
+    directions: Iterable[str] = DIRECTIONS,
+) -> list[Place]:
+    """Return all places of scenarios, directions and quantities."""
+    kept, each = list(quantities), list(directions)
+    return [Place(s, d, q) for s in scenarios for d in each for q in kept]
+
+
+def claim(
+    text: str,
+    scores: Scores,
+    places: Iterable[Place],
+    measure: str,
+    side: Side,
+    threshold: float,
+    *,
+    of: Callable[[Array], Array] = np.abs,
+) -> Claim:
+    """Claim that the mean of a measure lies below (above) a threshold at all places.
+
+    `of` turns values (records,) into what is compared, e.g. the distance from 1.
+    """
+    parts: list[tuple[str, Decision | None]] = []
+    for place in places:
+        values = scores.find(*place, measure)
+        found = None if values is None else of(values)
+        parts.append((str(place), compare(str(place), found, side, threshold)))
+    return gather(text, parts)
+
+
+def claim_ratio(
+    text: str,
+    scores: Scores,
+    pairs: Iterable[tuple[Place, Place]],
+    measures: tuple[str, str],
+    side: Side,
+    threshold: float,
+) -> Claim:
+    """Claim that ratios of two scores lie below (above) a threshold; signs do not count.
+
+    The ratio is taken in each record, and its mean over the records is judged. Of errors that
+    scatter by orders of magnitude between records, the larger one belongs below the line.
+    """
+    parts: list[tuple[str, Decision | None]] = []
+    for above, below in pairs:
+        first, second = scores.find(*above, measures[0]), scores.find(*below, measures[1])
+        label = str(above) if above == below else f"{above} / {below}"
+        ratio = None if first is None or second is None else np.abs(first / second)
+        parts.append((label, compare(label, ratio, side, threshold)))
+    return gather(text, parts)
+
+
+def claim_difference(
+    text: str,
+    scores: Scores,
+    pairs: Iterable[tuple[Place, Place]],
+    measure: str,
+    limit: float,
+) -> Claim:
+    """Claim that a measure at two places differs by less than a limit, in the mean over records."""
+    parts: list[tuple[str, Decision | None]] = []
+    for first, second in pairs:
+        one, other = scores.find(*first, measure), scores.find(*second, measure)
+        label = f"{first} / {second}"
+        difference = None if one is None or other is None else np.abs(one - other)
+        parts.append((label, compare(label, difference, "below", limit)))
+    return gather(text, parts)
+
+
+def below_one(values: Array) -> Array:
+    """Return 1 - values, not below 0."""
+    return np.maximum(1.0 - values, 0.0)
+
+
+def invert(values: Array) -> Array:
+    """Return 1 / values."""
+    return 1.0 / values
+
+
+def off_one(values: Array) -> Array:
+    """Return by how much values differ from 1."""
+    return np.abs(values - 1.0)
