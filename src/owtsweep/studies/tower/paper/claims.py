@@ -101,14 +101,14 @@ def claim_difference(
 
 def below_one(values: Array) -> Array:
     """Return 1 - values, not below 0."""
-    return np.maximum(1.0 - values, 0.0)
+    return np.asarray(np.maximum(1.0 - values, 0.0))
 
 
 def invert(values: Array) -> Array:
     """Return 1 / values."""
-    return 1.0 / values
+    return np.asarray(1.0 / values)
 
 
 def off_one(values: Array) -> Array:
     """Return by how much values differ from 1."""
-    return np.abs(values - 1.0)
+    return np.asarray(np.abs(values - 1.0))
