@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STRESS, MOMENT = "C0", "C3"
+#: Errors in % that are written at the axis.
+TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
 NAMES = {"stress": "the stress at the worst weld", "moment": "the moment M0"}
 
 
@@ -63,9 +65,11 @@ def _draw_errors(axes: Axes, greedy: Sequence[Choice], exhaustive: Sequence[Choi
     axes.set_ylabel("predicted error (% of the signal's std)")
     axes.set_xticks(numbers)
     axes.set_yscale("log")
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_minor_formatter(lambda value, _: "")
     axes.margins(y=0.35)
+    low, high = axes.get_ylim()
+    ticks = [tick for tick in TICKS if low <= tick <= high]
+    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.set_yticks([], minor=True)
     axes.legend(frameon=False, loc="center")
     axes.set_title("What inclinometers buy", loc="left")
 
