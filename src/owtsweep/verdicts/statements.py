@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from owtsweep.verdicts.evidence import Evidence
 from owtsweep.verdicts.inference import Claim, Decision, all_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
 #: The evidence that a study's tests read.
-OfStudy = TypeVar("OfStudy", bound=Evidence)
+OfStudy = TypeVar("OfStudy")
 
 
 @dataclass(frozen=True)

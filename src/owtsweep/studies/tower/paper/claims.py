@@ -101,7 +101,7 @@ def claim_difference(
 
 def below_one(values: Array) -> Array:
     """Return 1 - values, not below 0."""
-    return np.maximum(1.0 - values, 0.0)
+    return np.asarray(np.maximum(1.0 - values, 0.0))
 
 
 def invert(values: Array) -> Array:
@@ -111,4 +111,4 @@ def invert(values: Array) -> Array:
 
 def off_one(values: Array) -> Array:
     """Return by how much values differ from 1."""
-    return np.abs(values - 1.0)
+    return np.asarray(np.abs(values - 1.0))

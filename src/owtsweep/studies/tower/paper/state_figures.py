@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from owtsweep.figures import style
+from owtsweep.figures.lines import make_line
 from owtsweep.studies.tower.contract import DIRECTIONS
 from owtsweep.studies.tower.paper.judging import WIND
 from owtsweep.studies.tower.paper.panels import (
@@ -17,7 +18,6 @@ from owtsweep.studies.tower.paper.panels import (
     describe,
     draw_rows,
     finish,
-    make_line,
 )
 from owtsweep.studies.tower.paper.scenarios import SETUPS, Outcomes, Scenario
 from owtsweep.studies.tower.paper.scores import STATE_HEIGHTS
