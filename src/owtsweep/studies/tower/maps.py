@@ -34,6 +34,7 @@ def list_maps(
             partial(
                 _draw, config, tables["best_scheme"], criterion,
                 find_coinciding(cube, [criterion]), int((rows["status"] == FAILED).sum()),
+                cube.unable,
             ),
             metadata,
         )
@@ -48,6 +49,7 @@ def _draw(
     criterion: str,
     coinciding: list[tuple[str, ...]],
     failures: int,
+    unable: pd.DataFrame,
 ) -> Figure:
     from owtsweep.figures import best_scheme_map, style
 
@@ -63,6 +65,7 @@ def _draw(
         coinciding=coinciding,
         replicates=config.grid.replicates,
         failures=failures,
+        notes=_tell_unable(unable),
     )
     wrong = describe_errors(config)
     lines = [
@@ -71,3 +74,12 @@ def _draw(
     ]
     style.add_origin(figure, "\n".join(lines))
     return figure
+
+
+def _tell_unable(unable: pd.DataFrame) -> list[str]:
+    """Return a sentence on schemes that could not work; `unable` is that of a `Cube`."""
+    if unable.empty:
+        return []
+    counts = unable["scheme"].astype(str).value_counts(sort=False)
+    told = ", ".join(f"{name} in {n} cell{'s' * (n != 1)}" for name, n in counts.items())
+    return [f"Unable to work, with its reason in summary.csv: {told}."]

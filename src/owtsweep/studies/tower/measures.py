@@ -26,8 +26,8 @@ from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Estimates
 #: Criteria of the maps -> what the title of a map says.
 CRITERIA = {
     "damage": "damage: |log2 of estimated over true| at the worst weld",
-    "base_moment": "base moment fore-aft: error over its standard deviation, means taken off",
-    "displacement": "displacement: error over standard deviation, worst node, means taken off",
+    "base_moment": "base moment: std of its error over its own std, fore-aft",
+    "displacement": "displacement: std of its error over its own std, worst node",
 }
 #: The only window: after the settling time.
 WINDOW = "settled"

@@ -106,7 +106,7 @@ def below_one(values: Array) -> Array:
 
 def invert(values: Array) -> Array:
     """Return 1 / values."""
-    return 1.0 / values
+    return np.asarray(1.0 / values)
 
 
 def off_one(values: Array) -> Array:
