@@ -66,7 +66,17 @@ KEPT = {
     "rivals": ("config.yaml", "manifest.json", "*.csv"),
     "plant": ("*.csv", "*.png", "*.md"),
     "better": ("*.csv", "*.png"),
-    "tower": ("*.csv", "*.md", "*.png"),
+    "tower": (
+        "summary_*.csv",
+        "best_scheme_*.csv",
+        "crossover.csv",
+        "choices.csv",
+        "fidelity_claims.csv",
+        "table_3.csv",
+        "*.md",
+        "*.png",
+        "figures/*.png",
+    ),
     **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
 

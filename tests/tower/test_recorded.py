@@ -47,8 +47,8 @@ def write(path: Path, **columns: np.ndarray) -> Path:
 def test_columns_become_the_truth_in_si_units(tmp_path):
     ramp = np.arange(ROWS) + 1.0
     file = write(
-        tmp_path / "r.csv", time__ms=1e3 * TIME, F_24__kN=ramp, M_0__MNm=ramp, a_012__g=ramp, theta_3__deg=ramp,
-        x_24_ss__mm=ramp, v_24=ramp, strange=ramp,
+        tmp_path / "r.csv", time__ms=1e3 * TIME, F_24__kN=ramp, M_0__MNm=ramp, a_012__g=ramp,
+        theta_3__deg=ramp, x_24_ss__mm=ramp, v_24=ramp, strange=ramp,
     )  # fmt: skip
     record = read_record(file)
     assert record.step == pytest.approx(0.01)
