@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 TITLE = "How well the tower study reproduces Simpson et al. (2025)"
 #: The origin of the tests.
 DEFINITIONS = (
-    "Definitions and thresholds were written down before these records were judged; numbers of "
-    "earlier prototypes were known."
+    "Thresholds were written down before any record was judged; numbers of earlier prototypes were "
+    "known. After a look at the first records, means of ratios took the place of ratios of means "
+    "(F3, F4, F7, F8, F12, G7, G8), F13 the inverse factor, F7 its part without gravity, and G8 "
+    "the count of unseen directions in place of the drift without a receiver."
 )
 
 
