@@ -23,7 +23,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane
-from owtsweep.figures.shades import Shades, add_legend
+from owtsweep.figures.shades import MOST_LISTED, Shades, add_legend, list_in_legend
 from owtsweep.results.conditions import Condition
 
 HATCH = "////"
@@ -39,8 +39,6 @@ ONE_LINE = 0.42
 MOST_LABELS = 600
 #: Columns of the legend, and the height of one of its lines in inches.
 LEGEND_COLUMNS, LEGEND_LINE = 3, 0.2
-#: A map of more schemes lists those in the legend that are best somewhere, the others below.
-MOST_LISTED = 9
 #: Where a line crosses a cell, the label moves to the left, and up or down, by this part of it.
 ASIDE = 0.3
 
@@ -163,17 +161,6 @@ def draw(
     beaten = [f"Best in no cell: {', '.join(unlisted)}."] if unlisted else []
     style.footnote(figure, " ".join([explained, *beaten, *notes]))
     return figure
-
-
-def list_in_legend(rows: Sequence[dict[Any, Any]], schemes: Sequence[str]) -> list[str]:
-    """Return the schemes that a map's legend lists: all, or of many those that are best somewhere.
-
-    `rows` are the cells, rows of best_scheme.csv.
-    """
-    if len(schemes) <= MOST_LISTED:
-        return list(schemes)
-    winners = {row["best"] for row in rows}
-    return [name for name in schemes if name in winners]
 
 
 def draw_cells(

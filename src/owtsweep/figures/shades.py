@@ -13,6 +13,8 @@ from matplotlib.patches import Patch, Rectangle
 from owtsweep.figures.margin import PALEST, explain
 from owtsweep.figures.palette import mix_with_white
 
+#: A map of more schemes lists those in the legend that are best somewhere, the others below.
+MOST_LISTED = 9
 #: Number of shades in the strip.
 COUNT = 4
 
@@ -60,3 +62,14 @@ def add_legend(figure: Figure, handles: Sequence[Any], columns: int, score: str 
         handles=handles, handler_map=HANDLERS, ncols=columns, loc="outside upper center",
         frameon=False, title=explain(score), title_fontsize=9,
     )  # fmt: skip
+
+
+def list_in_legend(rows: Sequence[dict[Any, Any]], schemes: Sequence[str]) -> list[str]:
+    """Return the schemes that a map's legend lists: all, or of many those that are best somewhere.
+
+    `rows` are the cells, rows of best_scheme.csv.
+    """
+    if len(schemes) <= MOST_LISTED:
+        return list(schemes)
+    winners = {row["best"] for row in rows}
+    return [name for name in schemes if name in winners]
