@@ -77,9 +77,16 @@ class Config(Section):
     def by_tuning(self) -> Mapping[str, Self]:
         """Return tuning -> the configuration of a run with this tuning alone.
 
-        A run of one tuning has one entry, with the name "": the configuration itself.
+        A run of one tuning has one entry, with the name "": the configuration itself. A study with
+        tunings holds the sections of several in the key `tunings`, by name.
         """
-        return {"": self}
+        sections: Mapping[str, Section] = getattr(self, "tunings", {})
+        if not sections:
+            return {"": self}
+        return {
+            name: self.model_copy(update={"tuning": name, "tunings": {}, **vars(tuned)})
+            for name, tuned in sections.items()
+        }
 
     @classmethod
     def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:

@@ -6,12 +6,11 @@ Units are SI, but angles (wave direction) are in degrees. The sections are in `s
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
-from owtsweep.config import Config, Finite, Positive, changed, key, require
+from owtsweep.config import Config, Finite, Positive, key, require
 from owtsweep.structures import Structure
 from owtsweep.studies.hub.sections import (
     FilterTuning,
@@ -118,18 +117,6 @@ class HubConfig(Config):
     def tuning_name(self) -> str:
         """The name of the tuning; several names are joined by "and"."""
         return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
-
-    def by_tuning(self) -> Mapping[str, Self]:
-        """Return tuning -> the configuration of a run with this tuning alone.
-
-        A run of one tuning has one entry, with the name "": the configuration itself.
-        """
-        if not self.tunings:
-            return {"": self}
-        return {
-            name: changed(self, tuning=name, tunings={}, **vars(sections))
-            for name, sections in self.tunings.items()
-        }
 
     @classmethod
     def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:

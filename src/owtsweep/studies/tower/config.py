@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from owtsweep.arrays import Array
-from owtsweep.config import Config, Finite, changed, key, require
+from owtsweep.config import Config, Finite, key, require
 from owtsweep.config.typed import as_plain
 from owtsweep.structures import Structure, find_structure
 from owtsweep.structures.bernoulli import list_nodes
@@ -79,18 +78,6 @@ class TowerConfig(Config):
     def tuning_name(self) -> str:
         """The name of the tuning; several names are joined by "and"."""
         return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
-
-    def by_tuning(self) -> Mapping[str, Self]:
-        """Return tuning -> the configuration of a run with this tuning alone.
-
-        A run of one tuning has one entry, with the name "": the configuration itself.
-        """
-        if not self.tunings:
-            return {"": self}
-        return {
-            name: changed(self, tuning=name, tunings={}, filters=tuned.filters)
-            for name, tuned in self.tunings.items()
-        }
 
     @property
     def heights(self) -> tuple[float, float]:

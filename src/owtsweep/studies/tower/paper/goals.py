@@ -19,7 +19,7 @@ from owtsweep.studies.tower.paper.evidence import Scores
 from owtsweep.studies.tower.paper.judging import GNSS, MATCHED, WAVES, WEIGHTLESS, WIND
 from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
 from owtsweep.studies.tower.paper.statements import DISPLACEMENTS, ROTATIONS
-from owtsweep.verdicts.inference import Claim
+from owtsweep.verdicts.inference import Claim, Side
 
 #: Largest deviation of the damage of a weld, by set-up.
 DEVIATIONS = {"dense_x_a": 0.12, "dense_theta_a": 0.12, "sparse_theta_a": 0.15}
@@ -98,14 +98,15 @@ def judge_g6(scores: Scores) -> list[Claim]:
 def judge_g7(scores: Scores) -> list[Claim]:
     """Dense: θ-a and Sparse: θ-a; |mean error| over the |mean| of F175 fore-aft."""
     claims = []
-    for words, world, side, limit in (
+    worlds: list[tuple[str, dict[str, Scenario], Side, float]] = [
         ("with gravity", WIND, "above", 0.01),
         ("without gravity", WEIGHTLESS, "below", 0.001),
-    ):
+    ]
+    for words, world, side, limit in worlds:
         places = [Place(world[name], "fa", "F175") for name in WEIGHTLESS]
         pairs = [(place, place) for place in places]
         ratio = ("offset", "mean")
-        claims.append(claim_ratio(words, scores, pairs, ratio, side, limit))  # type: ignore[arg-type]
+        claims.append(claim_ratio(words, scores, pairs, ratio, side, limit))
     return claims
 
 

@@ -13,9 +13,7 @@ from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
     Settled,
-    noise_of_inputs,
-    noise_of_sensors,
-    noise_of_states,
+    noises_of_walks,
     prior,
 )
 
@@ -24,9 +22,7 @@ def tune(setting: Setting, model: Model) -> Settled:
     """Make the augmented Kalman filter of a model."""
     return make_augmented(
         model.discrete,
-        noise_of_states(setting, model),
-        noise_of_inputs(setting, model),
-        noise_of_sensors(setting),
+        *noises_of_walks(setting, model),
         prior(setting, model),
     )
 

@@ -12,9 +12,7 @@ from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
     Settled,
-    noise_of_inputs,
-    noise_of_sensors,
-    noise_of_states,
+    noises_of_walks,
     prior,
 )
 
@@ -23,9 +21,7 @@ def tune(setting: Setting, model: Model) -> Settled:
     """Make the smoother of a model."""
     return make_lagged(
         model.discrete,
-        noise_of_states(setting, model),
-        noise_of_inputs(setting, model),
-        noise_of_sensors(setting),
+        *noises_of_walks(setting, model),
         prior(setting, model),
         round(setting.tuning.lag / setting.step),
     )

@@ -8,20 +8,13 @@ from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
     Settled,
-    noise_of_inputs,
-    noise_of_sensors,
-    noise_of_states,
+    noises_of_walks,
 )
 
 
 def tune(setting: Setting, model: Model) -> Settled:
     """Make the steady-state augmented Kalman filter of a model."""
-    return make_steady(
-        model.discrete,
-        noise_of_states(setting, model),
-        noise_of_inputs(setting, model),
-        noise_of_sensors(setting),
-    )
+    return make_steady(model.discrete, *noises_of_walks(setting, model))
 
 
 SCHEME = FilterScheme("AKF_STEADY", False, model_cut, tune)

@@ -16,9 +16,7 @@ from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
     Settled,
-    noise_of_inputs,
-    noise_of_sensors,
-    noise_of_states,
+    noises_of_walks,
     size_of_inputs,
 )
 
@@ -27,9 +25,7 @@ def tune(setting: Setting, model: Model) -> Settled:
     """Make the dual filter of a model."""
     return make_dual(
         model.discrete,
-        noise_of_states(setting, model),
-        noise_of_inputs(setting, model),
-        noise_of_sensors(setting),
+        *noises_of_walks(setting, model),
         setting.tuning.initial * np.eye(2 * model.modes),
         np.diag(size_of_inputs(setting, model) ** 2),
     )

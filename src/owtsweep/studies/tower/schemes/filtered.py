@@ -116,6 +116,15 @@ def noise_of_sensors(setting: Setting) -> Array:
     return np.diag([channel.sigma**2 for channel in setting.channels])
 
 
+def noises_of_walks(setting: Setting, model: Model) -> tuple[Array, Array, Array]:
+    """Return Q, S and R, as filters take them whose inputs are random walks."""
+    return (
+        noise_of_states(setting, model),
+        noise_of_inputs(setting, model),
+        noise_of_sensors(setting),
+    )
+
+
 def size_of_inputs(setting: Setting, model: Model) -> Array:
     """Return the standard deviations about zero of the model's inputs in its units, (inputs,)."""
     return setting.believed.sigma[model.inputs] / model.scale
