@@ -18,7 +18,7 @@ from owtsweep.studies.tower.paper.table_3 import compare_table, show_table
 
 tables = []
 for replicate in range(int(sys.argv[1]) if len(sys.argv) > 1 else 2):
-    results = run_scenarios(WIND.values(), replicate)
-    tables.append(tabulate([o for each in results.values() for o in each.values()]))
+    for _, outcomes in run_scenarios(WIND.values(), replicate):
+        tables.append(tabulate(list(outcomes.values())))
 shown = show_table(compare_table(Scores(pd.concat(tables))))
 print(markdown.table(shown.columns, shown.rows, numbers=shown.numbers))

@@ -27,7 +27,7 @@ STATES = ("x0", "theta0", "x15", "theta15")
 @pytest.fixture(scope="module")
 def results():
     needed = dict.fromkeys(scenario for name in DRAWN for scenario in FIGURES[name].needs)
-    return run_scenarios(needed, 0, SHORT)
+    return dict(run_scenarios(needed, 0, SHORT))
 
 
 @pytest.fixture(scope="module")

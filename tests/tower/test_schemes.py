@@ -20,8 +20,8 @@ ABLE = [name for name in REGISTERED if name != "DUAL"]
 
 @cache
 def record():
-    """Return truth, setting and measurements of 20 s with 1 % noise."""
-    motion = make(steps=2000, gravity=False)["fa"]
+    """Return truth, setting and measurements of 60 s with 1 % noise."""
+    motion = make(steps=6000, gravity=False)["fa"]
     places = place(SPARSE)
     signals = take_signals(motion, STRAIN, places, Faults())
     sigma = 0.01 * signals.std(axis=0)

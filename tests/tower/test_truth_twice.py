@@ -73,11 +73,11 @@ def test_a_second_model_and_integration_give_the_same_truth():
     stiffness[:2, :2] += [[springs.lateral, springs.coupling], [springs.coupling, springs.rotation]]
     damping[-2, -2] += WIND.damping
     beam = PlaneBeam(heights, mass, own, np.arange(size))
-    waves = make_wave_loads(STRUCTURE, beam, ROUGH, streams(), steps=STEPS, step=STEP)
-    of_waves = np.zeros((STEPS, size))
+    waves = make_wave_loads(STRUCTURE, beam, ROUGH, streams(), steps=STEPS, step=STEP, lead=STEPS)
+    of_waves = np.zeros((2 * STEPS, size))
     of_waves[:, waves.dof] = np.cos(np.deg2rad(ROUGH.yaw)) * waves.series
     loads = of_waves.copy()
-    loads[:, -2:] += make_top_loads(WIND, streams(), steps=STEPS, step=STEP)[:, :2]
+    loads[:, -2:] += make_top_loads(WIND, streams(), steps=STEPS, step=STEP, lead=STEPS)[:, :2]
 
     inverse = np.linalg.inv(whole_mass)
     block = np.zeros((4 * size, 4 * size))
@@ -99,7 +99,7 @@ def test_a_second_model_and_integration_give_the_same_truth():
     motion = make(steps=STEPS, sea=ROUGH)["fa"]
     nodes = np.arange(size).reshape(-1, 2)[::2].reshape(-1)
     for got, expected in (
-        (motion.displacement, shift[:, nodes]),
-        (motion.inputs, through[:, [0, 1, -2, -1]]),
+        (motion.displacement, shift[STEPS:, nodes]),  # the loads' lead brings it to motion
+        (motion.inputs, through[STEPS:, [0, 1, -2, -1]]),
     ):
         assert np.all(np.abs(got - expected).max(axis=0) <= 1e-6 * expected.std(axis=0))

@@ -30,7 +30,7 @@ class TowerStudy:
 
     name = "tower"
     schema_version = 1
-    numerics_version = add_versions(1, *ROOMS)
+    numerics_version = add_versions(2, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme."""

@@ -136,7 +136,8 @@ def pose(
     discrete, modes, inputs = model.discrete, model.modes, len(model.inputs)
     states = 2 * modes
     change = setting.believed.step_sigma[model.inputs] / model.scale
-    size = np.append(np.full(states, np.sqrt(setting.tuning.process_noise)), change)
+    noise = [setting.tuning.process_noise, setting.tuning.noise_of_rates]
+    size = np.append(np.repeat(np.sqrt(noise), modes), change)
     transition = np.eye(states + inputs)
     transition[:states] = np.hstack([discrete.A, discrete.B])
     transition = transition * size / size[:, None]

@@ -86,11 +86,13 @@ def make_truth(
         If the structure does not stand, a cut is inside an element, or a file of loads cannot be
         used.
     """
-    top = make_top_loads(wind, stream, steps=steps, step=step)
+    # Loads act for a while before the record, so that it begins with a motion that has built up.
+    lead = steps if wind.file is None else 0
+    top = make_top_loads(wind, stream, steps=steps, step=step, lead=lead)
     mesh = assemble_whole(structure, gravity=gravity, subdivision=subdivision)
     waves = None
     if sea.hs > 0.0:
-        waves = make_wave_loads(structure, mesh, sea, stream, steps=steps, step=step)
+        waves = make_wave_loads(structure, mesh, sea, stream, steps=steps, step=step, lead=lead)
     yaw = np.deg2rad(sea.yaw)
     truth = {}
     for side, direction in enumerate(DIRECTIONS):
@@ -104,6 +106,7 @@ def make_truth(
             waves,
             float(np.sin(yaw) if side else np.cos(yaw)),
             step,
+            lead,
             subdivision,
         )
     return truth
@@ -131,9 +134,13 @@ def _simulate(
     waves: WaveLoads | None,
     share: float,
     step: float,
+    lead: int,
     subdivision: int,
 ) -> Motion:
-    """Simulate one direction; `share` is the part of the waves' loads along it."""
+    """Simulate one direction, and leave out the lead.
+
+    `share` is the part of the waves' loads along the direction.
+    """
     size = len(whole.mass)
     first = 2 * whole.find_node(cut.heights[0])
     inside = np.arange(first, first + len(cut.mass))  # of the cut structure, in the whole
@@ -170,11 +177,12 @@ def _simulate(
     held = np.ix_(free, free)
     got = respond(
         whole.mass[held], damping[held], whole.stiffness[held], loads[free], series, step, wanted
-    )
+    )[lead:]
+    series = series[lead:]
     count = len(nodes)
     inputs = got[:, 2 * count :].copy()
     wave: Array = np.zeros(len(series))
     if waves is not None:
         inputs -= series[:, 2:] @ loads[faces, 2:].T
-        wave = share * waves.force / (0.5 * -structure.mudline)
+        wave = share * waves.force[lead:] / (0.5 * -structure.mudline)
     return Motion(got[:, :count].copy(), got[:, count : 2 * count].copy(), inputs, wave)

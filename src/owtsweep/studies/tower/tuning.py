@@ -21,6 +21,13 @@ class Tuning(Section):
     process_noise: Positive = key(
         "variance per step of every state on mass-normalised modes, Q of Eq. (24)", unit="kg m^2"
     )
+    rate_noise: Positive | None = key(
+        "variance per step of the rates of these modes, where it differs from process_noise; null: "
+        "it does not",
+        unit="kg m^2/s^2",
+        default=None,
+        younger=True,
+    )
     initial: Positive = key(
         "initial variance of every state on mass-normalised modes, P_0", unit="kg m^2"
     )
@@ -29,6 +36,11 @@ class Tuning(Section):
     wave: Positive = key("change of the wave load at sea level per step", unit="N/m")
     correlation_time: Positive = key("of latent forces", unit="s")
     lag: NotNegative = key("of the fixed-lag smoother", unit="s")
+
+    @property
+    def noise_of_rates(self) -> float:
+        """The variance per step of the rates of mass-normalised modes."""
+        return self.process_noise if self.rate_noise is None else self.rate_noise
 
 
 class Tuned(Section):

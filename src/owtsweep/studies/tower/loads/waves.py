@@ -19,6 +19,7 @@ from owtsweep.motion.plant import compute_forces
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.loads.config import SeaState
+from owtsweep.studies.tower.loads.periodic import sample_periodic
 from owtsweep.waves import Sea, draw_waves
 
 
@@ -31,9 +32,9 @@ class WaveLoads:
     dof
         Numbers of the degrees of freedom that are loaded, shape (loaded,).
     series
-        Loads on them in N and N m, shape (steps, loaded).
+        Loads on them in N and N m, shape (lead + steps, loaded).
     force
-        Their sum of forces in N, shape (steps,).
+        Their sum of forces in N, shape (lead + steps,).
     """
 
     dof: NDArray[np.int64]
@@ -49,6 +50,7 @@ def make_wave_loads(
     *,
     steps: int,
     step: float,
+    lead: int = 0,
 ) -> WaveLoads:
     """Draw a record of wave loads.
 
@@ -62,6 +64,8 @@ def make_wave_loads(
         Function that returns a new random generator, given a name; it is called with "waves".
     steps, step
         Number of samples and sampling interval (s).
+    lead
+        Number of samples before the record, at most `steps`.
 
     Raises
     ------
@@ -89,7 +93,7 @@ def make_wave_loads(
         count = min(len(lines), len(bins))
         bins[:count] = lines[:count] * steps
         bins[0] *= 2.0  # the mean has no conjugate twin
-        return np.fft.irfft(bins, 2 * steps)[:steps]
+        return sample_periodic(bins, steps, lead)
 
     series = np.stack([sample(shapes[:, i] @ forces) for i in dof], axis=1)
     return WaveLoads(dof, series, sample(forces.sum(axis=0)))

@@ -14,6 +14,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.tower.loads.config import TopLoad, Wind
+from owtsweep.studies.tower.loads.periodic import sample_periodic
 from owtsweep.studies.tower.loads.recorded import read_loads
 
 #: Length scale of the longitudinal component, m (IEC 61400-1:2019, 6.3.1 and C.14).
@@ -25,7 +26,12 @@ NAMES = ("thrust", "moment", "side", "side_moment")
 
 
 def make_top_loads(
-    wind: Wind, stream: Callable[[str], np.random.Generator], *, steps: int, step: float
+    wind: Wind,
+    stream: Callable[[str], np.random.Generator],
+    *,
+    steps: int,
+    step: float,
+    lead: int = 0,
 ) -> Array:
     """Draw the loads on the top, or read them from the file of the configuration.
 
@@ -37,11 +43,13 @@ def make_top_loads(
         Function that returns a new random generator, given a name.
     steps, step
         Number of samples and sampling interval (s).
+    lead
+        Number of samples before the record, at most `steps`. A file has none: it must be 0.
 
     Returns
     -------
     array
-        The loads in N and N m in the order of `NAMES`, shape (steps, 4).
+        The loads in N and N m in the order of `NAMES`, shape (lead + steps, 4).
 
     Raises
     ------
@@ -55,7 +63,7 @@ def make_top_loads(
     loads = [getattr(wind, name) for name in NAMES]
     return np.stack(
         [
-            _draw(load, spectrum, stream(name), steps)
+            _draw(load, spectrum, stream(name), steps, lead)
             for name, load in zip(NAMES, loads, strict=True)
         ],
         axis=1,
@@ -76,9 +84,11 @@ def find_spectrum(wind: Wind, frequency: Array) -> Array:
     return np.asarray(sum(share * part / np.sum(part) for share, part in parts))
 
 
-def _draw(load: TopLoad, spectrum: Array, phase: np.random.Generator, steps: int) -> Array:
-    """Draw a series with random phases; twice its length has exactly the standard deviation."""
+def _draw(
+    load: TopLoad, spectrum: Array, phase: np.random.Generator, steps: int, lead: int
+) -> Array:
+    """Draw a series with random phases; twice the record has exactly the standard deviation."""
     bins = np.zeros(steps + 1, dtype=complex)
     turns = 2.0 * np.pi * phase.random(len(spectrum))
     bins[1:-1] = steps * load.sigma * np.sqrt(2.0 * spectrum) * np.exp(1j * turns)
-    return np.asarray(load.mean + np.fft.irfft(bins, 2 * steps)[:steps])
+    return load.mean + sample_periodic(bins, steps, lead)

@@ -62,7 +62,7 @@ def draw_figures(
     """
     chosen = {name: FIGURES[name] for name in names}
     needed = dict.fromkeys(scenario for figure in chosen.values() for scenario in figure.needs)
-    results = run_scenarios(needed, replicate, overrides)
+    results = dict(run_scenarios(needed, replicate, overrides))
     files = []
     for name, figure in chosen.items():
         files += save_figure(partial(figure.draw, results), None)(folder, name)

@@ -7,8 +7,9 @@ take.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from time import perf_counter
 
 import numpy as np
@@ -143,8 +144,10 @@ Outcomes = dict[str, Outcome]
 
 def run_scenarios(
     scenarios: Iterable[Scenario], replicate: int, overrides: Sequence[str] = ()
-) -> dict[Scenario, Outcomes]:
-    """Run scenarios on one record; scenarios of one sea and gravity have one truth.
+) -> Iterator[tuple[Scenario, Outcomes]]:
+    """Run scenarios on one record; yield each with its outcomes, in the order given.
+
+    Scenarios of one sea and gravity have one truth. It is made once where they follow each other.
 
     Parameters
     ----------
@@ -155,21 +158,23 @@ def run_scenarios(
     overrides
         Overrides of the configuration for all scenarios, e.g. "record.duration=120".
     """
-    records: dict[tuple[str, bool], Case] = {}
-    results = {}
-    for scenario in scenarios:
-        config = scenario.compose(overrides)
-        same_truth = (scenario.sea, scenario.gravity)
-        if same_truth not in records:
-            weight = "" if scenario.gravity else ", without gravity"
-            tell_step(f"record {replicate}: truth, {scenario.sea}{weight}")
-            records[same_truth] = make_case(config, replicate)
-        tell_step(f"record {replicate}: {scenario.scheme}, {scenario.sensors}, {scenario.sea}")
-        record = place_sensors(config, records[same_truth])
-        results[scenario] = {
-            direction: _estimate(scenario, config, record, direction) for direction in DIRECTIONS
-        }
-    return results
+    for (sea, gravity), alike in groupby(scenarios, lambda one: (one.sea, one.gravity)):
+        record = None
+        for scenario in alike:
+            config = scenario.compose(overrides)
+            if record is None:
+                weight = "" if gravity else ", without gravity"
+                tell_step(f"record {replicate}: truth, {sea}{weight}")
+                record = make_case(config, replicate)
+            tell_step(f"record {replicate}: {scenario.scheme}, {scenario.sensors}, {sea}")
+            placed = place_sensors(config, record)
+            yield (
+                scenario,
+                {
+                    direction: _estimate(scenario, config, placed, direction)
+                    for direction in DIRECTIONS
+                },
+            )
 
 
 def place_sensors(config: TowerConfig, record: Case) -> Case:

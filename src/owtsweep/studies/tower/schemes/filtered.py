@@ -103,7 +103,8 @@ class FilterScheme:
 
 def noise_of_states(setting: Setting, model: Model) -> Array:
     """Return Q of Eq. (24), shape (2 modes, 2 modes)."""
-    return np.diag(np.full(2 * model.modes, setting.tuning.process_noise))
+    tuning = setting.tuning
+    return np.diag(np.repeat([tuning.process_noise, tuning.noise_of_rates], model.modes))
 
 
 def noise_of_inputs(setting: Setting, model: Model) -> Array:
