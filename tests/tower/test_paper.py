@@ -38,7 +38,7 @@ def holding() -> pd.DataFrame:
         for direction in ("fa", "ss"):
             where = {
                 "sensors": scenario.sensors, "sea": scenario.sea, "gravity": scenario.gravity,
-                "scheme": scenario.scheme, "tuning": scenario.tuning, "direction": direction,
+                "weight": scenario.weight, "scheme": scenario.scheme, "tuning": scenario.tuning, "direction": direction,
             }  # fmt: skip
             for quantity, measure, value in _hold(scenario, direction):
                 row = {**where, "quantity": quantity, "measure": measure, "value": value}
@@ -94,7 +94,7 @@ def test_statements_hold_where_they_should(holding):
     made = Scores(holding)
     verdicts = {j.name: j.verdict for j in [*judge_statements(made), *judge_goals(made)]}
     assert set(verdicts.values()) == {REPRODUCED}
-    assert len(verdicts) == 22
+    assert len(verdicts) == 23
 
 
 @pytest.mark.parametrize(
@@ -120,6 +120,7 @@ def test_statements_hold_where_they_should(holding):
         ("G6", "z=0", "damage_ratio", 1.3),
         ("G7", "F175", "offset", 5e4),
         ("G8", "filter", "unseen", 1.0),
+        ("G9", "theta0", "relative_mae", 0.03),
     ],
 )
 def test_a_statement_falls_with_its_number(holding, name, quantity, measure, value):

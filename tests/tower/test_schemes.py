@@ -160,7 +160,9 @@ def test_a_translation_that_drifts_makes_no_scheme_unable():
 
 
 def test_the_dual_filter_says_its_spectral_radius():
-    with pytest.raises(Unable, match=r"DUAL .*: the spectral radius of its closed loop is [01]\."):
+    with pytest.raises(
+        Unable, match=r"DUAL .*: the spectral radius of its closed loop is (1|above)"
+    ):
         resolve("DUAL").prepare(record()[1])
 
 

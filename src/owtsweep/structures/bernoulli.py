@@ -136,14 +136,15 @@ def list_nodes(structure: Structure, low: float, high: float) -> Array:
     for name, cut in (("low", low), ("high", high)):
         require(
             float(np.min(np.abs(ends - cut))) <= NEAR,
-            f"cuts: the {name} one at {cut:g} m above mean sea level is inside an element; cut at "
-            f"{', '.join(f'{end:g}' for end in ends)}",
+            f"cuts: the {name} one at {cut - structure.mudline:g} m above the ground is inside an "
+            f"element; cut at {', '.join(f'{end - structure.mudline:g}' for end in ends)}",
         )
     inside = ends[(ends >= low - NEAR) & (ends <= high + NEAR)]
     require(
         len(inside) >= 3,
-        f"cuts: {max(len(inside) - 1, 0)} element between {low:g} and {high:g} m; a substructure "
-        "needs 2 or more, so divide a tube or cut elsewhere",
+        f"cuts: {max(len(inside) - 1, 0)} element between {low - structure.mudline:g} and "
+        f"{high - structure.mudline:g} m above the ground; a substructure needs 2 or more, so "
+        "divide a tube or cut elsewhere",
     )
     return inside
 

@@ -16,7 +16,7 @@ from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Prepared, Scheme, Unable
-from owtsweep.studies.tower.measures import WINDOW, compare, find_true_damage
+from owtsweep.studies.tower.measures import WINDOW, compare, find_true_fatigue
 from owtsweep.studies.tower.recorded_truth import measure as compare_with_record
 from owtsweep.studies.tower.schemes import resolve, resolve_all
 from owtsweep.studies.tower.setting import make_setting
@@ -65,7 +65,7 @@ def run(config: TowerConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
     """
     case = make_case(config, blocks[0].content["replicate"])
     recorded = config.recorded.file is not None  # a record has stresses nowhere
-    true_damage = {} if recorded else find_true_damage(config, case)
+    true_fatigue = {} if recorded else find_true_fatigue(config, case)
     for noise, of_noise in groupby(blocks, lambda block: block.content["noise"]):
         channels = {d: list_channels(config, case, d, noise) for d in case.motion}
         measured = {d: measure(config, case, d, channels[d]) for d in case.motion}
@@ -87,7 +87,7 @@ def run(config: TowerConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
                     case.motion, estimates, case.part.cut, config.record.settled
                 )
             else:
-                found = compare(chosen, case, true_damage, estimates)
+                found = compare(chosen, case, true_fatigue, estimates)
             yield block, _tell(block, found, OK, "")
 
 

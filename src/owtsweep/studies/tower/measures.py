@@ -7,6 +7,7 @@ Names of measures end with the direction, "fa" or "ss". Signals are judged after
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from owtsweep.evaluation.signals import (
     divide_by_deviation,
     find_lag,
 )
-from owtsweep.structures.fatigue import compute_damage
+from owtsweep.structures.fatigue import compute_damage, count_cycles, find_equivalent_range
 from owtsweep.studies.tower.case import Case
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Estimates
@@ -35,29 +36,48 @@ WINDOW = "settled"
 LEVELS = (0.0, 15.0)
 #: Welds count for `damage` if their true damage is more than this part of the largest.
 COUNTS = 0.01
+#: Exponent of damage-equivalent loads, as is usual for steel, and their cycles per second.
+EXPONENT, CYCLE_RATE = 4.0, 1.0
 #: |log2| of a damage ratio is at most this: zero and infinite damage must not spoil means.
 MOST_DOUBLINGS = 60.0
 #: Longest lag that is looked for, s.
 LONGEST_LAG = 5.0
 
 
-def find_true_damage(config: TowerConfig, case: Case) -> dict[str, Array]:
-    """Compute the true damage of all welds, direction -> (nodes,)."""
+@dataclass(frozen=True)
+class Fatigue:
+    """What the cycles of one direction do.
+
+    Attributes
+    ----------
+    damage
+        Damage of each weld over the judged part of the record, shape (nodes,).
+    loads
+        Damage-equivalent loads of `INPUTS` in N and N m, shape (4,): the ranges which, once per
+        second, do the damage of the record on an S-N curve with the exponent `EXPONENT`.
+    """
+
+    damage: Array
+    loads: Array
+
+
+def find_true_fatigue(config: TowerConfig, case: Case) -> dict[str, Fatigue]:
+    """Compute what the true cycles do; return direction -> fatigue."""
     return {
-        direction: _damage(config, case, case.motion[direction].displacement, case.true_stress)
-        for direction in DIRECTIONS
+        direction: _count(config, case, motion.displacement, motion.inputs, case.true_stress)
+        for direction, motion in case.motion.items()
     }
 
 
 def compare(
     config: TowerConfig,
     case: Case,
-    true_damage: dict[str, Array],
+    true_fatigue: dict[str, Fatigue],
     estimates: dict[str, Estimates],
 ) -> dict[str, float]:
     """Compare the estimates of a record with its truth; return measure -> value.
 
-    `true_damage` and `estimates` are by direction.
+    `true_fatigue` and `estimates` are by direction.
 
     Raises
     ------
@@ -73,11 +93,16 @@ def compare(
         if not (np.isfinite(moved).all() and np.isfinite(loads).all()):
             raise ValueError("the estimate is not finite")
         true_moved, true_loads = motion.displacement[settled], motion.inputs[settled]
-        damage = _damage(config, case, estimate.displacement, case.part.stress)
-        ratio = _count_doublings(damage, true_damage[direction])
+        true = true_fatigue[direction]
+        fatigue = _count(config, case, estimate.displacement, estimate.inputs, case.part.stress)
+        ratio = _count_doublings(fatigue.damage, true.damage)
         doublings.append(ratio)
-        counting.append(true_damage[direction])
-        for z, own, by in zip(_heights(case), damage, ratio, strict=True):
+        counting.append(true.damage)
+        for name, load, of_truth in zip(INPUTS, fatigue.loads, true.loads, strict=True):
+            found[f"equivalent_{name}_{direction}"] = float(load)
+            if of_truth > 0.0:
+                found[f"equivalent_ratio_{name}_{direction}"] = float(load / of_truth)
+        for z, own, by in zip(_heights(case), fatigue.damage, ratio, strict=True):
             found[f"damage_{name_height(z)}_{direction}"] = float(own)
             found[f"damage_ratio_{name_height(z)}_{direction}"] = float(by)
         error = _scatter(true_moved[:, ::2], moved[:, ::2])
@@ -89,8 +114,8 @@ def compare(
         if estimate.wave is not None and np.any(motion.wave):
             of_wave = compute_trac(motion.wave[settled], estimate.wave[settled])
             found[f"trac_wave_{direction}"] = float(of_wave)
-    true, ratios = np.concatenate(counting), np.concatenate(doublings)
-    found["damage"] = float(np.abs(ratios[true > COUNTS * true.max()]).max(initial=0.0))
+    damages, ratios = np.concatenate(counting), np.concatenate(doublings)
+    found["damage"] = float(np.abs(ratios[damages > COUNTS * damages.max()]).max(initial=0.0))
     found["displacement"] = worst
     return found
 
@@ -157,11 +182,20 @@ def _heights(case: Case) -> Array:
     return np.asarray(case.part.cut.heights - case.part.structure.mudline)
 
 
-def _damage(config: TowerConfig, case: Case, displacement: Array, stress: Array) -> Array:
-    """Compute the damage of each node's weld over the settled part of a record."""
+def _count(
+    config: TowerConfig, case: Case, displacement: Array, inputs: Array, stress: Array
+) -> Fatigue:
+    """Count the cycles of welds and of loads over the settled part of a record."""
+    settled = slice(config.record.settled, None)
     curves = config.fatigue.find_curves(case.part.cut.heights)
-    history = displacement[config.record.settled :] @ stress.T
-    return compute_damage(history, curves, config.fatigue.ultimate_strength)
+    history = displacement[settled] @ stress.T
+    cycles = CYCLE_RATE * len(history) / config.record.rate
+    loads = [
+        find_equivalent_range(count_cycles(column), EXPONENT, cycles)
+        for column in inputs[settled].T
+    ]
+    damage = compute_damage(history, curves, config.fatigue.ultimate_strength)
+    return Fatigue(damage, np.array(loads))
 
 
 def _count_doublings(damage: Array, true: Array) -> Array:

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Columns that tell what a row's value is of, besides the record.
-KEYS = ("sensors", "sea", "gravity", "scheme", "tuning", "direction", "quantity", "measure")
+KEYS = (
+    "sensors", "sea", "gravity", "weight", "scheme", "tuning", "direction", "quantity", "measure",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,18 +48,18 @@ class Scores:
         """Return a score of all records, shape (records,); None if there is no such score."""
         return self._index.get(
             (
-                scenario.sensors, scenario.sea, scenario.gravity, scenario.scheme, scenario.tuning,
-                direction, quantity, measure,
+                scenario.sensors, scenario.sea, scenario.gravity, scenario.weight, scenario.scheme,
+                scenario.tuning, direction, quantity, measure,
             )
         )  # fmt: skip
 
     def list_quantities(self, scenario: Scenario, direction: str, measure: str) -> list[str]:
         """Return the quantities of which there is a measure, in the order of the table."""
         wanted = (
-            scenario.sensors, scenario.sea, scenario.gravity, scenario.scheme, scenario.tuning,
-            direction,
+            scenario.sensors, scenario.sea, scenario.gravity, scenario.weight, scenario.scheme,
+            scenario.tuning, direction,
         )  # fmt: skip
-        return [key[6] for key in self._index if key[:6] == wanted and key[7] == measure]
+        return [key[7] for key in self._index if key[:7] == wanted and key[8] == measure]
 
 
 def compare(label: str, values: Array | None, side: Side, threshold: float) -> Decision | None:

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 WIND = {name: Scenario(name) for name in SETUPS}
 #: The same, with loads' statistics from the truth.
 MATCHED = {name: Scenario(name, tuning="matched") for name in SETUPS}
+#: A model that knows its weight: rotations and damage with the declared loads, and with the true
+#: ones where few sensors leave much to the loads' statistics.
+WEIGHED = {name: Scenario(name, weight=True) for name in SETUPS}
+WEIGHED_MATCHED = Scenario("sparse_theta_a", weight=True, tuning="matched")
 #: Accelerometers only, and one displacement sensor more, in case study 1.
 ACCELEROMETERS = Scenario("accelerometers")
 GNSS = Scenario("sparse_gnss")
@@ -30,6 +34,8 @@ WAVES = {
 ALL = (
     *WIND.values(),
     *MATCHED.values(),
+    *WEIGHED.values(),
+    WEIGHED_MATCHED,
     ACCELEROMETERS,
     GNSS,
     *WEIGHTLESS.values(),

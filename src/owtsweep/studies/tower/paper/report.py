@@ -37,7 +37,7 @@ def judge_statements(scores: Scores) -> list[JudgedStatement]:
 
 
 def judge_goals(scores: Scores) -> list[JudgedStatement]:
-    """Judge the project's own goals G1 to G8."""
+    """Judge the project's own goals G1 to G9."""
     return judge(TEXTS, GOALS, scores)
 
 
@@ -95,7 +95,7 @@ def _document(
         Bullets(
             [
                 f"Statements F1-F14: {sections.count_verdicts(statements)}.",
-                f"Goals G1-G8: {sections.count_verdicts(goals)}.",
+                f"Goals G1-G9: {sections.count_verdicts(goals)}.",
             ]
         ),
         *sections.statement_section(statements, DEFINITIONS),

@@ -27,7 +27,7 @@ from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
 from owtsweep.studies.tower.measuring import take_signals
 from owtsweep.studies.tower.schemes import resolve
 from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
-from owtsweep.studies.tower.setting import make_setting
+from owtsweep.studies.tower.setting import make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion
 
 #: Noise of all sensors but GNSS, % of each signal's standard deviation (section 5.1.1).
@@ -50,6 +50,8 @@ class Scenario:
         Files of conf/studies/tower.
     gravity
         Whether the truth is softened by its weight (p-delta).
+    weight
+        Whether the schemes' model knows its weight. The paper's does not.
     scheme
         "AKF" has the inputs p_1 (Eq. 34), "AKF_WAVE" p_2 (Eq. 35).
     """
@@ -57,6 +59,7 @@ class Scenario:
     sensors: str = "sparse_theta_a"
     sea: str = "calm"
     gravity: bool = True
+    weight: bool = False
     scheme: str = "AKF"
     tuning: str = "paper"
 
@@ -69,6 +72,7 @@ class Scenario:
                 f"sea={self.sea}",
                 f"tuning={self.tuning}",
                 f"truth.gravity={str(self.gravity).lower()}",
+                f"model.gravity={str(self.weight).lower()}",
                 "fatigue.curve=paper",
                 f"grid.noise=[{NOISE}]",
                 "grid.soil_factor=[1.0]",
@@ -167,7 +171,7 @@ def run_scenarios(
                 tell_step(f"record {replicate}: truth, {sea}{weight}")
                 record = make_case(config, replicate)
             tell_step(f"record {replicate}: {scenario.scheme}, {scenario.sensors}, {sea}")
-            placed = place_sensors(config, record)
+            placed = replace(place_sensors(config, record), part=model_substructure(config))
             yield (
                 scenario,
                 {

@@ -38,7 +38,8 @@ ENDS = 100.0
 def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
     """Return the numbers of outcomes in a table.
 
-    Columns: sensors, sea, gravity, scheme, tuning, direction, replicate, quantity, measure, value.
+    Columns: sensors, sea, gravity, weight, scheme, tuning, direction, replicate, quantity, measure,
+    value.
     Units are SI; damages are those of the judged part of a record.
     """
     import pandas as pd
@@ -48,8 +49,8 @@ def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
         case = outcome.scenario
         where = {
             "sensors": case.sensors, "sea": case.sea, "gravity": case.gravity,
-            "scheme": case.scheme, "tuning": case.tuning, "direction": outcome.direction,
-            "replicate": outcome.replicate,
+            "weight": case.weight, "scheme": case.scheme, "tuning": case.tuning,
+            "direction": outcome.direction, "replicate": outcome.replicate,
         }  # fmt: skip
         for quantity, measure, value in _measure(outcome):
             rows.append({**where, "quantity": quantity, "measure": measure, "value": value})

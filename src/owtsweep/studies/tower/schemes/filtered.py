@@ -181,7 +181,9 @@ def check_loop(name: str, setting: Setting, model: Model, loop: Array) -> None:
     radius = float(np.abs(np.linalg.eigvals(loop[np.ix_(kept, kept)])).max())
     if radius > 1.0 - MARGINAL:
         fate = "is unstable" if radius > 1.0 + BEYOND else "does not forget its errors"
-        raise Unable(f"{name} {fate}: the spectral radius of its closed loop is {radius:.11g}")
+        # Few digits: records differ in the others, and one line should tell of all.
+        excess = f"above 1 by {radius - 1.0:.0e}" if radius > 1.0 + BEYOND else "1"
+        raise Unable(f"{name} {fate}: the spectral radius of its closed loop is {excess}")
 
 
 def list_unseen_rigid(setting: Setting, model: Model) -> list[int]:
