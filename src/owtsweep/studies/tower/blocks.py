@@ -76,7 +76,7 @@ def run(config: TowerConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
             factor = block.content.get("soil_factor", 1.0)
             try:
                 estimates = {
-                    d: _prepare(chosen, case, d, factor, channels[d], scheme).run(measured[d])
+                    d: prepare(chosen, case, d, factor, channels[d], scheme).run(measured[d])
                     for d in case.motion
                 }
             except Unable as reason:
@@ -107,7 +107,7 @@ def _describe_content(config: TowerConfig) -> dict[str, Any]:
     return content
 
 
-def _prepare(
+def prepare(
     config: TowerConfig,
     case: Case,
     direction: str,

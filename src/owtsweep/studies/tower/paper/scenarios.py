@@ -20,11 +20,15 @@ from owtsweep.estimation.observability import find_unobservable
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.composing import compose
 from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
-from owtsweep.studies.tower.channels import list_places
+from owtsweep.studies.tower.case import (
+    Case,
+    list_channels,
+    make_case,
+    measure,
+    place_sensors,
+)
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
-from owtsweep.studies.tower.measuring import take_signals
 from owtsweep.studies.tower.schemes import resolve
 from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
 from owtsweep.studies.tower.setting import make_setting, model_substructure
@@ -179,17 +183,6 @@ def run_scenarios(
                     for direction in DIRECTIONS
                 },
             )
-
-
-def place_sensors(config: TowerConfig, record: Case) -> Case:
-    """Return a record with the sensors of a configuration in place of its own."""
-    places = list_places(config.sensors, config.nodes)
-    where = [(place.kind, place.node) for place in places]
-    signals = {
-        direction: take_signals(motion, record.part.strain, where, config.faults)
-        for direction, motion in record.motion.items()
-    }
-    return replace(record, places=places, signals=signals)
 
 
 def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: str) -> Outcome:
