@@ -71,6 +71,9 @@ KEPT = {
         "best_scheme_*.csv",
         "crossover.csv",
         "choices.csv",
+        "checked.csv",
+        "model_errors.csv",
+        "wave_yaw.csv",
         "fidelity_claims.csv",
         "table_3.csv",
         "*.md",
@@ -204,7 +207,7 @@ class Reproduction:
         self.keep("better")
 
     def make_tower(self) -> None:
-        """Sweep the tower study with both tunings, judge its paper, find crossings and places.
+        """Sweep the tower study with both tunings, judge its paper, find crossings, places, maps.
 
         Of each sweep the maps and the means of the criteria are kept.
         """
@@ -223,6 +226,8 @@ class Reproduction:
                 shutil.copy(map_, folder / f"{map_.stem}_{tuning}.png")
         run_script("tower/crossover.py", folder, f"results={self.results}")
         run_script("tower/placement.py", folder)
+        run_script("tower/model_errors.py", folder)
+        run_script("tower/wave_yaw.py", folder)
         run_script("tower/fidelity.py", folder)
         self.keep("tower")
 

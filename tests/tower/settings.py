@@ -64,5 +64,6 @@ def make_setting(
         step=STEP,
         believed=Believed(change, 30.0 * change, np.full(5, 10.0)),
         tuning=TUNING,
+        rate_noise=TUNING.process_noise,
         whole_modes=whole_modes,
     )

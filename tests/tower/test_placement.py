@@ -51,6 +51,7 @@ def setting() -> Setting:
         channels=tuple(Channel("a", node, 2e-3) for node in (0, 8, 12, 19)), step=STEP,
         believed=Believed(np.array([FORCE, MOMENT, FORCE, MOMENT, 2e3]), np.ones(5), np.ones(5)),
         tuning=tuning,
+        rate_noise=2e-3,
     )  # fmt: skip
 
 
@@ -66,7 +67,8 @@ def recurse(setting, channels, steps):
     A = np.eye(states + loads)
     A[:states] = np.hstack([model.discrete.A, model.discrete.B])
     G = np.hstack([model.discrete.G, model.discrete.J])
-    Q = np.diag([setting.tuning.process_noise] * states + [1.0] * loads)
+    noise = [setting.tuning.process_noise, setting.rate_noise]
+    Q = np.diag([*np.repeat(noise, states // 2), *[1.0] * loads])
     R = np.diag([c.sigma**2 for c in (*setting.channels, *channels)])
     P = 100.0 * Q
     for _ in range(steps):

@@ -111,7 +111,8 @@ def test_a_record_of_the_exact_model_without_noise_is_recovered(name, bound):
     for k in range(steps - 1):
         states[k + 1] = discrete.A @ states[k] + discrete.B @ inputs[k]
     measured = states @ discrete.G.T + inputs @ discrete.J.T
-    exact = replace(setting, tuning=setting.tuning.model_copy(update={"process_noise": 1e-9}))
+    tuning = setting.tuning.model_copy(update={"process_noise": 1e-9})
+    exact = replace(setting, tuning=tuning, rate_noise=1e-9)
     estimates = resolve(name).prepare(exact).run(measured)
     late = slice(500, -100)
     assert np.all(np.abs(estimates.inputs - loads)[late].max(axis=0) < bound * loads.max(axis=0))

@@ -109,3 +109,12 @@ def test_bad_input_is_one_line(
     told = capsys.readouterr().err
     assert re.fullmatch(rf"owtsweep: {says}.*\n", told), told
     assert not Path("results").exists()
+
+
+def test_noise_of_rates_is_that_of_the_sea() -> None:
+    tuning = compose([*TINY, "filters.process_noise=1e-5"]).filters
+    assert tuning.find_rate_noise(waves=False) == tuning.find_rate_noise(waves=True) == 1e-5
+    told = compose([*TINY, "filters.rate_noise=1e-3", "filters.rate_noise_in_waves=1e-1"]).filters
+    assert (told.find_rate_noise(waves=False), told.find_rate_noise(waves=True)) == (1e-3, 1e-1)
+    calm = compose([*TINY, "filters.rate_noise=1e-3"]).filters
+    assert calm.find_rate_noise(waves=True) == 1e-3

@@ -95,6 +95,8 @@ class Setting:
         What the tuning says about loads.
     tuning
         The numbers of all schemes.
+    rate_noise
+        Variance per step of the rates of mass-normalised modes, kg m^2/s^2.
     whole_modes
         Number of modes of the whole structure that models of it keep, lowest first.
     """
@@ -112,6 +114,7 @@ class Setting:
     step: float
     believed: Believed
     tuning: Tuning
+    rate_noise: float
     whole_modes: int = 10
 
 

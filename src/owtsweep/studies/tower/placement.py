@@ -136,7 +136,7 @@ def pose(
     discrete, modes, inputs = model.discrete, model.modes, len(model.inputs)
     states = 2 * modes
     change = setting.believed.step_sigma[model.inputs] / model.scale
-    noise = [setting.tuning.process_noise, setting.tuning.noise_of_rates]
+    noise = [setting.tuning.process_noise, setting.rate_noise]
     size = np.append(np.repeat(np.sqrt(noise), modes), change)
     transition = np.eye(states + inputs)
     transition[:states] = np.hstack([discrete.A, discrete.B])

@@ -149,5 +149,6 @@ def make_setting(
         step=1.0 / config.record.rate,
         believed=believed,
         tuning=config.filters,
+        rate_noise=config.filters.find_rate_noise(config.waves.hs > 0.0),
         whole_modes=config.model.whole_modes,
     )

@@ -28,6 +28,12 @@ class Tuning(Section):
         default=None,
         younger=True,
     )
+    rate_noise_in_waves: Positive | None = key(
+        "the same where there are waves, whose loads no input describes wholly; null: as rate_noise",
+        unit="kg m^2/s^2",
+        default=None,
+        younger=True,
+    )
     initial: Positive = key(
         "initial variance of every state on mass-normalised modes, P_0", unit="kg m^2"
     )
@@ -37,10 +43,12 @@ class Tuning(Section):
     correlation_time: Positive = key("of latent forces", unit="s")
     lag: NotNegative = key("of the fixed-lag smoother", unit="s")
 
-    @property
-    def noise_of_rates(self) -> float:
-        """The variance per step of the rates of mass-normalised modes."""
-        return self.process_noise if self.rate_noise is None else self.rate_noise
+    def find_rate_noise(self, waves: bool) -> float:
+        """Return the variance per step of the rates of mass-normalised modes."""
+        for value in (self.rate_noise_in_waves if waves else None, self.rate_noise):
+            if value is not None:
+                return value
+        return self.process_noise
 
 
 class Tuned(Section):

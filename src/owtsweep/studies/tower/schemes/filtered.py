@@ -103,8 +103,7 @@ class FilterScheme:
 
 def noise_of_states(setting: Setting, model: Model) -> Array:
     """Return Q of Eq. (24), shape (2 modes, 2 modes)."""
-    tuning = setting.tuning
-    return np.diag(np.repeat([tuning.process_noise, tuning.noise_of_rates], model.modes))
+    return np.diag(np.repeat([setting.tuning.process_noise, setting.rate_noise], model.modes))
 
 
 def noise_of_inputs(setting: Setting, model: Model) -> Array:
