@@ -41,6 +41,7 @@ def respond(
     series: Array,
     step: float,
     wanted: Outputs,
+    lead: int = 0,
 ) -> Array:
     """Compute outputs of a structure under loads, at every sample.
 
@@ -59,11 +60,13 @@ def respond(
         Sampling interval in s.
     wanted
         The outputs.
+    lead
+        Number of samples at the beginning that are left out of the result.
 
     Returns
     -------
     array
-        Shape (steps, outputs).
+        Shape (steps - lead, outputs).
 
     Raises
     ------
@@ -96,21 +99,21 @@ def respond(
         + wanted.velocity @ of_speed
         + wanted.acceleration @ (of_speed * values)
     )[:, kept] * weight
-    result = series @ (wanted.acceleration @ (basis @ (basis.T @ loads))).T
+    result = series[lead:] @ (wanted.acceleration @ (basis @ (basis.T @ loads))).T
     for first in range(0, len(kept), AT_ONCE):
         some = kept[first : first + AT_ONCE]
-        states = np.empty((len(series), len(some)), dtype=complex)
+        # Products of real matrices: numpy would turn all of a real one into complex numbers.
+        real, imaginary = series @ into[some].real.T, series @ into[some].imag.T
+        states = np.empty((len(series) - lead, 2, len(some)))
         for column, mode in enumerate(some):
             now, then = _hold_linearly(values[mode], step)
-            pushed = series @ into[mode]
+            push = real[:, column] + 1j * imaginary[:, column]
             # lfilter's state before the first sample that makes its output the start
-            before = np.array([start[mode] - then * pushed[0]])
-            states[:, column] = lfilter(
-                [then, now], [1.0, -np.exp(values[mode] * step)], pushed, zi=before
-            )[0]
+            before = np.array([start[mode] - then * push[0]])
+            state = lfilter([then, now], [1.0, -np.exp(values[mode] * step)], push, zi=before)[0]
+            states[:, 0, column], states[:, 1, column] = state[lead:].real, state[lead:].imag
         part = outputs[:, first : first + AT_ONCE]
-        result += states.real @ part.real.T
-        result -= states.imag @ part.imag.T
+        result += states.reshape(len(states), -1) @ np.hstack([part.real, -part.imag]).T
     return np.asarray(result)
 
 

@@ -176,8 +176,9 @@ def _simulate(
     )
     held = np.ix_(free, free)
     got = respond(
-        whole.mass[held], damping[held], whole.stiffness[held], loads[free], series, step, wanted
-    )[lead:]
+        whole.mass[held], damping[held], whole.stiffness[held], loads[free], series, step, wanted,
+        lead,
+    )  # fmt: skip
     series = series[lead:]
     count = len(nodes)
     inputs = got[:, 2 * count :].copy()

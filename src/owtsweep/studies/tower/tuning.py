@@ -29,7 +29,7 @@ class Tuning(Section):
         younger=True,
     )
     rate_noise_in_waves: Positive | None = key(
-        "the same where there are waves, whose loads no input describes wholly; null: as rate_noise",
+        "the same in waves, whose loads no input describes wholly; null: as rate_noise",
         unit="kg m^2/s^2",
         default=None,
         younger=True,
