@@ -64,7 +64,8 @@ def test_estimates_of_a_sum_are_the_sum_of_estimates(name):
     for field in ("displacement", "inputs"):
         expected = getattr(one, field) - 2.0 * getattr(two, field)
         size = np.abs(expected).max(axis=0)
-        assert np.all(np.abs(getattr(both, field) - expected) <= 1e-8 * size)
+        # the prior of 1e6 costs digits in the first steps
+        assert np.all(np.abs(getattr(both, field) - expected) <= 1e-7 * size)
 
 
 @pytest.mark.parametrize("name", ABLE)
