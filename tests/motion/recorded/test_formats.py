@@ -123,7 +123,8 @@ def test_files_cut_short_are_refused_in_one_line(tmp_path: Path, kind: str, kept
 
 
 @pytest.mark.parametrize(
-    "name", ["r.outb", "r.hdf5", "r.npz", "r.parquet", "r.csv", "r.out", "r.dat", "r.csv.gz"]
+    "name",
+    ["r.outb", "r.hdf5", "r.npz", "r.mat", "r.parquet", "r.csv", "r.out", "r.dat", "r.csv.gz"],
 )
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_noise_is_no_file_of_any_format(tmp_path: Path, name: str, seed: int) -> None:

@@ -13,6 +13,7 @@ from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
 from owtsweep.motion.recorded.formats.gtsdf import open_gtsdf
 from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
+from owtsweep.motion.recorded.formats.matlab import open_mat
 from owtsweep.motion.recorded.formats.table import ChannelTable, make_safe, refuse
 from owtsweep.motion.recorded.formats.text import open_text
 
@@ -26,6 +27,7 @@ READERS = {
     ".h5": open_gtsdf,
     ".hdf": open_gtsdf,
     ".npz": open_npz,
+    ".mat": open_mat,
     ".parquet": open_parquet,
     ".pq": open_parquet,
 }

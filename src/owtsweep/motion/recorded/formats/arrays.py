@@ -59,10 +59,8 @@ def open_npz(path: Path) -> ChannelTable:
             if not columns:
                 places[key] = (member.filename, None)
                 continue
-            require_channels(path, columns[0])
-            for column in range(columns[0]):
-                axis = AXES[column] if columns[0] <= len(AXES) else str(column + 1)
-                places[f"{key}_{axis}"] = (member.filename, column)
+            for column, name in enumerate(name_columns(path, key, columns[0])):
+                places[name] = (member.filename, column)
     if len(lengths) != 1 or not places:
         listed = ", ".join(map(str, sorted(lengths)[:5]))
         said = f"arrays of different lengths ({listed})"
@@ -83,6 +81,18 @@ def open_npz(path: Path) -> ChannelTable:
 
     units = ("",) * len(places)
     return ChannelTable(path, "NumPy archive", tuple(places), units, load, lengths.pop())
+
+
+def name_columns(path: Path, key: str, count: int) -> list[str]:
+    """Return the names of the channels that the columns of a two-dimensional array become.
+
+    Raises
+    ------
+    InputError
+        If there are more than `MOST_CHANNELS` columns.
+    """
+    require_channels(path, count)
+    return [f"{key}_{AXES[i] if count <= len(AXES) else i + 1}" for i in range(count)]
 
 
 def require_channels(path: Path, count: int) -> None:
