@@ -30,6 +30,21 @@ def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
     )
 
 
+def goal_section(goals: Sequence[JudgedStatement]) -> list[Block]:
+    """Make the section on a project's goals: a table of all, then each goal's test and claims."""
+    blocks: list[Block] = [
+        Heading("Goals of the project"),
+        TextTable(["", "to be reached", "verdict"], [[g.name, g.text, g.verdict] for g in goals]),
+    ]
+    for goal in goals:
+        blocks += [
+            Heading(f"{goal.name}: {goal.verdict}", 3),
+            Paragraph(f"{goal.text}. Test: {goal.definition}"),
+            Bullets([f"{claim.text}: {explain(claim)}." for claim in goal.claims]),
+        ]
+    return blocks
+
+
 def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Block]:
     """Make the section on statements: a table of all, then each statement's test and claims.
 

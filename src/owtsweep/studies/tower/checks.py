@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
+from owtsweep.studies.scheme_names import check_names
 from owtsweep.studies.tower.channels import count_rotations, list_places
 from owtsweep.studies.tower.loads.recorded import read_loads
 from owtsweep.studies.tower.loads.wind import NAMES
 from owtsweep.studies.tower.recorded_truth import load_motions
-from owtsweep.studies.tower.schemes import check_names
+from owtsweep.studies.tower.schemes import REGISTERED
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.config import TowerConfig
@@ -33,7 +34,7 @@ def check(config: TowerConfig) -> None:
     config.structure.check()
     config.wind.check()
     config.fatigue.check()
-    check_names(config.schemes)
+    check_names(config.schemes, REGISTERED)
     _check_record(config)
     _check_loads(config)
     require(

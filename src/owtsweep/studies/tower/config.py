@@ -9,6 +9,7 @@ from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from owtsweep.arrays import Array
 from owtsweep.config import Config, Finite, key, require
+from owtsweep.config.record import Record
 from owtsweep.config.typed import as_plain
 from owtsweep.structures import Structure, find_structure
 from owtsweep.structures.bernoulli import list_nodes
@@ -16,7 +17,7 @@ from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.tower.loads.config import SeaState, Wind
 from owtsweep.studies.tower.measuring import Faults
 from owtsweep.studies.tower.recorded import Recorded
-from owtsweep.studies.tower.sections import Grid, Model, Record, Sensors, Truth
+from owtsweep.studies.tower.sections import Grid, Model, Sensors, Truth
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 #: The value of a key that stands in `tunings.<name>`.

@@ -9,10 +9,10 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.tower.contract import DIRECTIONS
-from owtsweep.studies.tower.paper.evidence import Scores, compare
+from owtsweep.studies.tower.paper.evidence import Scores
 from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
-from owtsweep.verdicts.claims import gather
-from owtsweep.verdicts.inference import Claim, Decision, Side
+from owtsweep.verdicts.inference import Claim, Side
+from owtsweep.verdicts.means import claim_means
 
 
 class Place(NamedTuple):
@@ -52,12 +52,11 @@ def claim(
 
     `of` turns values (records,) into what is compared, e.g. the distance from 1.
     """
-    parts: list[tuple[str, Decision | None]] = []
+    parts: list[tuple[str, Array | None]] = []
     for place in places:
         values = scores.find(*place, measure)
-        found = None if values is None else of(values)
-        parts.append((str(place), compare(str(place), found, side, threshold)))
-    return gather(text, parts)
+        parts.append((str(place), None if values is None else of(values)))
+    return claim_means(text, parts, side, threshold)
 
 
 def claim_ratio(
@@ -73,13 +72,13 @@ def claim_ratio(
     The ratio is taken in each record, and its mean over the records is judged. Of errors that
     scatter by orders of magnitude between records, the larger one belongs below the line.
     """
-    parts: list[tuple[str, Decision | None]] = []
+    parts: list[tuple[str, Array | None]] = []
     for above, below in pairs:
         first, second = scores.find(*above, measures[0]), scores.find(*below, measures[1])
         label = str(above) if above == below else f"{above} / {below}"
         ratio = None if first is None or second is None else np.abs(first / second)
-        parts.append((label, compare(label, ratio, side, threshold)))
-    return gather(text, parts)
+        parts.append((label, ratio))
+    return claim_means(text, parts, side, threshold)
 
 
 def claim_difference(
@@ -90,13 +89,13 @@ def claim_difference(
     limit: float,
 ) -> Claim:
     """Claim that a measure at two places differs by less than a limit, in the mean over records."""
-    parts: list[tuple[str, Decision | None]] = []
+    parts: list[tuple[str, Array | None]] = []
     for first, second in pairs:
         one, other = scores.find(*first, measure), scores.find(*second, measure)
         label = f"{first} / {second}"
         difference = None if one is None or other is None else np.abs(one - other)
-        parts.append((label, compare(label, difference, "below", limit)))
-    return gather(text, parts)
+        parts.append((label, difference))
+    return claim_means(text, parts, "below", limit)
 
 
 def below_one(values: Array) -> Array:

@@ -6,11 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from owtsweep.arrays import Array
 from owtsweep.studies.tower.paper.scenarios import Scenario
-from owtsweep.verdicts.inference import Decision, Side, mean_ratio
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,25 +57,3 @@ class Scores:
             scenario.tuning, direction,
         )  # fmt: skip
         return [key[7] for key in self._index if key[:7] == wanted and key[8] == measure]
-
-
-def compare(label: str, values: Array | None, side: Side, threshold: float) -> Decision | None:
-    """Decide whether the mean of a score lies below (or above) a threshold.
-
-    Parameters
-    ----------
-    label
-        What is compared, for the reader.
-    values
-        Not negative, shape (records,); None if the scores lack them.
-    side, threshold
-        The claim.
-
-    Returns
-    -------
-    Decision
-        None without values.
-    """
-    if values is None or len(values) == 0 or not np.all(np.isfinite(values)):
-        return None
-    return mean_ratio(label, values, 1.0, threshold, side)

@@ -13,8 +13,8 @@ from owtsweep.studies.tower.paper.statements import STATEMENTS
 from owtsweep.studies.tower.paper.table_3 import compare_table, show_table
 from owtsweep.studies.tower.published import read_facts
 from owtsweep.verdicts import report, sections
-from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
-from owtsweep.verdicts.statements import JudgedStatement, explain, judge, tabulate_claims
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph
+from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -106,18 +106,5 @@ def _document(
             "size depends on tuning and seed, and has no other meaning."
         ),
         show_table(table),
-        Heading("Goals of the project"),
-        TextTable(["", "to be reached", "verdict"], [[g.name, g.text, g.verdict] for g in goals]),
-        *_explain_goals(goals),
+        *sections.goal_section(goals),
     ]
-
-
-def _explain_goals(goals: Sequence[JudgedStatement]) -> list[Block]:
-    blocks: list[Block] = []
-    for goal in goals:
-        blocks += [
-            Heading(f"{goal.name}: {goal.verdict}", 3),
-            Paragraph(f"{goal.text}. Test: {goal.definition}"),
-            Bullets([f"{claim.text}: {explain(claim)}." for claim in goal.claims]),
-        ]
-    return blocks

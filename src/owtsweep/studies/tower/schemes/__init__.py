@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib import import_module
 
-from owtsweep.errors import InputError
+from owtsweep.studies.scheme_names import check_names
 from owtsweep.studies.tower.contract import Scheme
 
 #: Name -> description, in the order of tables and figures. The scheme AKF is `SCHEME` in the module
@@ -36,7 +36,7 @@ def resolve(name: str) -> Scheme:
     InputError
         If there is no scheme with this name.
     """
-    check_names([name])
+    check_names([name], REGISTERED)
     scheme: Scheme = import_module(f"{__name__}.{name.lower()}").SCHEME
     return scheme
 
@@ -49,22 +49,5 @@ def resolve_all(names: Sequence[str]) -> list[Scheme]:
     InputError
         As `check_names` says.
     """
-    check_names(names)
+    check_names(names, REGISTERED)
     return [resolve(name) for name in names]
-
-
-def check_names(names: Sequence[str]) -> None:
-    """Check that names are those of schemes in `REGISTERED`; import no scheme.
-
-    Raises
-    ------
-    InputError
-        If there is no name, an unknown name, or one name twice.
-    """
-    if not names:
-        raise InputError("schemes: the list is empty; use e.g. schemes=[AKF,KF_WHOLE]")
-    for name in names:
-        if list(names).count(name) > 1:
-            raise InputError(f"schemes: {name!r} stands there twice; use each name once")
-        if name not in REGISTERED:
-            raise InputError(f"schemes: there is no scheme {name!r}; use {', '.join(REGISTERED)}")
