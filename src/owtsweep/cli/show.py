@@ -129,7 +129,7 @@ def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, Any]]:
             yield name, values[name]
     grid = question.config.get("grid")
     for name, values in grid.items() if isinstance(grid, Mapping) else ():
-        if name in conditions or not isinstance(values, list):
+        if name in conditions or not isinstance(values, list | None):
             yield name, values
 
 

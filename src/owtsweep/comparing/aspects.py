@@ -40,6 +40,8 @@ class Aspects:
     origin
         Name of a setting -> its value in words, for the settings that a reader must know to read
         the run's numbers: tuning, truth, records per cell and seed. It is shown in titles.
+    score
+        What the number is called by which schemes are judged.
     best_of
         For a run with expected values instead of records: a function that makes the table of best
         schemes. The arguments of the function are the run's rows, the values of the conditions
@@ -55,6 +57,7 @@ class Aspects:
     pairing: Mapping[str, Any]
     boundary: tuple[str, str] | None = None
     origin: Mapping[str, str] = field(default_factory=dict)
+    score: str = "MSE"
     best_of: Callable[[pd.DataFrame, Grid, Sequence[str], str], pd.DataFrame] | None = None
 
     @property

@@ -178,7 +178,7 @@ def _draw(
         ]
     windows = dict.fromkeys(run.aspects.window for run in runs)
     described = " or ".join(style.describe_window(window) for window in windows)
-    subtitle = f"by {shared.criterion} MSE, {described}"
+    subtitle = f"by {shared.criterion} {shared.score}, {described}"
     files, notes = [], []
     try:
         plane = Plane.over(shared.conditions, shared.grid)

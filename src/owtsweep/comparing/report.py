@@ -81,7 +81,7 @@ def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
         "- `best_schemes.csv`: the maps, as each run's best_scheme.csv, on the common cells",
         "- `changed_cells.csv`: gaps between old and new best scheme in both runs, and their "
         "change, with 95 % intervals",
-        "- `scheme_changes.csv`: per scheme and cell the difference and ratio of MSE",
+        f"- `scheme_changes.csv`: per scheme and cell the difference and ratio of {shared.score}",
     ]
     boundary = []
     if shared.boundary is not None:
@@ -93,7 +93,7 @@ def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
     return "\n\n".join(
         [
             "## What the columns say",
-            f"Compared are {shared.size} cells by {shared.criterion} MSE: "
+            f"Compared are {shared.size} cells by {shared.criterion} {shared.score}: "
             "how many a scheme is best in, and in how many the best scheme is another one than in "
             "the first run. A change is *established* if the old best scheme beats the new one in "
             "the first run, and loses to it in the second, both told from zero (the larger "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 #: A value beyond the map is drawn this many cells outside the centres of the edge cells.
 EDGE = 0.5
+#: Letters that fit beside a line of cells.
+LETTERS_PER_LINE = 14
 
 
 @dataclass(frozen=True)
@@ -121,7 +124,8 @@ class Plane:
         axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])
         axes.set_yticks(range(len(self.lines)), [show_value(value) for value in self.lines])
         axes.set_xlabel(self.across.title)
-        axes.set_ylabel(self.upwards.title if self.upwards else "")
+        title = self.upwards.title if self.upwards else ""
+        axes.set_ylabel(fill(title, max(28, LETTERS_PER_LINE * len(self.lines))))
 
 
 def _place_between(values: Array, centres: Sequence[Value], scale: str) -> Array:
