@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import writers
+from scipy.io import savemat
 
 from owtsweep.cli.program import main
 
@@ -18,7 +19,7 @@ TINY = (
     "schemes=[MKF,HME1]",
 )  # fmt: skip
 #: The names of the records, one for each file format.
-RECORDS = ("r.csv", "r.csv.gz", "r.npz", "r.parquet", "r.outb", "r.out", "r.sel", "r.hdf5")
+RECORDS = ("r.csv", "r.csv.gz", "r.npz", "r.mat", "r.parquet", "r.outb", "r.out", "r.sel", "r.hdf5")
 
 
 def make_runs(folder: Path) -> None:
@@ -38,6 +39,7 @@ def make_records(folder: Path) -> None:
     frame.to_csv(folder / "r.csv", index=False)
     (folder / "r.csv.gz").write_bytes(gzip.compress((folder / "r.csv").read_bytes()))
     np.savez(folder / "r.npz", **columns)
+    savemat(folder / "r.mat", columns, do_compression=True)
     frame.to_parquet(folder / "r.parquet")
     table = {"Time": ("s", time), "TwHt1TPxi": ("m", x), "TwHt1TPyi": ("m", y)}
     writers.fast_binary(folder / "r.outb", table, kind=2)

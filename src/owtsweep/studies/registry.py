@@ -61,6 +61,7 @@ OURS = {
     "readings": Entry("owtsweep.studies.readings:ReadingsStudy", implied=("experiment=readings",)),
     "replay": Entry("owtsweep.studies.replay:ReplayStudy", primary="replay"),
     "tower": Entry("owtsweep.studies.tower:TowerStudy"),
+    "floater": Entry("owtsweep.studies.floater:FloaterStudy"),
 }
 
 

@@ -45,7 +45,8 @@ def one_case(config: Any) -> Any:
     """
     values: dict[str, Any] = {"name": "one-case"}
     for name, item in config.grid:
-        values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
+        if item is not None:  # an axis that may be left out, and is
+            values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
     if hasattr(config, "schemes"):
         values["schemes"] = config.schemes[:1]
     return with_values(config, values)

@@ -1,0 +1,139 @@
+"""Plans and runs the blocks of the floater study: some records of one cell and scheme each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.config import as_mapping
+from owtsweep.results.status import FAILED, OK, UNABLE
+from owtsweep.studies.floater.believed import make_setting
+from owtsweep.studies.floater.case import Conditions, list_cases
+from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.contract import Measured, Scheme, Setting, Unable
+from owtsweep.studies.floater.measures import WINDOW, NotFinite, compare
+from owtsweep.studies.floater.measuring import measure
+from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.sections import AXES
+from owtsweep.studies.floater.truth import Motion, make_truth
+from owtsweep.sweep.study import Block
+
+#: Keys and sections of the configuration on which every row depends.
+SHARED = ("seed", "record", "motion", "sensors", "filters")
+#: Most records of a block, and most samples of its records: it keeps their measurements. To write
+#: and read the file of a block takes as long as a scheme takes for a record.
+MOST_RECORDS, MOST_SAMPLES = 10, 500_000
+
+
+class Case(NamedTuple):
+    """One record of a cell: its truth, and what its sensors say."""
+
+    replicate: int
+    motion: Motion
+    measured: Measured
+
+
+def plan(config: FloaterConfig) -> list[Block]:
+    """Return all blocks of a configuration: one per cell, scheme, and up to ten records.
+
+    The blocks of a cell and its records are a group: truth and measurements are made once for them.
+    """
+    shared = _describe_content(config)
+    most = max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps))
+    count = config.grid.replicates
+    blocks = []
+    for conditions in list_cases(config):
+        cell = {axis: getattr(conditions, axis) for axis in AXES}
+        place = ", ".join(f"{axis} {cell[axis]:g}" for axis in config.axes)
+        for first in range(0, count, most):
+            last = min(first + most, count)
+            numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
+            for scheme in config.schemes:
+                content = {**shared, **cell, "replicates": [first, last], "scheme": scheme}
+                label = f"{scheme}, {place}, {numbers}"
+                blocks.append(Block(f"{place}, {numbers}", label, content, last - first))
+    return blocks
+
+
+def run(config: FloaterConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run blocks of one group, i.e. of one cell and some records; yield each with its rows.
+
+    The measurements serve all schemes and tunings.
+    """
+    conditions = Conditions(**{axis: blocks[0].content[axis] for axis in AXES})
+    first, last = blocks[0].content["replicates"]
+    cases = []
+    for replicate in range(first, last):
+        motion = make_truth(config, replicate, conditions.roll)
+        cases.append(Case(replicate, motion, measure(config, motion, conditions, replicate)))
+    settings: dict[tuple[str, ...], list[Setting]] = {}
+    for block in blocks:
+        tuning = block.tunings[:1]
+        if tuning not in settings:
+            chosen = block.choose(config)
+            settings[tuning] = [make_setting(chosen, case.motion, conditions) for case in cases]
+        scheme = resolve(block.content["scheme"])
+        parts = [
+            _judge(case, setting, scheme, conditions.believed, config.record.settled)
+            for case, setting in zip(cases, settings[tuning], strict=True)
+        ]
+        yield block, _make_rows(block, cases, parts)
+
+
+class _Judged(NamedTuple):
+    """What a scheme's estimates of a record are worth: measure -> value, or why there are none."""
+
+    found: dict[str, float]
+    status: str = OK
+    reason: str = ""
+
+
+def _judge(case: Case, setting: Setting, scheme: Scheme, believed: float, settled: int) -> _Judged:
+    """Run a scheme on a record and compare its estimates with the truth.
+
+    `believed` is the variance of noise in the setting over the true one.
+    """
+    sigma = setting.position_sigma / np.sqrt(believed)
+    nothing = {"": float("nan")}
+    try:
+        estimates = scheme.prepare(setting).run(case.measured)
+        return _Judged(compare(case.motion.truth, estimates, sigma, settled))
+    except Unable as reason:
+        return _Judged(nothing, UNABLE, str(reason))
+    except NotFinite as reason:
+        return _Judged(nothing, FAILED, str(reason))
+
+
+def _make_rows(block: Block, cases: Sequence[Case], parts: Sequence[_Judged]) -> pd.DataFrame:
+    """Return the rows of a block, one per record and measure; a roll that is not set is NaN."""
+    content = block.content
+    counts = [len(part.found) for part in parts]
+    status = np.repeat([part.status for part in parts], counts)
+    cell = {axis: np.nan if content[axis] is None else float(content[axis]) for axis in AXES}
+    return pd.DataFrame(
+        {
+            **cell,
+            "scheme": content["scheme"],
+            "replicate": np.repeat([case.replicate for case in cases], counts),
+            "measure": [name for part in parts for name in part.found],
+            "window": np.where(status == OK, WINDOW, ""),
+            "value": [value for part in parts for value in part.found.values()],
+            "status": status,
+            "reason": np.repeat([part.reason for part in parts], counts),
+        }
+    )
+
+
+def _describe_content(config: FloaterConfig) -> dict[str, Any]:
+    """Return what the rows of every block depend on; a file of motion by its bytes."""
+    whole = as_mapping(config)
+    content = {name: whole[name] for name in SHARED}
+    if config.motion.kind == "recorded" and config.motion.file is not None:
+        record = Path(config.motion.file).expanduser().read_bytes()
+        content["motion"] |= {"file": blake2b(record, digest_size=16).hexdigest()}
+    return content

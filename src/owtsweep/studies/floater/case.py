@@ -1,0 +1,48 @@
+"""The cells of the floater study's grid, each with all six conditions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from owtsweep.studies.floater.config import FloaterConfig
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """One cell: a value of each axis of the grid.
+
+    Attributes
+    ----------
+    delay
+        Delay of the optical system in samples.
+    bias
+        Bias of the accelerometers, as a part of the acceleration's standard deviation.
+    snr
+        Signal-to-noise ratio in dB.
+    loss
+        Share of optical reports that is lost.
+    believed
+        Variance R that schemes believe, over the true one.
+    roll
+        Standard deviation of the roll angle in degrees; None: that of the motion.
+    """
+
+    delay: float
+    bias: float
+    snr: float
+    loss: float
+    believed: float
+    roll: float | None
+
+
+def list_cases(config: FloaterConfig) -> list[Conditions]:
+    """Return all cells of a configuration, the last axis running fastest."""
+    grid = config.grid
+    rolls: list[float | None] = [None] if grid.roll is None else list(grid.roll)
+    return [
+        Conditions(*values)
+        for values in product(grid.delay, grid.bias, grid.snr, grid.loss, grid.believed, rolls)
+    ]

@@ -1,0 +1,86 @@
+"""Checks that the values of the floater study's configuration can work together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from owtsweep.config import require
+from owtsweep.studies.floater.schemes import REGISTERED
+from owtsweep.studies.floater.sections import AXES
+from owtsweep.studies.scheme_names import check_names
+
+if TYPE_CHECKING:
+    from owtsweep.studies.floater.config import FloaterConfig
+
+#: Most samples of a record: of more, motion and estimates do not fit into memory. Least that are
+#: judged.
+MOST_SAMPLES, LEAST_SAMPLES = 1_000_000, 100
+
+
+def check(config: FloaterConfig) -> None:
+    """Check everything that can be known before a record is made.
+
+    Raises
+    ------
+    InputError
+        If two values cannot work together; the message says what would work.
+    """
+    from owtsweep.studies.floater.checks_record import check_motion, check_sensors
+
+    check_names(config.schemes, REGISTERED)
+    _check_axes(config)
+    _check_record(config)
+    check_motion(config)
+    check_sensors(config)
+    _check_times(config)
+
+
+def _check_axes(config: FloaterConfig) -> None:
+    """Check that the map has two axes with values, and that others have one value each."""
+    names = ", ".join(AXES)
+    for axis in config.axes:
+        require(axis in AXES, f"axes: there is no axis {axis!r}; use two of {names}")
+    across, upwards = config.axes
+    require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
+    for axis in AXES:
+        values = getattr(config.grid, axis)
+        if axis in config.axes:
+            require(
+                values is not None,
+                f"grid.{axis}: the map is over {axis}, and null is no value; give it some, e.g. "
+                f"grid.{axis}=[1,10]",
+            )
+            continue
+        require(
+            values is None or len(values) == 1,
+            f"grid.{axis}: it has {len(values or [])} values, and the map is over {across} and "
+            f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
+        )
+
+
+def _check_record(config: FloaterConfig) -> None:
+    record = config.record
+    require(
+        LEAST_SAMPLES <= record.steps <= MOST_SAMPLES,
+        f"record.duration: {record.duration:g} s at {record.rate:g} Hz are {record.steps} samples; "
+        f"give {LEAST_SAMPLES} to {MOST_SAMPLES}",
+    )
+    require(
+        record.steps - record.settled >= LEAST_SAMPLES,
+        f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
+        f"samples of a record of {record.duration:g} s; at least {LEAST_SAMPLES} must be left",
+    )
+
+
+def _check_times(config: FloaterConfig) -> None:
+    """Check that times that schemes are told lie within a record."""
+    for tuning in config.by_tuning().values():
+        for key, value in (
+            ("lag", tuning.filters.lag),
+            ("delay_declared", tuning.filters.delay_declared),
+        ):
+            require(
+                value < config.record.duration,
+                f"filters.{key}: {value:g} s are not shorter than the record of "
+                f"{config.record.duration:g} s; give less",
+            )

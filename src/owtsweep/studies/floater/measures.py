@@ -1,0 +1,180 @@
+"""What is measured of estimates: errors of position and velocity, their claims, and their lag.
+
+Names of measures end with the degree of freedom, `contract.DOF`; those without are over all six.
+Signals are judged after `record.settling`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.floater.contract import DOF, Estimates, Truth
+from owtsweep.studies.floater.sums import find_lags, sum_errors
+
+#: Criteria of the maps -> what the title of a map says.
+CRITERIA = {
+    "velocity": "velocity: rms error over standard deviation, all degrees of freedom",
+    "position": "position: rms error over standard deviation, all degrees of freedom",
+    "worst": "position: rms error over noise of a report, worst degree of freedom",
+}
+#: Further measures -> what they are. Each is there per degree of freedom, and over all but `mse`.
+#: NEES and NIS are over their dimension: 1 for a filter that knows its errors.
+OTHERS = {
+    "mse_position": "mean squared error of the position, m^2 or rad^2",
+    "mse_velocity": "mean squared error of the velocity, m^2/s^2 or rad^2/s^2",
+    "noise_ratio": "rms error of the position over the noise of a report; over all: `worst`",
+    "rms_over_p": "rms error of the position over the root of its mean variance",
+    "nees": "normalised squared error of position and velocity",
+    "nis": "normalised squared innovation of a report",
+    "lag_position": "by what the position comes late, ms; over all: the mean",
+    "lag_velocity": "by what the velocity comes late, ms; over all: the mean",
+    "relative": "error over the position, 95th percentile, %; over all: the largest",
+}
+#: How long a user waits for an estimate, s; only of schemes that look ahead.
+WAIT = "wait"
+#: The only window: after the settling time.
+WINDOW = "settled"
+#: Longest lag that is looked for, s, and as a part of the judged samples.
+LONGEST_LAG, LONGEST_PART = 5.0, 0.2
+#: In relative errors, a position counts as this part of its rms at least.
+FLOOR = 0.1
+
+
+class NotFinite(ValueError):
+    """An estimate holds an infinite number or NaN."""
+
+
+def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> dict[str, float]:
+    """Compare the estimates of a record with its truth; return measure -> value.
+
+    A degree of freedom that does not move counts in no criterion.
+
+    Parameters
+    ----------
+    truth
+        The motion, n samples.
+    estimates
+        What a scheme says of it.
+    sigma
+        True standard deviations of the noise of reported positions, shape (6,).
+    settled
+        The first sample that is judged.
+
+    Raises
+    ------
+    NotFinite
+        If an estimate is not finite.
+    """
+    true, true_velocity = _cut(truth.position, settled), _cut(truth.velocity, settled)
+    position, velocity = _cut(estimates.position, settled), _cut(estimates.velocity, settled)
+    if not (np.isfinite(position).all() and np.isfinite(velocity).all()):
+        raise NotFinite("the estimate is not finite")
+    error = position - true
+    means = sum_errors(error, velocity - true_velocity, _cut_covariance(estimates, settled))
+    square, square_velocity, nees, variance = means.T[:4]
+    noise_ratio = _divide(np.sqrt(square), sigma)
+    found = {
+        "velocity": _root_mean(_divide(square_velocity, true_velocity.var(axis=1))),
+        "position": _root_mean(_divide(square, true.var(axis=1))),
+        "worst": _largest(noise_ratio),
+    }
+    each = {
+        "mse_position": square,
+        "mse_velocity": square_velocity,
+        "noise_ratio": noise_ratio,
+        "rms_over_p": np.sqrt(_divide(square, variance)),
+        "nees": nees,
+        "nis": _average_nis(estimates, settled),
+        "lag_position": _find_lag(true, position, truth.step),
+        "lag_velocity": _find_lag(true_velocity, velocity, truth.step),
+        "relative": _find_relative(true, error),
+    }
+    over_all = {
+        "rms_over_p": _root_mean(each["rms_over_p"] ** 2),
+        **{name: _average(each[name]) for name in ("nees", "nis", "lag_position", "lag_velocity")},
+        "relative": _largest(each["relative"]),
+    }
+    for name, values in each.items():
+        found |= {f"{name}_{dof}": float(value) for dof, value in zip(DOF, values, strict=True)}
+        if name in over_all:
+            found[name] = over_all[name]
+    if estimates.wait > 0.0:
+        found[WAIT] = estimates.wait
+    return {name: value for name, value in found.items() if not np.isnan(value)}
+
+
+def list_measures(names: Iterable[str]) -> list[str]:
+    """Return measures in the order of tables: criteria, then the others, over all first."""
+    names = set(names)
+    listed = [*CRITERIA, WAIT]
+    for name in OTHERS:
+        listed += [name, *(f"{name}_{dof}" for dof in DOF)]
+    return [name for name in listed if name in names]
+
+
+def _cut(signals: Array, settled: int) -> Array:
+    """Return the judged part of signals (steps, 6) as rows, shape (6, n)."""
+    return np.ascontiguousarray(signals[settled:].T)
+
+
+def _cut_covariance(estimates: Estimates, settled: int) -> Array:
+    """Return covariances of the judged samples, of one sample, or of none, shape (m, 6, 2, 2)."""
+    if estimates.covariance is None:
+        return np.empty((0, len(DOF), 2, 2))
+    if len(estimates.covariance) == 1:
+        return np.asarray(estimates.covariance)
+    return np.asarray(estimates.covariance[settled:])
+
+
+def _find_lag(truth: Array, estimate: Array, step: float) -> Array:
+    """Return lags in ms, shape (6,), NaN where a signal is constant."""
+    longest = max(1, round(min(LONGEST_LAG / step, LONGEST_PART * truth.shape[1])))
+    lags = find_lags(_centre(truth), _centre(estimate), longest)
+    return np.asarray(1000.0 * step * lags)
+
+
+def _centre(signals: Array) -> Array:
+    """Return signals (6, n) without their means; a constant one becomes zero."""
+    constant = signals.max(axis=1, keepdims=True) == signals.min(axis=1, keepdims=True)
+    return np.where(constant, 0.0, signals - signals.mean(axis=1, keepdims=True))
+
+
+def _find_relative(truth: Array, error: Array) -> Array:
+    """Return the 95th percentile of |error| over |position| with its floor, %, shape (6,)."""
+    floor = FLOOR * np.sqrt(np.mean(truth**2, axis=1, keepdims=True))
+    relative = _divide(np.abs(error), np.maximum(np.abs(truth), floor))
+    return np.asarray(100.0 * np.percentile(relative, 95.0, axis=1))
+
+
+def _average_nis(estimates: Estimates, settled: int) -> Array:
+    """Return the mean NIS of each degree of freedom, shape (6,), NaN without an innovation."""
+    if estimates.nis is None:
+        return np.full(len(DOF), np.nan)
+    nis = estimates.nis[settled:]
+    there = np.isfinite(nis)
+    return _divide(np.where(there, nis, 0.0).sum(axis=0), there.sum(axis=0).astype(float))
+
+
+def _divide(numerator: Array, denominator: Array) -> Array:
+    """Return the quotient, NaN where the denominator is zero."""
+    quotient = np.full(np.broadcast_shapes(np.shape(numerator), np.shape(denominator)), np.nan)
+    np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
+    return quotient
+
+
+def _average(values: Array) -> float:
+    """Return the mean of the numbers among values; NaN if there is none."""
+    there = values[~np.isnan(values)]
+    return float(there.mean()) if len(there) else float("nan")
+
+
+def _root_mean(squares: Array) -> float:
+    return float(np.sqrt(_average(squares)))
+
+
+def _largest(values: Array) -> float:
+    there = values[~np.isnan(values)]
+    return float(there.max()) if len(there) else float("nan")

@@ -1,0 +1,134 @@
+"""Draws the motion of a floating structure: slow resonances and waves, in six degrees of freedom.
+
+Each degree of freedom is a sum of lines with random phases that repeats after twice the record, so
+nothing repeats inside one, and the motion before it is known. Position, velocity and acceleration
+are exact derivatives of each other. A resonance is white noise through an oscillator, up to
+`HIGHEST` times its natural frequency; waves have a JONSWAP spectrum up to the same multiple of its
+peak. Above that there is no motion: an accelerometer would see what a basin calls noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.studies.floater.contract import DOF
+from owtsweep.studies.floater.sections import Motion as MotionSection
+from owtsweep.waves import Sea
+
+#: Lines end at this multiple of a natural frequency, and of the waves' peak.
+HIGHEST = 3.0
+#: Coupled degrees of freedom: the second follows the first, with a sign.
+COUPLED = {"theta": ("x", 1.0), "phi": ("y", -1.0)}
+
+
+class Series(NamedTuple):
+    """Position and its two derivatives at samples, shape (samples, 6) each, in m and rad."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+def draw_motion(
+    motion: MotionSection,
+    stream: Callable[[str], np.random.Generator],
+    *,
+    steps: int,
+    step: float,
+    lead: int,
+    roll: float | None = None,
+) -> Series:
+    """Draw a motion.
+
+    Parameters
+    ----------
+    motion
+        The section `motion`.
+    stream
+        Function that returns a new random generator, given a name.
+    steps, step
+        Number of samples and sampling interval (s).
+    lead
+        Number of samples before the record, at most `steps`.
+    roll
+        Standard deviation of the roll angle in degrees, in place of the section's; None: that.
+
+    Returns
+    -------
+    Series
+        lead + steps samples.
+    """
+    frequency = np.arange(steps + 1) / (2 * steps * step)
+    parts = [_describe_resonances(motion, frequency), _describe_waves(motion, frequency)]
+    sizes = [[motion.freedoms[name].resonance.sigma for name in DOF],
+             [motion.freedoms[name].waves for name in DOF]]  # fmt: skip
+    lines = np.zeros((len(frequency), 6), dtype=complex)
+    for words, density, size in zip(("resonance", "waves"), parts, sizes, strict=True):
+        drawn = _draw_lines(density, motion.surge_pitch, stream, words)
+        lines += drawn * np.asarray(size)
+    lines[:, 3:] *= np.pi / 180.0
+    mean = np.array([motion.freedoms[name].mean for name in DOF])
+    mean[3:] = np.deg2rad(mean[3:])
+    if roll is not None:
+        column = DOF.index("phi")
+        own = np.sqrt(0.5 * np.sum(np.abs(lines[:, column]) ** 2))
+        lines[:, column] *= np.deg2rad(roll) / own
+    rate = 2j * np.pi * frequency[:, None]
+    return Series(
+        mean + _sample(lines, steps, lead),
+        _sample(rate * lines, steps, lead),
+        _sample(rate**2 * lines, steps, lead),
+    )
+
+
+def _describe_resonances(motion: MotionSection, frequency: Array) -> Array:
+    """Return spectral densities of the slow parts, up to a factor, shape (lines, 6)."""
+    result = np.zeros((len(frequency), 6))
+    for column, name in enumerate(DOF):
+        resonance = motion.freedoms[name].resonance
+        ratio = frequency * resonance.period
+        response = 1.0 / ((1.0 - ratio**2) ** 2 + (2.0 * resonance.damping * ratio) ** 2)
+        result[:, column] = np.where((ratio > 0.0) & (ratio <= HIGHEST), response, 0.0)
+    return result
+
+
+def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
+    """Return the spectral density of the waves' part, up to a factor, shape (lines, 6)."""
+    inside = (frequency > 0.0) & (frequency * motion.wave_period <= HIGHEST)
+    density = np.zeros(len(frequency))
+    # The spectrum's shape alone counts; scaled to a period of 10 s it is inside `Sea`'s band.
+    scaled = frequency[inside] * motion.wave_period / 10.0
+    density[inside] = Sea(1.0, 10.0, motion.wave_gamma).density(scaled)
+    return np.repeat(density[:, None], 6, axis=1)
+
+
+def _draw_lines(
+    density: Array, coupling: float, stream: Callable[[str], np.random.Generator], words: str
+) -> NDArray[np.complex128]:
+    """Draw complex amplitudes with a variance of 1 per column, shape (lines, 6).
+
+    Lines of a coupled degree of freedom have the correlation `coupling` with those that it follows.
+    """
+    units = {}
+    for name in DOF:
+        draw = stream(f"{words}_{name}").standard_normal((2, len(density)))
+        units[name] = (draw[0] + 1j * draw[1]) / np.sqrt(2.0)
+    for name, (leader, sign) in COUPLED.items():
+        own = np.sqrt(1.0 - coupling**2)
+        units[name] = sign * coupling * units[leader] + own * units[name]
+    lines = np.sqrt(density) * np.column_stack([units[name] for name in DOF])
+    variance = 0.5 * np.sum(np.abs(lines) ** 2, axis=0)
+    return np.asarray(lines / np.sqrt(np.where(variance > 0.0, variance, 1.0)))
+
+
+def _sample(lines: NDArray[np.complexfloating[Any, Any]], steps: int, lead: int) -> Array:
+    """Sample lines of multiples of 1 / (twice the record), with a lead before the record."""
+    bins = lines * steps
+    bins[-1] = 0.0
+    period = np.fft.irfft(bins, 2 * steps, axis=0)
+    return np.concatenate([period[2 * steps - lead :], period[:steps]])

@@ -1,0 +1,108 @@
+"""Write the report on how well the study reproduces Mehammer et al. (2018)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.paper.evidence import Scores
+from owtsweep.studies.floater.paper.goals import GOALS, TEXTS, list_lost_cells
+from owtsweep.studies.floater.paper.judging import MOST
+from owtsweep.studies.floater.paper.statements import STATEMENTS
+from owtsweep.studies.floater.paper.stored import compare_stored, show_stored
+from owtsweep.studies.floater.published import read_facts
+from owtsweep.verdicts import report, sections
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph
+from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TITLE = "How well the floater study reproduces Mehammer et al. (2018)"
+#: The origin of the tests.
+DEFINITIONS = (
+    "Thresholds are the paper's, or were written down before any record was judged; numbers of "
+    "earlier prototypes and of the author's files were known."
+)
+
+
+def judge_statements(scores: Scores) -> list[JudgedStatement]:
+    """Judge the statements F1 to F10 of Mehammer et al. (2018)."""
+    facts = read_facts()
+    texts = dict(zip(facts["id"], facts["statement"], strict=True))
+    return judge(texts, STATEMENTS, scores)
+
+
+def judge_goals(scores: Scores) -> list[JudgedStatement]:
+    """Judge the project's own goals."""
+    return judge(TEXTS, GOALS, scores)
+
+
+def write_report(scores: Scores, config: FloaterConfig, folder: Path) -> list[Path]:
+    """Write fidelity.md, fidelity.html and their tables into a folder; return the files.
+
+    Parameters
+    ----------
+    scores
+        As `judging.collect` makes them.
+    config
+        The configuration of one scenario, for the page's head.
+    folder
+        Made if it does not exist.
+    """
+    statements, goals = judge_statements(scores), judge_goals(scores)
+    table = compare_stored(scores)
+    return report.write_report(
+        folder,
+        title=TITLE,
+        tables={
+            "scores": scores.table,
+            "stored_tests": table,
+            "fidelity_claims": tabulate_claims([*statements, *goals]),
+        },
+        figures={},
+        contents=lambda _: _document(scores, config, statements, goals, table),
+        metadata={"study": "floater", "paper": "Mehammer et al. (2018)"},
+    )
+
+
+def _document(
+    scores: Scores,
+    config: FloaterConfig,
+    statements: Sequence[JudgedStatement],
+    goals: Sequence[JudgedStatement],
+    table: pd.DataFrame,
+) -> list[Block]:
+    record = config.record
+    return [
+        Heading(TITLE, 1),
+        Paragraph(
+            f"{scores.records} records (of the paper's tests at most {MOST}) of "
+            f"{record.duration:g} s at {record.rate:g} Hz, seed {config.seed}, judged after "
+            f"{record.settling:g} s; the decay 120 s at 200 Hz, judged after 2 s. The truth "
+            "is a motion of declared spectra, and a decay of declared periods, not the author's "
+            "SIMA record and buoy: absolute numbers cannot agree, ratios and statements can. "
+            "Series that only the author's files hold are marked so. Brackets are 95 % intervals "
+            "of means over the records."
+        ),
+        Heading("In short"),
+        Bullets(
+            [
+                f"Statements F1-F10: {sections.count_verdicts(statements)}.",
+                f"Goals G1-G{len(goals)}: {sections.count_verdicts(goals)}.",
+            ]
+        ),
+        *sections.statement_section(statements, DEFINITIONS),
+        Heading("Rms errors in the author's files"),
+        Paragraph(
+            "Author's number / mean over the records here, m. The author's file is needed to "
+            "compare them on one motion. z of test 10 is what the author's delay buffer is padded "
+            "with."
+        ),
+        show_stored(table),
+        *sections.goal_section(goals),
+        Heading("Where velocities of a rival are as good"),
+        Bullets(list_lost_cells(scores) or ["In no cell."]),
+    ]

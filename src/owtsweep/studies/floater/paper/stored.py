@@ -1,0 +1,58 @@
+"""The author's stored rms errors beside those of the same tests in the study's truth."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.studies.floater.paper.evidence import Scores
+from owtsweep.studies.floater.published import read_stored_tests
+from owtsweep.verdicts.page import TextTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: A test of the author's files -> the scenario that is like it, and the figure that it is behind.
+LIKE = {
+    "2_10%": ("noise 10 dB", "3"),
+    "4_1%each": ("disturbed, R x 10", "4"),
+    "10": ("delay of a step", "5"),
+    "13_10": ("losses as zeros, KF", "6"),
+}
+STATES = ("x", "y", "z")
+
+
+def compare_stored(scores: Scores) -> pd.DataFrame:
+    """Return stored rms errors with the study's.
+
+    Returns
+    -------
+    DataFrame
+        One row per test and translation. Columns: test, figure, state, stored (m), scenario, mean
+        over the records (m).
+    """
+    import pandas as pd
+
+    stored = read_stored_tests().set_index(["test", "measure", "state"])["value"]
+    rows = []
+    for test, (scenario, figure) in LIKE.items():
+        for state in STATES:
+            found = scores.find((scenario, f"rms_{state}"))
+            rows.append(
+                {
+                    "test": test, "figure": figure, "state": state,
+                    "stored": stored[test, "rms_error", state], "scenario": scenario,
+                    "mean": np.nan if found is None else found.mean(),
+                }
+            )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def show_stored(table: pd.DataFrame) -> TextTable:
+    """Return the comparison as a table of texts: "stored / mean" in m."""
+    rows = []
+    for (test, figure, scenario), part in table.groupby(["test", "figure", "scenario"], sort=False):
+        cells = [f"{s:.3g} / {m:.3g}" for s, m in zip(part["stored"], part["mean"], strict=True)]
+        rows.append([str(test), str(figure), str(scenario), *cells])
+    return TextTable(["author's test", "figure", "here", *STATES], rows, list(STATES))

@@ -1,0 +1,94 @@
+"""COMPLEMENTARY: positions below a crossover frequency, accelerations above it.
+
+Its crossover is `filters.crossover` times the one that is best for the noise and the bias that it
+believes. With body-fixed sensors the angles blend rates in place of accelerations, which are not
+measured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting, Unable
+from owtsweep.studies.floater.schemes.linear import (
+    ANGLES,
+    read_inputs,
+)
+from owtsweep.studies.floater.schemes.printed import find_start
+
+#: The fastest crossover, as a part of the sampling frequency in rad/s: a filter that follows each
+#: report by three quarters.
+FASTEST = 0.15
+
+
+@dataclass(frozen=True)
+class Complementary:
+    """The filter with its crossover of each degree of freedom in rad/s, shape (6,)."""
+
+    setting: Setting
+    crossover: np.ndarray
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        position, acceleration, rate = read_inputs(self.setting, measured)
+        found = np.empty((*position.shape, 2))
+        start = find_start(position)[:, 0]
+        for i, w in enumerate(self.crossover):
+            if self.setting.body and i in ANGLES:
+                gain = 1.0 - np.exp(-w * measured.step)
+                blend_rate(position[i], rate[i], measured.step, gain, start[i], found[i])
+            else:
+                gains = place_poles(w, measured.step)
+                blend_acceleration(
+                    position[i], acceleration[i], measured.step, gains, start[i], found[i]
+                )
+        return Estimates(
+            np.ascontiguousarray(found[:, :, 0].T), np.ascontiguousarray(found[:, :, 1].T)
+        )
+
+
+def find_crossover(setting: Setting, column: int) -> float:
+    """Return the best crossover w of a degree of freedom for the position, rad/s.
+
+    Noise of positions (R) and accelerations (Q) of steps h, and a bias b, move the position by
+
+        1.5 / sqrt(2) R h w + 1 / sqrt(8) Q h / w^3 + b^2 / w^4
+
+    in the mean square. Its minimum is a root of w^5 - w Q / R - 8 sqrt(2) / 3 b^2 / (R h); without
+    a bias that is the crossover of the settled Kalman filter, the fourth root of Q / R.
+    """
+    R = setting.position_sigma[column] ** 2
+    Q = setting.acceleration_sigma[column] ** 2
+    pushed = 8.0 * np.sqrt(2.0) / 3.0 * setting.bias_sigma[column] ** 2 / (R * setting.step)
+    roots = np.roots([1.0, 0.0, 0.0, 0.0, -Q / R, -pushed])
+    return float(max(root.real for root in roots))
+
+
+class ComplementaryScheme:
+    """The complementary filter."""
+
+    name = "COMPLEMENTARY"
+
+    def prepare(self, setting: Setting) -> Complementary:
+        """Choose the crossover for a setting.
+
+        Raises
+        ------
+        Unable
+            If accelerations are believed to have no noise, so that positions never count.
+        """
+        best = np.array([find_crossover(setting, i) for i in range(len(DOF))])
+        if setting.body:
+            best[list(ANGLES)] = setting.rate_sigma / setting.position_sigma[list(ANGLES)]
+        if not np.all(best > 0.0):
+            raise Unable(
+                f"{self.name} has no crossover: it believes that accelerations have no noise"
+            )
+        fastest = FASTEST * 2.0 * np.pi / setting.step
+        return Complementary(setting, np.minimum(setting.tuning.crossover * best, fastest))
+
+
+SCHEME = ComplementaryScheme()

@@ -1,0 +1,92 @@
+"""ERROR_STATE: an error-state Kalman filter with a quaternion attitude, for large angles.
+
+Its noise is that of KF_REPAIRED: white noise of accelerations, a bias that wanders, angular
+accelerations that are nothing but noise, and reports of a known age. But specific force is turned
+by the estimated attitude, whose error the covariance knows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.estimation.error_state import ERRORS, STATES, filter_body, find_quaternion
+from owtsweep.estimation.kinematic_filter import snap
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting, Unable
+from owtsweep.studies.floater.schemes.linear import find_age, find_bias, keep_reports
+
+
+@dataclass(frozen=True)
+class ErrorState:
+    """The filter, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        setting, steps = self.setting, len(measured.position)
+        reported = np.ascontiguousarray(keep_reports(setting, measured))
+        shown = snap(np.arange(steps) - find_age(setting, measured) / measured.step)
+        bias, walk = find_bias(setting)
+        noise = np.stack(
+            [
+                setting.acceleration_sigma[:3] ** 2 * measured.step,
+                setting.acceleration_sigma[3:] ** 2 * measured.step,
+                walk[:3] ** 2,
+            ]
+        )
+        found = (
+            np.zeros((steps, len(DOF))),
+            np.zeros((steps, len(DOF))),
+            np.tile(setting.motion_sigma[:2].T[:, :, None] ** 2 * np.eye(2), (steps, 1, 1, 1)),
+            np.full((steps, len(DOF)), np.nan),
+        )
+        usable = np.isfinite(reported).all(axis=1) & (shown >= 0.0) & (shown <= np.arange(steps))
+        if usable.any():
+            first = int(np.argmax(usable))
+            found[0][:first] = reported[first]
+            filter_body(
+                reported, shown, measured.specific_force, measured.rate, measured.step, noise,
+                (setting.position_sigma**2, setting.rate_sigma**2), first,
+                self._begin(reported[first], bias), found,
+            )  # fmt: skip
+        return Estimates(*found)
+
+    def _begin(self, report: np.ndarray, bias: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return state and covariance at the first report, at rest, without a bias."""
+        setting = self.setting
+        state = np.zeros(STATES)
+        state[:3] = report[:3]
+        find_quaternion(report[3:], state[6:10])
+        sigma = np.concatenate(
+            [
+                setting.position_sigma[:3], setting.motion_sigma[1, :3],
+                setting.position_sigma[3:], setting.motion_sigma[1, 3:], bias[:3],
+            ]
+        )  # fmt: skip
+        assert len(sigma) == ERRORS
+        return state, np.diag(sigma**2)
+
+
+class ErrorStateScheme:
+    """The error-state filter."""
+
+    name = "ERROR_STATE"
+
+    def prepare(self, setting: Setting) -> ErrorState:
+        """Make the filter ready for a setting.
+
+        Raises
+        ------
+        Unable
+            If sensors are not fixed to the body.
+        """
+        if not setting.body:
+            raise Unable(
+                f"{self.name} needs specific force and rates of the body: use sensors.frame=body"
+            )
+        return ErrorState(setting)
+
+
+SCHEME = ErrorStateScheme()

@@ -1,0 +1,174 @@
+"""What the linear Kalman filters of the floater study share: measurements, noise, estimates.
+
+The printed predictors (KF_STEADY, KF) are in `printed`. The filters here are the consistent ones:
+noise of a measured acceleration enters the velocity, at all its frequencies alike; the acceleration
+goes linearly from sample to sample; and the estimate of a sample knows its report.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.kinematic import Noise
+from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, snap
+from owtsweep.gravity import GRAVITY
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.levelling import hold, level, turn_rates
+
+#: The degrees of freedom whose rates are measured: the angles (Eq. 5, matrix C).
+ANGLES = range(3, 6)
+_NONE = np.empty(0)
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A filter of all degrees of freedom, made ready for one setting.
+
+    Attributes
+    ----------
+    setting
+        What the filter knows.
+    bias
+        Whether a bias of each acceleration is a state.
+    delay
+        Whether the time that a report shows counts.
+    """
+
+    setting: Setting
+    bias: bool
+    delay: bool
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        record, noises, prior = self.read(measured)
+        return report(filter_all(record, noises, prior))
+
+    def read(self, measured: Measured) -> tuple[Record, list[Noise], Array]:
+        """Return measurements, noise and prior standard deviations, as filters take them."""
+        setting = self.setting
+        steps = len(measured.position)
+        age = find_age(setting, measured) if self.delay else np.zeros(steps)
+        shown = snap(np.arange(steps) - age / measured.step)
+        position, acceleration, rate = read_inputs(setting, measured)
+        record = Record(position, shown, acceleration, rate, measured.step)
+        bias, walk = find_bias(setting) if self.bias else (np.zeros(6), np.zeros(6))
+        noises = make_noises(setting, walk)
+        return record, noises, np.column_stack([*setting.motion_sigma[:2], bias])
+
+
+@dataclass(frozen=True)
+class LinearScheme:
+    """A scheme of one linear filter; attributes are those of `Linear`, and the scheme's name."""
+
+    name: str
+    bias: bool
+    delay: bool
+
+    def prepare(self, setting: Setting) -> Linear:
+        """Make the filter ready for a setting."""
+        return Linear(setting, self.bias, self.delay)
+
+
+def report(found: Found, wait: float = 0.0) -> Estimates:
+    """Return what a filter found, columns last."""
+    return Estimates(
+        position=np.ascontiguousarray(found.estimate[:, :, 0].T),
+        velocity=np.ascontiguousarray(found.estimate[:, :, 1].T),
+        covariance=found.covariance.transpose(1, 0, 2, 3),
+        nis=found.nis.T,
+        wait=wait,
+    )
+
+
+def keep_reports(setting: Setting, measured: Measured) -> Array:
+    """Return reported positions, shape (steps, 6), NaN where a scheme that is told of losses looks.
+
+    A scheme that is not told takes zeros as they are.
+    """
+    if setting.tuning.losses == "known":
+        return np.where(measured.lost[:, None], np.nan, measured.position)
+    return measured.position
+
+
+def find_age(setting: Setting, measured: Measured) -> Array:
+    """Return the believed ages of reports in s, shape (steps,).
+
+    Who is told the truth has the time stamp of each report; else all reports are equally old.
+    """
+    if setting.tuning.delay == "truth":
+        return measured.age
+    return np.full(len(measured.age), setting.delay)
+
+
+class Inputs(NamedTuple):
+    """What a scheme takes of a record, one degree of freedom per row.
+
+    Attributes
+    ----------
+    position
+        Reported positions, shape (6, steps), NaN where the scheme uses no report.
+    acceleration
+        In the basin's frame, shape (6, steps).
+    rate
+        For each degree of freedom its measured rate (steps,), or an empty array.
+    """
+
+    position: Array
+    acceleration: Array
+    rate: list[Array]
+
+
+def read_inputs(setting: Setting, measured: Measured) -> Inputs:
+    """Return what a scheme takes of a record.
+
+    Body-fixed sensors measure no accelerations of angles: these are 0 (section 2.2). What they
+    measure is turned by the last reported attitude (section 3.2), or counts as that of the basin's
+    frame (section 2.3), as `filters.attitude` says.
+    """
+    reported = keep_reports(setting, measured)
+    acceleration, rate = measured.acceleration, measured.rate
+    if measured.specific_force is not None:
+        how, angles = setting.tuning.attitude, hold(reported)[:, 3:]
+        acceleration = np.zeros(reported.shape)
+        acceleration[:, :3] = level(measured.specific_force, angles, how)
+        if how == "reported":
+            rate = turn_rates(rate, angles)
+    assert acceleration is not None
+    return Inputs(
+        np.ascontiguousarray(reported.T),
+        np.ascontiguousarray(acceleration.T),
+        [_NONE] * 3 + [np.ascontiguousarray(column) for column in rate.T],
+    )
+
+
+def find_bias(setting: Setting) -> tuple[Array, Array]:
+    """Return the standard deviation of the biases and their change per root of a second, (6,) each.
+
+    Where no acceleration is measured, there is none.
+    """
+    measured = np.ones(6)
+    if setting.body:
+        measured[3:] = 0.0
+    return setting.bias_sigma * measured, setting.bias_walk * measured
+
+
+def make_noises(setting: Setting, walk: Array) -> list[Noise]:
+    """Return the noise of each degree of freedom; `walk` is the change of its bias, shape (6,)."""
+    acceleration = setting.acceleration_sigma**2
+    if setting.body and setting.tuning.attitude != "level":
+        # Noise of the reported attitude tilts gravity: pitch into surge, roll into sway.
+        acceleration = acceleration.copy()
+        acceleration[:2] += (GRAVITY * setting.position_sigma[[4, 3]]) ** 2
+    return [
+        Noise(
+            float(acceleration[i] * setting.step),
+            float(walk[i] ** 2),
+            float(setting.position_sigma[i] ** 2),
+            float(setting.rate_sigma[i - 3] ** 2) if i in ANGLES else 1.0,
+        )
+        for i in range(len(DOF))
+    ]

@@ -1,0 +1,195 @@
+"""The paper's tests run, are judged rightly on made-up numbers, and are drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from owtsweep.estimation.kinematic_predictor import predict_steady
+from owtsweep.studies.floater.contract import DOF
+from owtsweep.studies.floater.paper import cells, judging
+from owtsweep.studies.floater.paper.closed_loop import find_error_of_line
+from owtsweep.studies.floater.paper.evidence import Scores
+from owtsweep.studies.floater.paper.figures import FIGURES, draw_figures
+from owtsweep.studies.floater.paper.goals import GOALS, list_lost_cells
+from owtsweep.studies.floater.paper.report import judge_goals, judge_statements, write_report
+from owtsweep.studies.floater.paper.scenarios import run_scenario
+from owtsweep.studies.floater.paper.scores import (
+    count_peaks,
+    find_high,
+    find_integration_error,
+    score,
+)
+from owtsweep.studies.floater.paper.statements import STATEMENTS
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, all_of
+
+SHORT = ["record.duration=110", "record.settling=10"]
+RECORDS = 4
+
+
+@pytest.fixture(scope="module")
+def holding() -> pd.DataFrame:
+    """Return a table of scores with which every statement and goal holds, but for SIMA's file."""
+    rows = [(name, m, value) for name in judging.SCENARIOS for m, value in _hold(name)]
+    for plane in cells.PLANES:
+        for scheme in (cells.CONSISTENT, *cells.RIVALS):
+            rows.append(
+                (f"{plane}: a cell", f"velocity_{scheme}", 1.0 + (scheme != "KF_CONSISTENT"))
+            )
+    table = pd.DataFrame(rows, columns=["scenario", "measure", "value"])
+    table = pd.concat([table.assign(replicate=k) for k in range(RECORDS)], ignore_index=True)
+    table["value"] *= np.random.default_rng(1).uniform(0.9999, 1.0001, len(table))
+    return table
+
+
+def _hold(name: str):
+    observer = "OBSERVER" in name
+    for dof in DOF:
+        yield f"rms_{dof}", 5.0 if name == "far, losses as zeros" else 1.0
+        yield f"rms_over_p_{dof}", 1.0
+        yield f"noise_ratio_{dof}", 0.1
+        yield f"period_{dof}", 33.0
+        yield f"high_{dof}", 1.0 + observer
+        yield f"velocity_rms_{dof}", 1.0 + observer
+        yield f"lag_velocity_{dof}", 80.0 if observer else 10.0
+    yield "nees", 1.0
+    yield (
+        "position",
+        {"roll 20 deg, first order": 3.0, "roll 20 deg, KF_CONSISTENT": 1.1}.get(name, 1),
+    )
+    yield "share_0.15", 0.99
+    yield "peaks_away", 0.0
+    yield "relative_p99", 0.1
+    yield "integrated", 1e-12
+    yield "over_travel", 1.0
+    yield "over_closed_loop", 1.0
+
+
+def spoil(table: pd.DataFrame, scenario: str, measure: str, value: float) -> Scores:
+    """Return scores in which one number is another."""
+    chosen = (table["scenario"] == scenario) & (table["measure"] == measure)
+    assert chosen.any()
+    return Scores(table.assign(value=table["value"].mask(chosen, value)))
+
+
+def test_statements_and_goals_hold_where_they_should(holding):
+    made = Scores(holding)
+    verdicts = {j.name: j.verdict for j in [*judge_statements(made), *judge_goals(made)]}
+    assert verdicts.pop("F10") == MISSING
+    assert set(verdicts.values()) == {REPRODUCED}
+    assert len(verdicts) == 19
+    assert not list_lost_cells(made)
+
+
+@pytest.mark.parametrize(
+    ("name", "scenario", "measure", "value"),
+    [
+        ("F1", "noise 10 dB", "share_0.15", 0.9),
+        ("F2", "noise 10 dB", "peaks_away", 1.0),
+        ("F3", "disturbed, R x 10", "rms_x", 1.5),
+        ("F3", "20 dB, R x 10", "rms_x", 1.5),
+        ("F4", "delay of a step", "relative_p99", 0.6),
+        ("F4", "delay of a step", "over_travel", 1.2),
+        ("F5", "losses as zeros, KF", "rms_x", 1.06),
+        ("F5", "losses as zeros, KF_STEADY", "rms_x", 1.06),
+        ("F6", "no loss, KF_STEADY", "rms_x", 1.03),
+        ("F6", "decay, KF_STEADY, R next to nothing", "rms_x", 0.97),
+        ("F7", "decay, KF", "high_y", 2.1),
+        ("F8", "decay, PASSIVE_OBSERVER", "lag_velocity_z", 50.0),
+        ("F8", "decay, PASSIVE_OBSERVER", "lag_velocity_x", -80.0),
+        ("F9", "decay, KF, R next to nothing", "velocity_rms_x", 2.1),
+        ("F10", "20 dB", "integrated", 1e-8),
+        ("G1", "10 dB", "rms_over_p_psi", 1.2),
+        ("G1", "20 dB", "rms_over_p_z", 0.8),
+        ("G2", "20 dB, slow", "noise_ratio_y", 0.13),
+        ("G3", "10 dB", "nees", 0.9),
+        ("G4", "20 dB, KF_STEADY", "rms_theta", 1.03),
+        ("G5", "20 dB, R x 10", "rms_phi", 1.5),
+        ("G6", "delay of 4, KF_STEADY", "over_closed_loop", 0.94),
+        ("G7", "delay of 4, KF_DELAY", "rms_over_p_y", 1.06),
+        ("G8", "far, losses known", "rms_x", 1.06),
+        ("G8", "far, losses as zeros", "rms_x", 3.9),
+        ("G9", "roll 0.5 deg, ERROR_STATE", "position", 1.03),
+        ("G9", "roll 20 deg, ERROR_STATE", "position", 1.6),
+        ("G10", "snr_loss: a cell", "velocity_LOWPASS", 0.9),
+    ],
+)  # fmt: skip
+def test_a_statement_falls_with_its_number(holding, name, scenario, measure, value):
+    test = {**STATEMENTS, **GOALS}[name]
+    assert all_of(test(spoil(holding, scenario, measure, value))) == NOT_REPRODUCED
+
+
+def test_lost_cells_are_named(holding):
+    told = list_lost_cells(spoil(holding, "snr_loss: a cell", "velocity_LOWPASS", 0.9))
+    assert told == ["snr_loss: a cell (LOWPASS 0.900, KF_CONSISTENT 1.000)"]
+
+
+def test_the_report_has_all_parts(holding, tmp_path):
+    config = judging.OWN["20 dB"].compose()
+    files = write_report(Scores(holding), config, tmp_path)
+    page = (tmp_path / "fidelity.md").read_text()
+    assert "Goals G1-G10: 10 reproduced." in page
+    assert "needs the author's file" in page
+    assert "| 2_10% | 3 | noise 10 dB | 0.00438 / 1 |" in page
+    assert {file.name for file in files} >= {"fidelity.md", "fidelity.html", "stored_tests.csv"}
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.2])
+def test_the_closed_loop_is_what_the_predictor_does_with_a_sine(delay):
+    step, omega, gain = 0.05, 0.9, np.array([0.04, 0.015])
+    times = step * np.arange(6000)
+    x, a = np.sin(omega * times), -(omega**2) * np.sin(omega * times)
+    found = np.empty((len(times), 2)), np.empty(len(times))
+    predict_steady(
+        np.sin(omega * (times - delay)), a, np.empty(0), step, np.stack([gain, gain], axis=1), 1.0,
+        np.zeros(2), found,
+    )  # fmt: skip
+    settled = slice(4000, None)
+    rms = np.sqrt(2.0 * np.mean((found[0][settled, 0] - x[settled]) ** 2))
+    (error,) = find_error_of_line(np.array([omega]), step, gain, delay)
+    assert np.abs(error) == pytest.approx(rms, rel=0.01)
+
+
+def test_the_printed_truth_is_known_exactly_from_its_accelerations():
+    """Noiseless, from the truth on: what is left of an estimate is rounding."""
+    outcome = run_scenario(judging.PAPER["noise 10 dB"], 0, SHORT)
+    error = outcome.estimates.position[:, :3] - outcome.truth.position[:, :3]
+    assert np.abs(error).max() < 1e-4 * outcome.setting.position_sigma[:3].min()
+
+
+def test_peaks_count_away_from_zero_only():
+    relative = np.array([0.0, 0.3, 0.0, 0.1, 0.0, 0.5, 0.0, 0.9, 0.8])
+    away = np.array([True, True, True, True, True, True, False, True, True])
+    assert count_peaks(relative, away, 0.2) == 1
+    assert count_peaks(relative, np.ones(9, dtype=bool), 0.2) == 3
+
+
+def test_high_frequencies_are_those_above_two_hertz():
+    times = 0.01 * np.arange(2000)
+    slow, fast = np.sin(2.0 * np.pi * 0.2 * times), np.sin(2.0 * np.pi * 8.0 * times)
+    assert find_high(slow + 0.1 * fast, 0.01) == pytest.approx(0.1 / np.sqrt(2.0), rel=0.02)
+
+
+def test_a_smooth_position_integrates_to_itself():
+    times = 0.05 * np.arange(4000)
+    assert find_integration_error(5.0 + np.sin(0.3 * times), 0.05) < 1e-9
+
+
+def test_scores_are_those_of_the_estimates():
+    outcome = run_scenario(judging.OWN["delay of 4, KF_STEADY"], 0, ["record.duration=120"])
+    found = score(outcome)
+    error = (outcome.estimates.position - outcome.truth.position)[outcome.settled :, 0]
+    assert found["rms_x"] == pytest.approx(np.sqrt(np.mean(error**2)))
+    assert found["over_closed_loop"] == pytest.approx(1.0, abs=0.15)
+
+
+def test_the_figures_are_drawn(tmp_path):
+    files = draw_figures(["figure_6", "figure_8"], tmp_path, SHORT)
+    assert {file.name for file in files} >= {"figure_6.png", "figure_8.svg"}
+    assert set(FIGURES) == {f"figure_{n}" for n in range(3, 9)}
+
+
+def test_every_scenario_runs():
+    for name in judging.SCENARIOS:
+        assert score(run_scenario(judging.SCENARIOS[name], 0, SHORT))["rms_x"] > 0.0
