@@ -1,4 +1,4 @@
-"""Make everything behind docs/{reproduction,plant,tilt,better,tower}.md: searches, runs, figures.
+"""Make everything behind the reports and pictures of docs/: searches, runs, figures.
 
     python experiments/reproduce.py [REPLICATES] [--check]
 
@@ -25,6 +25,7 @@ from agreement import PROVENANCE, compare_folders, largest_difference
 from owtsweep.cli import main
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
+from owtsweep.studies.floater import measures as floater_measures
 from owtsweep.studies.hub.figures import two_maps
 from owtsweep.studies.tower.measures import CRITERIA
 
@@ -52,6 +53,8 @@ PLANT = {
 }  # fmt: skip
 #: Pictures that get fewer colours than others, because they would be large: folder/name -> number.
 COLOURS = {"plant/figure_03_record.png": 32}
+#: Maps of the floater study.
+PLANES = ("delay_bias", "snr_loss", "believed_snr", "roll_snr")
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
     *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
@@ -76,6 +79,16 @@ KEPT = {
         "wave_yaw.csv",
         "fidelity_claims.csv",
         "table_3.csv",
+        "*.md",
+        "*.png",
+        "figures/*.png",
+    ),
+    "floater": (
+        "summary_*.csv",
+        "best_scheme_*.csv",
+        "delay_margin.csv",
+        "fidelity_claims.csv",
+        "stored_tests.csv",
         "*.md",
         "*.png",
         "figures/*.png",
@@ -164,6 +177,7 @@ class Reproduction:
         self.make_plant()
         self.make_better()
         self.make_tower()
+        self.make_floater()
 
     def make_rivals(self) -> None:
         """Search the rival explanations of table 8, judge them, and make the EKF's trade-off."""
@@ -231,6 +245,29 @@ class Reproduction:
         run_script("tower/fidelity.py", folder)
         self.keep("tower")
 
+    def make_floater(self) -> None:
+        """Sweep the floater study over each plane, judge its paper, find delay margins.
+
+        Of each sweep the means of the criteria and the maps by velocity are kept.
+        """
+        folder = self.results / "floater"
+        folder.mkdir(exist_ok=True)
+        for plane in PLANES:
+            name = f"floater_{plane}"
+            self.sweep(name, "study=floater", f"plane={plane}", "tuning=[paper,matched]")
+            run_command("figures", str(self.results / name))
+            run = owtsweep.load(self.results / name)
+            summary = run.summary()
+            kept = summary[summary["measure"].isin([*floater_measures.CRITERIA, ""])]
+            write_table(folder, f"summary_{plane}", kept)
+            write_table(folder, f"best_scheme_{plane}", run.best_scheme())
+            for tuning in ("paper", "matched"):
+                map_ = self.results / name / "figures" / f"map_velocity_{tuning}.png"
+                shutil.copy(map_, folder / f"map_{plane}_{tuning}.png")
+        run_script("floater/delay_margin.py", folder)
+        run_script("floater/fidelity.py", folder)
+        self.keep("floater")
+
 
 def run_command(*words: str) -> None:
     """Run one command of owtsweep; if it fails, end the program with the exit code."""
@@ -273,7 +310,7 @@ def copy_small(source: Path, target: Path) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
-        description="Make everything behind docs/reproduction.md, plant, tilt and better.md."
+        description="Make everything behind the reports and pictures of docs/."
     )
     parser.add_argument("replicates", nargs="?", default="100", help="records per cell")
     parser.add_argument("--check", action="store_true", help="compute anew, compare, copy nothing")
