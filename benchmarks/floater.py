@@ -54,7 +54,8 @@ def make_record(delay: float, loss: float) -> tuple[Setting, Measured]:
     )
     tuning = Tuning(
         losses="known", process="truth", process_share=0.1, bias="truth", bias_share=0.03,
-        delay="truth", delay_declared=0.0, lag=1.0, cutoff=3.0, crossover=1.0, observer=3.0,
+        delay="truth", delay_declared=0.0, attitude="reported", angular_share=2.0, lag=1.0,
+        start="report", cutoff=1.0, crossover=1.0, observer=1.0,
     )  # fmt: skip
     believed = 0.1 * sigma
     setting = Setting(
