@@ -13,10 +13,10 @@ import sys
 from pathlib import Path
 
 from owtsweep.io.steps import show_steps
-from owtsweep.studies.floater.paper.evidence import Scores
 from owtsweep.studies.floater.paper.figures import FIGURES, draw_figures
 from owtsweep.studies.floater.paper.judging import OWN, collect
 from owtsweep.studies.floater.paper.report import write_report
+from owtsweep.verdicts.scores import Scores
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/floater_paper")
 records = int(sys.argv[2]) if len(sys.argv) > 2 else 100

@@ -10,7 +10,6 @@ from owtsweep.estimation.kinematic_predictor import predict_steady
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.paper import cells, judging
 from owtsweep.studies.floater.paper.closed_loop import find_error_of_line
-from owtsweep.studies.floater.paper.evidence import Scores
 from owtsweep.studies.floater.paper.figures import FIGURES, draw_figures
 from owtsweep.studies.floater.paper.goals import GOALS, list_lost_cells
 from owtsweep.studies.floater.paper.report import judge_goals, judge_statements, write_report
@@ -23,6 +22,7 @@ from owtsweep.studies.floater.paper.scores import (
 )
 from owtsweep.studies.floater.paper.statements import STATEMENTS
 from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, all_of
+from owtsweep.verdicts.scores import Scores
 
 SHORT = ["record.duration=110", "record.settling=10"]
 RECORDS = 4

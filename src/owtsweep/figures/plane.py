@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: A value beyond the map is drawn this many cells outside the centres of the edge cells.
 EDGE = 0.5
 #: Letters that fit beside a line of cells.
-LETTERS_PER_LINE = 14
+LETTERS_PER_LINE = 8
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ class Plane:
         axes.set_yticks(range(len(self.lines)), [show_value(value) for value in self.lines])
         axes.set_xlabel(self.across.title)
         title = self.upwards.title if self.upwards else ""
-        axes.set_ylabel(fill(title, max(28, LETTERS_PER_LINE * len(self.lines))))
+        axes.set_ylabel(fill(title, max(20, LETTERS_PER_LINE * len(self.lines))))
 
 
 def _place_between(values: Array, centres: Sequence[Value], scale: str) -> Array:

@@ -49,9 +49,9 @@ class FloaterStudy:
 
     def conditions(self, config: FloaterConfig) -> tuple[Condition, ...]:
         """Return the two axes of the map, those of the key `axes`."""
-        from owtsweep.studies.floater.conditions import find_conditions
+        from owtsweep.studies.floater.contest import CONTEST
 
-        return find_conditions(config.axes)
+        return CONTEST.find_conditions(config.axes)
 
     def engine(self, config: FloaterConfig) -> Engine:
         """Return the study's only engine."""

@@ -11,12 +11,13 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.results.status import FAILED, OK, UNABLE
+from owtsweep.results.status import FAILED, UNABLE
+from owtsweep.studies.contest.rows import Judgement, make_rows
 from owtsweep.studies.floater.believed import make_setting
 from owtsweep.studies.floater.case import Conditions, list_cases
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Measured, Scheme, Setting, Unable
-from owtsweep.studies.floater.measures import WINDOW, NotFinite, compare
+from owtsweep.studies.floater.measures import NotFinite, compare
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import resolve
 from owtsweep.studies.floater.sections import AXES
@@ -82,51 +83,24 @@ def run(config: FloaterConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block,
             _judge(case, setting, scheme, conditions.believed, config.record.settled)
             for case, setting in zip(cases, settings[tuning], strict=True)
         ]
-        yield block, _make_rows(block, cases, parts)
+        yield block, make_rows(block.content, AXES, range(first, last), parts)
 
 
-class _Judged(NamedTuple):
-    """What a scheme's estimates of a record are worth: measure -> value, or why there are none."""
-
-    found: dict[str, float]
-    status: str = OK
-    reason: str = ""
-
-
-def _judge(case: Case, setting: Setting, scheme: Scheme, believed: float, settled: int) -> _Judged:
+def _judge(
+    case: Case, setting: Setting, scheme: Scheme, believed: float, settled: int
+) -> Judgement:
     """Run a scheme on a record and compare its estimates with the truth.
 
     `believed` is the variance of noise in the setting over the true one.
     """
     sigma = setting.position_sigma / np.sqrt(believed)
-    nothing = {"": float("nan")}
     try:
         estimates = scheme.prepare(setting).run(case.measured)
-        return _Judged(compare(case.motion.truth, estimates, sigma, settled))
+        return Judgement(compare(case.motion.truth, estimates, sigma, settled))
     except Unable as reason:
-        return _Judged(nothing, UNABLE, str(reason))
+        return Judgement.none(UNABLE, reason)
     except NotFinite as reason:
-        return _Judged(nothing, FAILED, str(reason))
-
-
-def _make_rows(block: Block, cases: Sequence[Case], parts: Sequence[_Judged]) -> pd.DataFrame:
-    """Return the rows of a block, one per record and measure; a roll that is not set is NaN."""
-    content = block.content
-    counts = [len(part.found) for part in parts]
-    status = np.repeat([part.status for part in parts], counts)
-    cell = {axis: np.nan if content[axis] is None else float(content[axis]) for axis in AXES}
-    return pd.DataFrame(
-        {
-            **cell,
-            "scheme": content["scheme"],
-            "replicate": np.repeat([case.replicate for case in cases], counts),
-            "measure": [name for part in parts for name in part.found],
-            "window": np.where(status == OK, WINDOW, ""),
-            "value": [value for part in parts for value in part.found.values()],
-            "status": status,
-            "reason": np.repeat([part.reason for part in parts], counts),
-        }
-    )
+        return Judgement.none(FAILED, reason)
 
 
 def _describe_content(config: FloaterConfig) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
+from owtsweep.studies.contest.axes import check_axes
 from owtsweep.studies.floater.schemes import REGISTERED
 from owtsweep.studies.floater.sections import AXES
 from owtsweep.studies.scheme_names import check_names
@@ -28,34 +29,11 @@ def check(config: FloaterConfig) -> None:
     from owtsweep.studies.floater.checks_record import check_motion, check_sensors
 
     check_names(config.schemes, REGISTERED)
-    _check_axes(config)
+    check_axes(config.axes, config.grid, AXES)
     _check_record(config)
     check_motion(config)
     check_sensors(config)
     _check_times(config)
-
-
-def _check_axes(config: FloaterConfig) -> None:
-    """Check that the map has two axes with values, and that others have one value each."""
-    names = ", ".join(AXES)
-    for axis in config.axes:
-        require(axis in AXES, f"axes: there is no axis {axis!r}; use two of {names}")
-    across, upwards = config.axes
-    require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
-    for axis in AXES:
-        values = getattr(config.grid, axis)
-        if axis in config.axes:
-            require(
-                values is not None,
-                f"grid.{axis}: the map is over {axis}, and null is no value; give it some, e.g. "
-                f"grid.{axis}=[1,10]",
-            )
-            continue
-        require(
-            values is None or len(values) == 1,
-            f"grid.{axis}: it has {len(values or [])} values, and the map is over {across} and "
-            f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
-        )
 
 
 def _check_record(config: FloaterConfig) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Candidate
-from owtsweep.studies.floater.conditions import find_conditions
+from owtsweep.studies.contest import WINDOW
+from owtsweep.studies.contest.origin import list_origin
+from owtsweep.studies.contest.tables import list_competing
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.studies.floater.measures import WINDOW
-from owtsweep.studies.floater.origin import list_origin
-from owtsweep.studies.floater.tables import list_competing
+from owtsweep.studies.floater.contest import CONTEST
 
 #: The keys on which the motion of a record depends, besides its conditions and number. Those of
 #: sensors scale noise, and move or leave out reports, but draw nothing anew.
@@ -19,12 +19,12 @@ def describe_run(run: Candidate) -> Aspects:
     """Describe a run by its axes, schemes and criterion, and by what makes its records."""
     config: FloaterConfig = run.config
     return Aspects(
-        conditions=find_conditions(config.axes),
+        conditions=CONTEST.find_conditions(config.axes),
         grid={axis: getattr(config.grid, axis) for axis in config.axes},
         schemes=list_competing(config, run.rows),
         criterion=config.criterion,
         window=WINDOW,
         pairing={key: getattr(config, key) for key in PAIRING},
-        origin=list_origin(config),
+        origin=list_origin(CONTEST, config),
         score="error",
     )

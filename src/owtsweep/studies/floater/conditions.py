@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from owtsweep.results.conditions import Condition
 
 #: All axes, in the order of `sections.AXES`.
@@ -15,9 +13,3 @@ CONDITIONS = (
     Condition("believed", "believed over true variance of noise", scale="log"),
     Condition("roll", "standard deviation of roll", "deg", scale="log"),
 )
-
-
-def find_conditions(axes: Sequence[str]) -> tuple[Condition, ...]:
-    """Return the conditions on the axes of a map, the horizontal one first."""
-    by_name = {condition.name: condition for condition in CONDITIONS}
-    return tuple(by_name[name] for name in axes)

@@ -59,9 +59,10 @@ class FloaterConfig(Config):
 
     def describe_origin(self) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.floater.origin import describe_origin
+        from owtsweep.studies.contest.origin import describe_origin
+        from owtsweep.studies.floater.contest import CONTEST
 
-        return describe_origin(self)
+        return describe_origin(CONTEST, self)
 
     def check(self) -> None:
         """Check that the values can work together.

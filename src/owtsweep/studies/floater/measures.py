@@ -11,6 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.studies.contest import WAIT
 from owtsweep.studies.floater.contract import DOF, Estimates, Truth
 from owtsweep.studies.floater.sums import find_lags, sum_errors
 
@@ -33,10 +34,6 @@ OTHERS = {
     "lag_velocity": "by what the velocity comes late, ms; over all: the mean",
     "relative": "error over the position, 95th percentile, %; over all: the largest",
 }
-#: How long a user waits for an estimate, s; only of schemes that look ahead.
-WAIT = "wait"
-#: The only window: after the settling time.
-WINDOW = "settled"
 #: Longest lag that is looked for, s, and as a part of the judged samples.
 LONGEST_LAG, LONGEST_PART = 5.0, 0.2
 #: In relative errors, a position counts as this part of its rms at least.

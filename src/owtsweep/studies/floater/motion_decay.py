@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from owtsweep.motion.lines import Series
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.motion_synthetic import Series
 from owtsweep.studies.floater.sections import Motion as MotionSection
 
 

@@ -16,13 +16,13 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require, shorten
+from owtsweep.motion.lines import Series
 from owtsweep.motion.recorded.columns import guess_roles
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.units import find_dimension, find_factor
 from owtsweep.studies.floater.attitude import STEEPEST
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.motion_synthetic import Series
 from owtsweep.studies.floater.sections import Motion as MotionSection
 
 #: Names of the columns of velocities and accelerations; all signals but time.

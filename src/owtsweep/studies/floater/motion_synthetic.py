@@ -10,12 +10,13 @@ peak. Above that there is no motion: an accelerometer would see what a basin cal
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.motion.lines import Series, find_frequencies, respond, sample, scale_to_one
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.sections import Motion as MotionSection
 from owtsweep.waves import Sea
@@ -24,14 +25,6 @@ from owtsweep.waves import Sea
 HIGHEST = 3.0
 #: Coupled degrees of freedom: the second follows the first, with a sign.
 COUPLED = {"theta": ("x", 1.0), "phi": ("y", -1.0)}
-
-
-class Series(NamedTuple):
-    """Position and its two derivatives at samples, shape (samples, 6) each, in m and rad."""
-
-    position: Array
-    velocity: Array
-    acceleration: Array
 
 
 def draw_motion(
@@ -63,7 +56,7 @@ def draw_motion(
     Series
         lead + steps samples.
     """
-    frequency = np.arange(steps + 1) / (2 * steps * step)
+    frequency = find_frequencies(steps, step)
     parts = [_describe_resonances(motion, frequency), _describe_waves(motion, frequency)]
     sizes = [[motion.freedoms[name].resonance.sigma for name in DOF],
              [motion.freedoms[name].waves for name in DOF]]  # fmt: skip
@@ -78,12 +71,8 @@ def draw_motion(
         column = DOF.index("phi")
         own = np.sqrt(0.5 * np.sum(np.abs(lines[:, column]) ** 2))
         lines[:, column] *= np.deg2rad(roll) / own
-    rate = 2j * np.pi * frequency[:, None]
-    return Series(
-        mean + _sample(lines, steps, lead),
-        _sample(rate * lines, steps, lead),
-        _sample(rate**2 * lines, steps, lead),
-    )
+    series = sample(lines, steps, step, lead)
+    return series._replace(position=mean + series.position)
 
 
 def _describe_resonances(motion: MotionSection, frequency: Array) -> Array:
@@ -91,9 +80,7 @@ def _describe_resonances(motion: MotionSection, frequency: Array) -> Array:
     result = np.zeros((len(frequency), 6))
     for column, name in enumerate(DOF):
         resonance = motion.freedoms[name].resonance
-        ratio = frequency * resonance.period
-        response = 1.0 / ((1.0 - ratio**2) ** 2 + (2.0 * resonance.damping * ratio) ** 2)
-        result[:, column] = np.where((ratio > 0.0) & (ratio <= HIGHEST), response, 0.0)
+        result[:, column] = respond(frequency, resonance.period, resonance.damping, HIGHEST)
     return result
 
 
@@ -109,7 +96,7 @@ def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
 
 def _draw_lines(
     density: Array, coupling: float, stream: Callable[[str], np.random.Generator], words: str
-) -> NDArray[np.complex128]:
+) -> NDArray[np.complexfloating[Any, Any]]:
     """Draw complex amplitudes with a variance of 1 per column, shape (lines, 6).
 
     Lines of a coupled degree of freedom have the correlation `coupling` with those that it follows.
@@ -121,14 +108,4 @@ def _draw_lines(
     for name, (leader, sign) in COUPLED.items():
         own = np.sqrt(1.0 - coupling**2)
         units[name] = sign * coupling * units[leader] + own * units[name]
-    lines = np.sqrt(density) * np.column_stack([units[name] for name in DOF])
-    variance = 0.5 * np.sum(np.abs(lines) ** 2, axis=0)
-    return np.asarray(lines / np.sqrt(np.where(variance > 0.0, variance, 1.0)))
-
-
-def _sample(lines: NDArray[np.complexfloating[Any, Any]], steps: int, lead: int) -> Array:
-    """Sample lines of multiples of 1 / (twice the record), with a lead before the record."""
-    bins = lines * steps
-    bins[-1] = 0.0
-    period = np.fft.irfft(bins, 2 * steps, axis=0)
-    return np.concatenate([period[2 * steps - lead :], period[:steps]])
+    return scale_to_one(np.sqrt(density) * np.column_stack([units[name] for name in DOF]))

@@ -1,11 +1,10 @@
-"""Describes where a run's numbers come from, for titles and messages."""
+"""Describes the motion and the sensors of a run in words, for titles and messages."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from owtsweep.studies.floater.conditions import find_conditions
-from owtsweep.studies.floater.sections import AXES
+from owtsweep.studies.floater.conditions import CONDITIONS
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig
@@ -28,7 +27,9 @@ def describe_truth(config: FloaterConfig) -> str:
 def describe_sensors(config: FloaterConfig) -> str:
     """Return in words what sensors do, the axes that have one value among it."""
     sensors, told = config.sensors, []
-    for condition in find_conditions([axis for axis in AXES if axis not in config.axes]):
+    for condition in CONDITIONS:
+        if condition.name in config.axes:
+            continue
         values = getattr(config.grid, condition.name)
         if values and values[0] != _USUAL[condition.name]:
             told.append(f"{condition.label} {condition.show(values[0])}")
@@ -53,29 +54,3 @@ def describe_sensors(config: FloaterConfig) -> str:
 
 #: Values of axes of which nothing needs to be said.
 _USUAL = {"delay": 0.0, "bias": 0.0, "snr": None, "loss": 0.0, "believed": 1.0, "roll": None}
-
-
-def describe_draws(config: FloaterConfig) -> str:
-    """Return in words how many records a cell has, and their seed."""
-    count = config.grid.replicates
-    return f"{count} record{'s' * (count != 1)} per cell, seed {config.seed}"
-
-
-def describe_origin(config: FloaterConfig) -> str:
-    """Return in one line the tuning, the truth, the sensors, the records and their seed."""
-    told = list_origin(config)
-    return (
-        f"Tuning {told['tuning']}; truth: {told['truth']}; sensors: {told['sensors']}; "
-        f"{describe_draws(config)}"
-    )
-
-
-def list_origin(config: FloaterConfig) -> dict[str, str]:
-    """Return what a reader must know of a run: its name -> in words."""
-    return {
-        "tuning": config.tuning_name,
-        "truth": describe_truth(config),
-        "sensors": describe_sensors(config),
-        "records per cell": str(config.grid.replicates),
-        "seed": str(config.seed),
-    }

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.motion.lines import Series, interpolate
 from owtsweep.streams import stream
 from owtsweep.studies.floater.attitude import find_body_rates, find_specific_force
 from owtsweep.studies.floater.contract import Truth
 from owtsweep.studies.floater.motion_decay import decay
 from owtsweep.studies.floater.motion_recorded import read_motion
-from owtsweep.studies.floater.motion_synthetic import Series, draw_motion
+from owtsweep.studies.floater.motion_synthetic import draw_motion
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig
@@ -42,26 +43,8 @@ class Motion:
     lead: int
 
     def at(self, times: Array) -> Array:
-        """Return positions at times in s, shape (n, 6).
-
-        Between samples a polynomial of degree 5 has position, velocity and acceleration of both
-        neighbours: the error is of the order of the sixth power of the step. Times before the lead
-        get its first position.
-        """
-        step, (x, v, a) = self.truth.step, self.series
-        place = np.clip(np.asarray(times) / step + self.lead, 0.0, len(x) - 1.0)
-        left = np.minimum(place.astype(int), len(x) - 2)
-        s = (place - left)[:, None]
-        right = left + 1
-        gap, mean = x[right] - x[left], step * v[left]
-        c2 = 0.5 * step**2 * a[left]
-        rest = gap - mean - c2
-        slope = step * v[right] - mean - 2.0 * c2
-        bend = step**2 * a[right] - 2.0 * c2
-        c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
-        c4 = -15.0 * rest + 7.0 * slope - bend
-        c5 = 6.0 * rest - 3.0 * slope + 0.5 * bend
-        return np.asarray(x[left] + s * (mean + s * (c2 + s * (c3 + s * (c4 + s * c5)))))
+        """Return positions at times in s, shape (n, 6)."""
+        return interpolate(self.series, self.truth.step, self.lead, times)
 
 
 def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None) -> Motion:

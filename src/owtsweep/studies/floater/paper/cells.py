@@ -11,9 +11,9 @@ from owtsweep.studies.floater.case import Conditions, list_cases
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
-from owtsweep.studies.floater.paper.evidence import tabulate
 from owtsweep.studies.floater.schemes import resolve
 from owtsweep.studies.floater.truth import make_truth
+from owtsweep.verdicts.scores import tabulate
 
 if TYPE_CHECKING:
     import pandas as pd

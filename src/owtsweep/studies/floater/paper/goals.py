@@ -13,8 +13,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.paper.cells import CONSISTENT, PLANES, RIVALS
-from owtsweep.studies.floater.paper.evidence import Place, Scores
 from owtsweep.verdicts.inference import Claim
+from owtsweep.verdicts.scores import Place, Scores
 
 #: Goal -> what is to be reached.
 TEXTS = {

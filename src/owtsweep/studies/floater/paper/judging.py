@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.floater.paper.cells import PLANES, score_plane
-from owtsweep.studies.floater.paper.evidence import tabulate
 from owtsweep.studies.floater.paper.scenarios import Scenario, run_scenario
 from owtsweep.studies.floater.paper.scores import score
+from owtsweep.verdicts.scores import tabulate
 
 if TYPE_CHECKING:
     import pandas as pd

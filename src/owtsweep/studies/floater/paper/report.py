@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.studies.floater.paper.evidence import Scores
 from owtsweep.studies.floater.paper.goals import GOALS, TEXTS, list_lost_cells
 from owtsweep.studies.floater.paper.judging import MOST
 from owtsweep.studies.floater.paper.statements import STATEMENTS
@@ -15,6 +14,7 @@ from owtsweep.studies.floater.paper.stored import compare_stored, show_stored
 from owtsweep.studies.floater.published import read_facts
 from owtsweep.verdicts import report, sections
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph
+from owtsweep.verdicts.scores import Scores
 from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
 
 if TYPE_CHECKING:

@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.motion.lines import Series
 from owtsweep.studies.composing import compose
 from owtsweep.studies.floater.believed import make_setting
 from owtsweep.studies.floater.case import list_cases
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Estimates, Measured, Prepared, Setting, Truth
 from owtsweep.studies.floater.measuring import measure
-from owtsweep.studies.floater.motion_synthetic import Series
 from owtsweep.studies.floater.schemes import resolve
 from owtsweep.studies.floater.truth import Motion, make_truth
 

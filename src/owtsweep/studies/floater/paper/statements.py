@@ -10,9 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from owtsweep.studies.floater.paper.evidence import Scores
 from owtsweep.verdicts.inference import Claim
 from owtsweep.verdicts.means import claim_means
+from owtsweep.verdicts.scores import Scores
 
 #: Degrees of freedom whose velocities figure 8 compares.
 TRANSLATIONS = ("x", "y", "z")

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.studies.floater.paper.evidence import Scores
 from owtsweep.studies.floater.published import read_stored_tests
 from owtsweep.verdicts.page import TextTable
+from owtsweep.verdicts.scores import Scores
 
 if TYPE_CHECKING:
     import pandas as pd

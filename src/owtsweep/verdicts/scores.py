@@ -16,7 +16,7 @@ from owtsweep.verdicts.means import claim_means
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A scenario's name (see `judging`), and one of its measures.
+#: The name of a scenario, i.e. of what is run, and one of its measures.
 Place = tuple[str, str]
 
 

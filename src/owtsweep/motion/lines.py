@@ -1,0 +1,97 @@
+"""Motion as a sum of lines, sampled with its derivatives and with what came before it.
+
+Lines are at multiples of 1 / (twice the record), so that nothing repeats inside a record.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+
+
+class Series(NamedTuple):
+    """Position and its two derivatives at samples, shape (samples, columns) each."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+def find_frequencies(steps: int, step: float) -> Array:
+    """Return the frequencies of the lines in Hz, for a record of `steps` samples of `step` s."""
+    return np.arange(steps + 1) / (2 * steps * step)
+
+
+def respond(frequency: Array, period: float, damping: float, highest: float) -> Array:
+    """Return the power response of an oscillator to white noise, up to a factor.
+
+    Zero at a frequency of 0 and above `highest` natural frequencies.
+    """
+    ratio = frequency * period
+    response = 1.0 / ((1.0 - ratio**2) ** 2 + (2.0 * damping * ratio) ** 2)
+    return np.where((ratio > 0.0) & (ratio <= highest), response, 0.0)
+
+
+def scale_to_one(
+    lines: NDArray[np.complexfloating[Any, Any]],
+) -> NDArray[np.complexfloating[Any, Any]]:
+    """Return lines (lines, columns) with a variance of 1 per column; without power they stay 0."""
+    variance = 0.5 * np.sum(np.abs(lines) ** 2, axis=0)
+    return np.asarray(lines / np.sqrt(np.where(variance > 0.0, variance, 1.0)))
+
+
+def sample(
+    lines: NDArray[np.complexfloating[Any, Any]], steps: int, step: float, lead: int
+) -> Series:
+    """Sample lines and their derivatives, with a lead before the record.
+
+    Parameters
+    ----------
+    lines
+        Complex amplitudes at `find_frequencies`, shape (steps + 1, columns).
+    steps, step
+        Number of samples and sampling interval (s).
+    lead
+        Number of samples before the record, at most `steps`.
+
+    Returns
+    -------
+    Series
+        lead + steps samples; derivatives are exact.
+    """
+    rate = 2j * np.pi * find_frequencies(steps, step)[:, None]
+    return Series(*(_sum_up(part, steps, lead) for part in (lines, rate * lines, rate**2 * lines)))
+
+
+def _sum_up(lines: NDArray[np.complexfloating[Any, Any]], steps: int, lead: int) -> Array:
+    bins = lines * steps
+    bins[-1] = 0.0
+    period = np.fft.irfft(bins, 2 * steps, axis=0)
+    return np.concatenate([period[2 * steps - lead :], period[:steps]])
+
+
+def interpolate(series: Series, step: float, lead: int, times: Array) -> Array:
+    """Return positions at times in s after the record's first sample, shape (n, columns).
+
+    Between samples a polynomial of degree 5 has position, velocity and acceleration of both
+    neighbours: the error is of the order of the sixth power of the step. Times before the lead get
+    its first position.
+    """
+    x, v, a = series
+    place = np.clip(np.asarray(times) / step + lead, 0.0, len(x) - 1.0)
+    left = np.minimum(place.astype(int), len(x) - 2)
+    s = (place - left)[:, None]
+    right = left + 1
+    gap, mean = x[right] - x[left], step * v[left]
+    c2 = 0.5 * step**2 * a[left]
+    rest = gap - mean - c2
+    slope = step * v[right] - mean - 2.0 * c2
+    bend = step**2 * a[right] - 2.0 * c2
+    c3 = 10.0 * rest - 4.0 * slope + 0.5 * bend
+    c4 = -15.0 * rest + 7.0 * slope - bend
+    c5 = 6.0 * rest - 3.0 * slope + 0.5 * bend
+    return np.asarray(x[left] + s * (mean + s * (c2 + s * (c3 + s * (c4 + s * c5)))))

@@ -1,0 +1,46 @@
+"""Checks the two axes of a map, and that no other axis of the grid has several values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from owtsweep.config import require
+
+
+def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str]) -> None:
+    """Check that the map has two axes with values, and that others have one value each.
+
+    Parameters
+    ----------
+    chosen
+        The key `axes`.
+    grid
+        The section `grid`, with a list of values, or None, for each axis.
+    all_axes
+        The names of all axes.
+
+    Raises
+    ------
+    InputError
+        If an axis is unknown, stands there twice or has no value, or another has several.
+    """
+    names = ", ".join(all_axes)
+    for axis in chosen:
+        require(axis in all_axes, f"axes: there is no axis {axis!r}; use two of {names}")
+    across, upwards = chosen
+    require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
+    for axis in all_axes:
+        values = getattr(grid, axis)
+        if axis in chosen:
+            require(
+                values is not None,
+                f"grid.{axis}: the map is over {axis}, and null is no value; give it some, e.g. "
+                f"grid.{axis}=[1,10]",
+            )
+            continue
+        require(
+            values is None or len(values) == 1,
+            f"grid.{axis}: it has {len(values or [])} values, and the map is over {across} and "
+            f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
+        )
