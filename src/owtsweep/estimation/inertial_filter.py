@@ -1,0 +1,196 @@
+"""The compiled multiplicative Kalman filter of inertial navigation, corrected by GNSS fixes.
+
+Errors are those of `inertial`, with the attitude's error in the body's frame (Markley 2003,
+Attitude error representations for Kalman filtering). Behind them may stand further states:
+
+- the clock's offset tau: a fix with the time stamp t shows the antenna at t - tau;
+- how the hook lets the body swing: the point on which the hook acts is at c + m, where m is an
+  oscillator driven by white noise in each direction, and c wanders slowly. What an inertial unit
+  says of the accelerations and what the oscillator says of the motion are independent, so both
+  hold at once: the filter is told at each due time of a fix, lost or not, that the two agree.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.compiled import njit
+from owtsweep.estimation.error_state import learn, rotate
+from owtsweep.estimation.inertial import (
+    ERRORS,
+    STATES,
+    add_noise,
+    carry,
+    correct,
+    lean,
+    linearise,
+    move,
+    place,
+)
+from owtsweep.gravity import GRAVITY
+
+#: Number of states of the swing: m, its velocity, and c, three each.
+SWING = 9
+
+
+@njit
+def predict(s, P, d, force, rate, next_force, next_rate, noise):
+    """Predict s (16 or more,) and P by d seconds, in place; further states stay as they are."""
+    M, R, back = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    before = s[:STATES].copy()
+    move(s[:STATES], d, force, rate, next_force, next_rate)
+    linearise(before, s[:STATES], d, force, next_force, M, R, back)
+    carry(P, d, M, R, back)
+    carry(P.T, d, M, R, back)
+    add_noise(P, d, noise)
+
+
+@njit
+def swing(s, P, at, transition, noise):
+    """Predict the states of the swing, in place.
+
+    They begin at the error `at`. `transition` and `noise` (3, 2, 2) are of m and its velocity;
+    `noise` (3, 3, 3) has that of c in its last place.
+    """
+    x = at + 1  # a quaternion has one element more than its error
+    for i in range(3):
+        a, b, c, e = (
+            transition[i, 0, 0],
+            transition[i, 0, 1],
+            transition[i, 1, 0],
+            transition[i, 1, 1],
+        )
+        m, v = s[x + i], s[x + 3 + i]
+        s[x + i], s[x + 3 + i] = a * m + b * v, c * m + e * v
+        first, second = at + i, at + 3 + i
+        for j in range(len(P)):
+            m, v = P[first, j], P[second, j]
+            P[first, j], P[second, j] = a * m + b * v, c * m + e * v
+        for j in range(len(P)):
+            m, v = P[j, first], P[j, second]
+            P[j, first], P[j, second] = a * m + b * v, c * m + e * v
+        P[first, first] += noise[i, 0, 0]
+        P[first, second] += noise[i, 0, 1]
+        P[second, first] += noise[i, 1, 0]
+        P[second, second] += noise[i, 1, 1]
+        P[at + 6 + i, at + 6 + i] += noise[i, 2, 2]
+
+
+@njit
+def learn_fix(s, P, dx, fix, lever, variance, offset, force, rate):
+    """Learn from the fix (3,) of an antenna; return the innovation's square over its variance.
+
+    `offset` is the place of the clock's offset among the errors, or -1. `force` and `rate` (3,)
+    are those of this sample. The result is the sum over three coordinates, each given those before.
+    """
+    R, H, at = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    row = np.zeros(len(dx))
+    rotate(s[6:10], R)
+    lean(R, lever, H)
+    place(s, R, lever, at)
+    tau = s[offset + 1] if offset >= 0 else 0.0
+    w, f = rate - s[13:16], force - s[10:13]
+    turning = np.cross(w, lever)
+    nis = 0.0
+    for i in range(3):
+        row[:] = 0.0
+        row[i] = 1.0
+        for k in range(3):
+            row[6 + k] = H[i, k]
+        e = fix[i] - at[i]
+        if offset >= 0:
+            velocity = s[3 + i]
+            acceleration = -GRAVITY if i == 2 else 0.0
+            for k in range(3):
+                velocity += R[i, k] * turning[k]
+                acceleration += R[i, k] * f[k]
+            e += tau * velocity - 0.5 * tau * tau * acceleration
+            row[3 + i] = -tau
+            row[offset] = tau * acceleration - velocity
+        nis += learn(P, dx, row, e, variance[i])
+    return nis
+
+
+@njit
+def learn_swing(s, P, dx, lever, at, variance):
+    """Learn that the point at `lever` (3,) is where the swing's states have it."""
+    R, H, point = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    row = np.zeros(len(dx))
+    rotate(s[6:10], R)
+    lean(R, lever, H)
+    place(s, R, lever, point)
+    for i in range(3):
+        row[:] = 0.0
+        row[i] = 1.0
+        for k in range(3):
+            row[6 + k] = H[i, k]
+        row[at + i] = row[at + 6 + i] = -1.0
+        learn(P, dx, row, s[at + 1 + i] + s[at + 7 + i] - point[i], variance)
+
+
+@njit
+def put_in(s, dx):
+    """Put all errors dx into the state, in place."""
+    correct(s[:STATES], dx)
+    for i in range(ERRORS, len(dx)):
+        s[i + 1] += dx[i]
+
+
+@njit
+def filter_fixes(
+    fixes, levers, variance, due, force, rate, step, noise, start, offset, swinging, found
+):
+    """Filter a record.
+
+    Parameters
+    ----------
+    fixes
+        Positions of antennas at samples, shape (steps, antennas, 3), NaN where none is.
+    levers
+        Where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
+    variance
+        Of the noise of a fix, shape (3,).
+    due
+        Whether a fix is due at a sample, lost or not, shape (steps,).
+    force, rate
+        Specific force and angular velocity of the body, shape (steps, 3) each.
+    step
+        Sampling interval in s.
+    noise
+        As of `inertial.add_noise`, shape (4,).
+    start
+        State and covariance before the first fix; both are overwritten.
+    offset
+        Place of the clock's offset among the errors, or -1.
+    swinging
+        Place of the swing's first error, or -1; lever of the point on which the hook acts, shape
+        (3,); transition (3, 2, 2) and noise (3, 3, 3) of a sample; variance with which both agree.
+    found
+        States (steps, n + 1), covariances (steps, n, n) and squared innovations over their variance
+        (steps,), of which those without a fix stay as they are; filled.
+    """
+    s, P = start
+    states, covariances, nis = found
+    at, hook, transition, shaking, agreement = swinging
+    dx = np.zeros(len(P))
+    for k in range(len(force)):
+        if k > 0:
+            predict(s, P, step, force[k - 1], rate[k - 1], force[k], rate[k], noise)
+            if at >= 0:
+                swing(s, P, at, transition, shaking)
+        if due[k]:
+            dx[:] = 0.0
+            for antenna in range(fixes.shape[1]):
+                if not np.isnan(fixes[k, antenna, 0]):
+                    if np.isnan(nis[k]):
+                        nis[k] = 0.0
+                    nis[k] += learn_fix(
+                        s, P, dx, fixes[k, antenna], levers[antenna], variance, offset, force[k],
+                        rate[k],
+                    )  # fmt: skip
+            put_in(s, dx)
+            if at >= 0:
+                dx[:] = 0.0
+                learn_swing(s, P, dx, hook, at, agreement)
+                put_in(s, dx)
+        states[k], covariances[k] = s, P

@@ -1,0 +1,103 @@
+"""Compiled smoothers behind the multiplicative filter of inertial navigation.
+
+Both carry what later fixes say back through the linear model of the errors (Rauch, Tung and
+Striebel 1965), with the difference of two states as of `inertial.subtract`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.compiled import njit
+from owtsweep.estimation.inertial import (
+    ERRORS,
+    add_noise,
+    carry,
+    correct,
+    linearise,
+    move,
+    subtract,
+)
+
+
+@njit
+def link(states, covariances, force, rate, step, noise, links):
+    """Compute how each sample follows from what later ones say.
+
+    Parameters
+    ----------
+    states, covariances
+        Of the filter, shapes (steps, 16) and (steps, 15, 15).
+    force, rate, step, noise
+        As of `inertial_filter.filter_fixes`.
+    links
+        Filled for all samples but the last: the states that the filter predicts from a sample for
+        the next one (steps, 16), their covariances (steps, 15, 15), and the smoother's gains, in
+        the same shape.
+    """
+    predicted, predicted_P, gains = links
+    M, R, back = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for k in range(len(states) - 1):
+        moved = states[k].copy()
+        move(moved, step, force[k], rate[k], force[k + 1], rate[k + 1])
+        linearise(states[k], moved, step, force[k], force[k + 1], M, R, back)
+        across = covariances[k].copy()
+        carry(across, step, M, R, back)
+        P = across.copy()
+        carry(P.T, step, M, R, back)
+        add_noise(P, step, noise)
+        predicted[k], predicted_P[k] = moved, P
+        gains[k] = np.linalg.solve(P, across).T
+
+
+@njit
+def carry_back(s, P, state, covariance, predicted, predicted_P, gain):
+    """Carry the smoothed state s (16,) and covariance P of a sample to the one before, in place.
+
+    `state` and `covariance` are those of the filter at the sample before, the others those of
+    `link`.
+    """
+    dx = np.empty(ERRORS)
+    subtract(s, predicted, dx)
+    dx = gain @ dx
+    change = gain @ (P - predicted_P) @ gain.T
+    s[:] = state
+    correct(s, dx)
+    P[:] = covariance + 0.5 * (change + change.T)
+
+
+@njit
+def smooth_all(states, covariances, links, out):
+    """Smooth a record by all its fixes; `out` gets states and covariances."""
+    predicted, predicted_P, gains = links
+    smoothed, smoothed_P = out
+    last = len(states) - 1
+    s, P = states[last].copy(), covariances[last].copy()
+    smoothed[last], smoothed_P[last] = s, P
+    for k in range(last - 1, -1, -1):
+        carry_back(s, P, states[k], covariances[k], predicted[k], predicted_P[k], gains[k])
+        smoothed[k], smoothed_P[k] = s, P
+
+
+@njit
+def smooth_lag(states, covariances, links, due, lag, out):
+    """Smooth each sample by the fixes up to `lag` samples after it, or a little more.
+
+    A pass back begins at each due time of a fix, so a sample waits until the first one that is
+    `lag` samples or more after it. What is left at the end has fewer. See `smooth_all`.
+    """
+    predicted, predicted_P, gains = links
+    smoothed, smoothed_P = out
+    smoothed[:], smoothed_P[:] = states, covariances
+    last = len(states) - 1
+    done = 0  # samples before this one are smoothed
+    for k in range(last + 1):
+        until = last if k == last else k - lag
+        if until < done or not (due[k] or k == last):
+            continue
+        s, P = states[k].copy(), covariances[k].copy()
+        for j in range(k - 1, done - 1, -1):
+            carry_back(s, P, states[j], covariances[j], predicted[j], predicted_P[j], gains[j])
+            if j <= until:
+                smoothed[j], smoothed_P[j] = s, P
+        done = until + 1

@@ -1,0 +1,202 @@
+"""Pose of a rigid body from three or more of its points: Wahba's problem, solved by an SVD.
+
+The points' coordinates are known in a reference frame fixed to the body and observed in a frame at
+rest. The position p of the reference frame's origin and the rotation T minimise
+
+    sum_k weight_k |observed_k - p - T reference_k|^2
+
+(Maes et al. 2018, section 3.1, Eqs. 4-8, after Wahba 1965 and Markley 1988). The paper takes
+differences to its first prism, so the noise of that prism enters all of them. Differences to the
+centroid solve the problem above exactly and have less noise.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError, require
+
+#: What differences are taken to: the weighted centroid, or the first point as in Eqs. 4-7.
+About = Literal["centroid", "first"]
+
+#: Least breadth of the reference points over their length. Below it, they count as collinear.
+NARROWEST = 1e-4
+#: Least part of the second singular value in the first, below which a sample fixes no rotation.
+LEAST = 1e-9
+
+
+def find_pose(
+    reference: Array, observed: Array, *, about: About = "centroid", weights: Array | None = None
+) -> tuple[Array, Array]:
+    """Return the positions and rotations that carry reference points to observed ones.
+
+    Parameters
+    ----------
+    reference
+        Coordinates of the points in the reference frame, m, shape (points, 3), at least 3 points.
+    observed
+        Their observed coordinates, m, shape (samples, points, 3). A sample in which any of them is
+        not finite gets a pose of NaN.
+    about
+        What differences are taken to: "centroid", or "first" as in the paper.
+    weights
+        Weights of the points, shape (points,), by default all 1. With "first", the first weight
+        has no effect, for there is no difference of the first point to itself.
+
+    Returns
+    -------
+    positions
+        Positions of the reference frame's origin, m, shape (samples, 3).
+    rotations
+        Rotation matrices, which turn vectors of the reference frame into the frame at rest, with
+        determinant +1, shape (samples, 3, 3).
+
+    Raises
+    ------
+    InputError
+        If shapes do not match, weights are negative, or the points of the reference or of a sample
+        are collinear, so that any turn about their line explains them as well.
+    """
+    require(
+        observed.ndim == 3 and observed.shape[1:] == reference.shape,
+        f"observed: has shape {observed.shape}; (samples, *{reference.shape}) would work",
+    )
+    anchor, w = find_anchor(reference, about, weights)
+    seen = np.isfinite(observed).all(axis=(1, 2))
+    points = observed[seen]
+    to_anchor = anchor @ points
+    there = (points - to_anchor[:, None]) * w[:, None]
+    here = reference - anchor @ reference
+
+    # Eq. 6: columns of `there` times rows of `here`, summed over the points.
+    left, sizes, right = np.linalg.svd(np.swapaxes(there, 1, 2) @ here)
+    hand = np.sign(np.linalg.det(left) * np.linalg.det(right))
+    # Markley 1988: the best rotation is unique if s2 + det(U) det(V) s3 > 0.
+    lost = sizes[:, 1] + hand * sizes[:, 2] <= LEAST * sizes[:, 0]
+    if lost.any():
+        sample = int(np.flatnonzero(seen)[np.argmax(lost)])
+        raise InputError(
+            f"observed: the points of sample {sample} are collinear or a mirror image, which "
+            "leaves the rotation undetermined; NaN in place of bad points would work"
+        )
+    # Eqs. 5 and 7: M = diag(1, 1, det(U) det(V)), put into the last column of U.
+    left[:, :, 2] *= hand[:, None]
+    turned = left @ right
+
+    positions = np.full((len(observed), 3), np.nan)
+    rotations = np.full((len(observed), 3, 3), np.nan)
+    rotations[seen] = turned
+    positions[seen] = to_anchor - turned @ (anchor @ reference)
+    return positions, rotations
+
+
+def carry_point(position: Array, rotation: Array, point: Array) -> Array:
+    """Return where a point of the body is, m, shape (samples, 3): Eqs. 2 and 8.
+
+    The paper calls the left-hand sides translations (u, v, w). As printed, both equations return
+    positions: they add a turned difference of coordinates to what is measured of one point, which
+    gives the translation only after the point's reference coordinates are subtracted. Positions
+    are what is returned here.
+
+    Parameters
+    ----------
+    position
+        Positions of the reference frame's origin, m, shape (samples, 3).
+    rotation
+        Rotation matrices, shape (samples, 3, 3).
+    point
+        The point in the reference frame, m, shape (3,).
+    """
+    return np.asarray(position + rotation @ point)
+
+
+def find_pose_covariance(
+    reference: Array,
+    sigma: float | Array,
+    *,
+    about: About = "centroid",
+    weights: Array | None = None,
+) -> Array:
+    """Return the covariance of a pose to first order in the noise of points, shape (6, 6).
+
+    The attitude is level (T near the identity). The first three rows are of the position of the
+    reference frame's origin, m, the others of the small rotation d with T = Exp([d]x), rad.
+
+    Parameters
+    ----------
+    reference
+        Coordinates of the points, m, shape (points, 3).
+    sigma
+        Standard deviation of the white noise of observed coordinates, m: one for all, of each axis
+        (3,), or of each point and axis (points, 3).
+    about, weights
+        As of `find_pose`.
+
+    Raises
+    ------
+    InputError
+        As from `find_pose`, or if a standard deviation is negative.
+    """
+    anchor, w = find_anchor(reference, about, weights)
+    sigmas = np.broadcast_to(np.asarray(sigma, dtype=float), reference.shape)
+    require(
+        bool(np.all(sigmas >= 0.0) and np.isfinite(sigmas).all()),
+        f"sigma: {np.min(sigmas):g} m is no standard deviation; 0 m and more would work",
+    )
+    arms = cross_matrices(reference - anchor @ reference)
+    # d minimises sum w |e_k - e_anchor - d x arm_k|^2, with the noise e_k of each point.
+    normal = -np.einsum("k,kij,kjl->il", w, arms, arms)
+    to_turn = np.linalg.solve(normal, np.concatenate(list(w[:, None, None] * arms), axis=1))
+    # The noise of the anchor enters every difference.
+    of_anchor = np.concatenate([a * np.eye(3) for a in anchor], axis=1)
+    to_turn -= to_turn @ np.tile(of_anchor, (len(reference), 1))
+    to_position = of_anchor + cross_matrices(anchor @ reference) @ to_turn
+    both = np.concatenate([to_position, to_turn])
+    return np.asarray((both * sigmas.ravel() ** 2) @ both.T)
+
+
+def find_anchor(reference: Array, about: About, weights: Array | None) -> tuple[Array, Array]:
+    """Return the parts of the points in the one that differences are taken to, and the weights.
+
+    Both have the shape (points,).
+
+    Raises
+    ------
+    InputError
+        As of `find_pose`.
+    """
+    require(
+        reference.ndim == 2 and reference.shape[1] == 3 and len(reference) >= 3,
+        f"reference: has shape {reference.shape}; three or more points, (points, 3), would work",
+    )
+    require(bool(np.isfinite(reference).all()), "reference: has a NaN or an infinity; give numbers")
+    require(about in ("centroid", "first"), f'about: got {about!r}; give "centroid" or "first"')
+    w = np.ones(len(reference)) if weights is None else np.asarray(weights, dtype=float)
+    require(
+        w.shape == (len(reference),) and bool(np.isfinite(w).all()) and bool(np.all(w >= 0.0)),
+        f"weights: {w.tolist()} do not work; give a finite number, 0 or more, for each of the "
+        f"{len(reference)} points",
+    )
+    first = np.arange(len(reference)) == 0
+    total = float(w.sum())
+    require(total > 0.0, "weights: all are 0; give a positive weight to three or more points")
+    anchor = first.astype(float) if about == "first" else w / total
+    arms = (reference - anchor @ reference) * np.sqrt(w)[:, None]
+    length, breadth, _ = np.linalg.svd(arms, compute_uv=False)
+    require(
+        bool(breadth > NARROWEST * length),
+        "reference: the points that count are collinear, which leaves the turn about their line "
+        "undetermined (Wahba's problem); three or more points that are not on one line would work",
+    )
+    return anchor, w
+
+
+def cross_matrices(vectors: Array) -> Array:
+    """Return the matrices [v]x with [v]x u = v x u, shape (..., 3, 3), of vectors (..., 3)."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    zero = np.zeros_like(x)
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
