@@ -202,7 +202,7 @@ def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:
         (["study=huub"], r"study: there is no study 'huub'; did you mean hub\? There are hub, "),
         (
             ["study=x"],
-            r"study: there is no study 'x'; there are hub, .*, tower, floater$",
+            r"study: there is no study 'x'; there are hub, .*, tower, floater, blade$",
         ),
         (["study=hub,readings"], r"study: 'hub,readings' are several studies; run one at a time"),
         (["study="], r"study=: name a study, e\.g\. study=hub$"),
@@ -219,8 +219,8 @@ def test_a_wrong_study_is_one_line(overrides: list[str], says: str) -> None:
 
 
 def test_a_run_of_a_study_that_is_not_installed_names_it() -> None:
-    Path("config.yaml").write_text("study: blade\nsoil_factor: 2\n")
-    with pytest.raises(InputError, match=r"^config\.yaml: the study 'blade' .* is not installed"):
+    Path("config.yaml").write_text("study: jacket\nsoil_factor: 2\n")
+    with pytest.raises(InputError, match=r"^config\.yaml: the study 'jacket' .* is not installed"):
         load_config(Path("config.yaml"))
 
 

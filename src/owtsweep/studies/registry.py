@@ -62,6 +62,7 @@ OURS = {
     "replay": Entry("owtsweep.studies.replay:ReplayStudy", primary="replay"),
     "tower": Entry("owtsweep.studies.tower:TowerStudy"),
     "floater": Entry("owtsweep.studies.floater:FloaterStudy"),
+    "blade": Entry("owtsweep.studies.blade:BladeStudy"),
 }
 
 

@@ -1,0 +1,104 @@
+"""Plans and runs the blocks of the blade study: some records of one cell and scheme each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from owtsweep.config import as_mapping
+from owtsweep.results.status import FAILED, UNABLE
+from owtsweep.studies.blade.believed import make_setting
+from owtsweep.studies.blade.case import Conditions, list_cases
+from owtsweep.studies.blade.config import BladeConfig
+from owtsweep.studies.blade.contract import Measured, Scheme, Setting, Unable
+from owtsweep.studies.blade.measures import Judged, NotFinite, compare
+from owtsweep.studies.blade.measuring import find_last_outage, measure
+from owtsweep.studies.blade.schemes import resolve
+from owtsweep.studies.blade.sections import AXES
+from owtsweep.studies.blade.truth import Motion, make_truth
+from owtsweep.studies.contest.rows import Judgement, make_rows
+from owtsweep.sweep.study import Block
+
+#: Keys and sections of the configuration on which every row depends.
+SHARED = ("seed", "record", "motion", "unit", "sensors", "filters")
+#: Most records of a block, and most samples of its records: it keeps their measurements. To write
+#: and read the file of a block takes as long as a scheme takes for a record.
+MOST_RECORDS, MOST_SAMPLES = 4, 100_000
+
+
+class Case(NamedTuple):
+    """One record of a cell: its truth, and what its sensors say."""
+
+    replicate: int
+    motion: Motion
+    measured: Measured
+
+
+def plan(config: BladeConfig) -> list[Block]:
+    """Return all blocks of a configuration: one per cell, scheme, and up to ten records.
+
+    The blocks of a cell and its records are a group: truth and measurements are made once for them.
+    """
+    shared = _describe_content(config)
+    most = max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps))
+    count = config.grid.replicates
+    blocks = []
+    for conditions in list_cases(config):
+        cell = {axis: getattr(conditions, axis) for axis in AXES}
+        place = ", ".join(f"{axis} {cell[axis]:g}" for axis in config.axes)
+        for first in range(0, count, most):
+            last = min(first + most, count)
+            numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
+            for scheme in config.schemes:
+                content = {**shared, **cell, "replicates": [first, last], "scheme": scheme}
+                label = f"{scheme}, {place}, {numbers}"
+                blocks.append(Block(f"{place}, {numbers}", label, content, last - first))
+    return blocks
+
+
+def run(config: BladeConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run blocks of one group, i.e. of one cell and some records; yield each with its rows.
+
+    The measurements serve all schemes and tunings.
+    """
+    conditions = Conditions(**{axis: blocks[0].content[axis] for axis in AXES})
+    first, last = blocks[0].content["replicates"]
+    last_outage = find_last_outage(config, conditions.outage)
+    window = Judged(config.record.settled, last_outage)
+    cases = []
+    for replicate in range(first, last):
+        motion = make_truth(config, replicate, conditions)
+        cases.append(Case(replicate, motion, measure(config, motion, conditions, replicate)))
+    settings: dict[tuple[str, ...], list[Setting]] = {}
+    for block in blocks:
+        tuning = block.tunings[:1]
+        if tuning not in settings:
+            chosen = block.choose(config)
+            settings[tuning] = [
+                make_setting(chosen, case.motion, conditions, case.replicate) for case in cases
+            ]
+        scheme = resolve(block.content["scheme"])
+        parts = [
+            _judge(case, setting, scheme, window)
+            for case, setting in zip(cases, settings[tuning], strict=True)
+        ]
+        yield block, make_rows(block.content, AXES, range(first, last), parts)
+
+
+def _judge(case: Case, setting: Setting, scheme: Scheme, window: Judged) -> Judgement:
+    """Run a scheme on a record and compare its estimates with the truth."""
+    try:
+        estimates = scheme.prepare(setting).run(case.measured)
+        return Judgement(compare(case.motion.truth, estimates, window))
+    except Unable as reason:
+        return Judgement.none(UNABLE, reason)
+    except NotFinite as reason:
+        return Judgement.none(FAILED, reason)
+
+
+def _describe_content(config: BladeConfig) -> dict[str, Any]:
+    """Return what the rows of every block depend on."""
+    whole = as_mapping(config)
+    return {name: whole[name] for name in SHARED}

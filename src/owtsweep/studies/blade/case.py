@@ -1,0 +1,52 @@
+"""The cells of the blade study's grid, each with all its conditions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.config import BladeConfig
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """One cell: a value of each axis of the grid; None: that of the section `motion`.
+
+    Attributes
+    ----------
+    sigma
+        Standard deviation of a GNSS fix in m, horizontal.
+    outage
+        Length of an outage in s.
+    offset
+        By what time stamps of GNSS come late, s.
+    period, amplitude
+        Natural period (s) and standard deviation (m) of the longitudinal swing.
+    lever
+        Error of the antenna's place in m.
+    heading
+        Standard deviation of the heading in degrees.
+    """
+
+    sigma: float
+    outage: float
+    offset: float
+    period: float | None
+    amplitude: float | None
+    lever: float
+    heading: float | None
+
+
+def list_cases(config: BladeConfig) -> list[Conditions]:
+    """Return all cells of a configuration, the last axis running fastest."""
+    grid = config.grid
+    unset: list[float | None] = [None]
+    return [
+        Conditions(*values)
+        for values in product(
+            grid.sigma, grid.outage, grid.offset, grid.period or unset, grid.amplitude or unset,
+            grid.lever, grid.heading or unset,
+        )
+    ]  # fmt: skip

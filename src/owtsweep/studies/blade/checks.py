@@ -1,0 +1,124 @@
+"""Checks that the values of the blade study's configuration can work together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.config import require
+from owtsweep.studies.blade.contract import DOF
+from owtsweep.studies.blade.schemes import REGISTERED
+from owtsweep.studies.blade.sections import AXES
+from owtsweep.studies.contest.axes import check_axes
+from owtsweep.studies.scheme_names import check_names
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.config import BladeConfig
+
+#: Least and most samples of a record: a filter keeps all its covariances.
+LEAST_SAMPLES, MOST_SAMPLES = 100, 100_000
+#: Angles reach some three standard deviations; Euler angles fail at a pitch of 90 degrees.
+REACH, MOST_ANGLE = 3.0, 80.0
+#: An antenna is on the blade.
+LONGEST_LEVER = 50.0
+
+
+def check(config: BladeConfig) -> None:
+    """Check everything that can be known before a record is made.
+
+    Raises
+    ------
+    InputError
+        If two values cannot work together; the message says what would work.
+    """
+    check_names(config.schemes, REGISTERED)
+    check_axes(config.axes, config.grid, AXES)
+    _check_record(config)
+    _check_motion(config)
+    _check_sensors(config)
+
+
+def _check_record(config: BladeConfig) -> None:
+    record = config.record
+    require(
+        LEAST_SAMPLES <= record.steps <= MOST_SAMPLES,
+        f"record.duration: {record.duration:g} s at {record.rate:g} Hz are {record.steps} samples; "
+        f"give {LEAST_SAMPLES} to {MOST_SAMPLES}",
+    )
+    require(
+        record.steps - record.settled >= LEAST_SAMPLES,
+        f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
+        f"samples of a record of {record.duration:g} s; at least {LEAST_SAMPLES} must be left",
+    )
+
+
+def _check_motion(config: BladeConfig) -> None:
+    motion, grid = config.motion, config.grid
+    for name in DOF:
+        require(
+            name in motion.freedoms,
+            f"motion.freedoms: {name} is missing; give all of {', '.join(DOF)}",
+        )
+        freedom = motion.freedoms[name]
+        require(
+            freedom.damping < 1.0,
+            f"motion.freedoms.{name}.damping: {freedom.damping:g} is no resonance; give a ratio "
+            "below 1",
+        )
+        if name in DOF[3:]:
+            sizes = [freedom.sigma] if name != "heading" else grid.heading or [freedom.sigma]
+            reach = REACH * np.hypot(max(sizes), freedom.gust)
+            where = "grid.heading" if name == "heading" and grid.heading else None
+            require(
+                reach < MOST_ANGLE,
+                f"{where or f'motion.freedoms.{name}.sigma'}: {max(sizes):g} deg reaches "
+                f"{reach:.3g} deg; give less, so that {MOST_ANGLE:g} deg are not reached",
+            )
+        period = min([freedom.period, *((grid.period or []) if name == "u" else [])])
+        require(
+            config.record.rate >= 10.0 * 3.0 / period,
+            f"record.rate: {config.record.rate:g} Hz is too slow for a motion of {period:g} s "
+            f"({name}); give {30.0 / period:.4g} Hz or more",
+        )
+
+
+def _check_sensors(config: BladeConfig) -> None:
+    record, sensors, grid = config.record, config.sensors, config.grid
+    ratio = record.rate / sensors.fix_rate
+    require(
+        ratio >= 1.0,
+        f"sensors.fix_rate: GNSS at {sensors.fix_rate:g} Hz is faster than the inertial unit at "
+        f"{record.rate:g} Hz; give at most {record.rate:g}",
+    )
+    require(
+        abs(ratio - round(ratio)) < 1e-9,
+        f"sensors.fix_rate: {sensors.fix_rate:g} Hz is no part of record.rate={record.rate:g} Hz; "
+        f"give {record.rate / round(ratio):.6g}",
+    )
+    judged = record.duration - record.settling
+    longest = max(grid.outage)
+    require(
+        longest < min(judged, sensors.outage_every),
+        f"grid.outage: {longest:g} s leave no fix; give less than sensors.outage_every="
+        f"{sensors.outage_every:g} s and than the {judged:g} s that are judged",
+    )
+    late = max(max(grid.offset), sensors.prism_offset)
+    require(
+        late < 0.5 * record.duration,
+        f"grid.offset: {late:g} s are half of a record of {record.duration:g} s; give less",
+    )
+    require(
+        max(grid.lever) <= LONGEST_LEVER,
+        f"grid.lever: {max(grid.lever):g} m is longer than a blade allows; give at most "
+        f"{LONGEST_LEVER:g}",
+    )
+    require(
+        config.filters is None or config.filters.lag < record.duration,
+        f"filters.lag: the lag is not shorter than the record of {record.duration:g} s; give less",
+    )
+    require(
+        sensors.prism_rate * record.duration >= 10.0,
+        f"sensors.prism_rate: {sensors.prism_rate:g} Hz are fewer than 10 positions in "
+        f"{record.duration:g} s; give {10.0 / record.duration:.3g} or more",
+    )

@@ -1,0 +1,87 @@
+"""The configuration of the blade study: its keys, types, bounds and meanings."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer
+
+from owtsweep.config import Config, key, require
+from owtsweep.config.record import Record
+from owtsweep.studies.blade.sections import Grid, Motion, Sensors, Unit
+from owtsweep.studies.blade.tuning import Tuned, Tuning
+
+#: The value of a key that stands in `tunings.<name>`.
+_ABSENT: Any = None
+
+
+class BladeConfig(Config):
+    """The configuration of the blade study, with all its keys.
+
+    With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
+    the section `filters` is absent. `by_tuning` gives the configuration of each.
+    """
+
+    inert: ClassVar[frozenset[str]] = Config.inert | {"axes", "criterion", "tuning", "grade"}
+    tuned: ClassVar[tuple[str, ...]] = ("filters",)
+
+    grid: Grid = key("what is swept over")
+    axes: list[str] = key(
+        "the two axes of the map, the horizontal one first, of sigma, outage, offset, period, "
+        "amplitude, lever, heading; plane=NAME sets them and their values",
+        min_length=2,
+        max_length=2,
+        form="two axes, e.g. [sigma,outage]",
+    )
+    record: Record = key("a record of motion and measurements")
+    motion: Motion = key("how the blade moves on its hook")
+    unit: Unit = key("the inertial unit, set by unit=NAME")
+    grade: str = key("what the inertial unit is called, set by unit=NAME")
+    sensors: Sensors = key("GNSS and total stations")
+    tuning: str | list[str] = key(
+        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
+        "on the same records"
+    )
+    tunings: dict[str, Tuned] = key(
+        "name: the section filters of this tuning; only with several tunings", default={}
+    )
+    filters: Tuning = key("what schemes believe, and their own numbers", default=_ABSENT)
+    schemes: list[str] = key("names; `owtsweep list` says what each is", min_length=1)
+    criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
+
+    @model_serializer(mode="wrap")
+    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        absent = "filters" if self.tunings else "tunings"
+        return {name: value for name, value in dump(self).items() if name != absent}
+
+    @property
+    def tuning_name(self) -> str:
+        """The name of the tuning; several names are joined by "and"."""
+        return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
+
+    def describe_origin(self) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.blade.contest import CONTEST
+        from owtsweep.studies.contest.origin import describe_origin
+
+        return describe_origin(CONTEST, self)
+
+    def check(self) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        super().check()
+        several = bool(self.tunings)
+        require(
+            self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),
+            f"tuning: {self.tuning} and the tunings of this run do not fit together; choose one by "
+            "tuning=NAME, or several by tuning=[NAME,NAME]",
+        )
+        require((self.filters is None) == several, "filters: this key has no value; give it one")
+        from owtsweep.studies.blade.checks import check
+
+        check(self)

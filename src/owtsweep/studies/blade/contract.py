@@ -1,0 +1,196 @@
+"""What passes between the parts of the blade study: truth, measurements, settings, estimates.
+
+The frame is that of Maes et al. (2018), Fig. 2: x along the blade from root to tip, z up, origin at
+the blade's centre of gravity in its reference position. The body's frame is this one at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.tuning import Tuning
+
+#: Translations of the centre of gravity (longitudinal, lateral, vertical), then angles as the paper
+#: has them: heading (positive clockwise seen from above), pitch, roll.
+DOF = ("u", "v", "w", "heading", "pitch", "roll")
+#: The blade's root in the body's frame, m (section 3.1).
+ROOT = np.array([-17.93, 0.0, 0.0])
+#: The inertial unit, m. The paper shows it in a picture only: on top of the blade near the root.
+UNIT = np.array([-16.0, 0.0, 1.6])
+#: Antennas, m: on the unit's box, and two more for who asks for them, on the prisms 2 and 3.
+ANTENNAS = np.array([[-16.0, 0.0, 2.0], [4.0, -2.0, 1.0], [12.0, 2.2, 0.5]])
+#: Prisms of the total stations, m (the paper's are only drawn; these are those of our plan).
+PRISMS = np.array([[-14.0, 1.8, 1.2], [4.0, -2.0, 1.0], [12.0, 2.2, 0.5]])
+
+
+class Unable(Exception):
+    """A scheme cannot work at a setting; the message is the reason."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The motion of a record.
+
+    Attributes
+    ----------
+    step
+        Sampling interval in s.
+    rotation
+        Turns vectors of the body into the frame at rest, shape (steps, 3, 3).
+    root, root_velocity
+        Of the blade's root, m and m/s, shape (steps, 3).
+    unit, unit_velocity
+        Of the inertial unit.
+    rate
+        Angular velocity in the body's frame, rad/s, shape (steps, 3).
+    specific_force
+        What an ideal accelerometer at the unit reads, m/s^2, shape (steps, 3).
+    """
+
+    step: float
+    rotation: Array
+    root: Array
+    root_velocity: Array
+    unit: Array
+    unit_velocity: Array
+    rate: Array
+    specific_force: Array
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the sensors of a record say.
+
+    Attributes
+    ----------
+    step
+        Sampling interval in s.
+    specific_force, rate
+        Of the inertial unit in the body's frame, m/s^2 and rad/s, shape (steps, 3).
+    fixes
+        RTK-GNSS positions of `ANTENNAS`, m, shape (steps, 3, 3), at the sample of their time stamp;
+        NaN where none is. Most schemes look at the first antenna alone.
+    due
+        Whether a fix is due at a sample, lost or not, shape (steps,).
+    prism_times, prisms
+        Time stamps in s and positions in m of the prisms by the total stations, shapes (n,) and
+        (n, 3, 3).
+    """
+
+    step: float
+    specific_force: Array
+    rate: Array
+    fixes: Array
+    due: NDArray[np.bool_]
+    prism_times: Array
+    prisms: Array
+
+
+@dataclass(frozen=True)
+class Setting:
+    """All that a scheme may know beforehand of a case.
+
+    Attributes
+    ----------
+    step
+        Sampling interval in s.
+    fix_sigma
+        Believed standard deviation of a fix, m, shape (3,).
+    force_sigma, rate_sigma
+        Believed noise of a sample of accelerometers (m/s^2) and gyroscopes (rad/s).
+    force_bias, rate_bias
+        Believed standard deviations of their biases.
+    force_walk, rate_walk
+        Believed change of the biases per root of a second.
+    start
+        Position and velocity of the unit, shape (2, 3), and its attitude (3, 3), as they are given
+        at the first sample: nobody can observe a hanging blade's heading in a record (F10).
+    start_sigma
+        Their believed standard deviations: m, m/s, tilt and heading in rad.
+    offset_sigma
+        Believed standard deviation of the clock's offset, s; 0 if it is taken for nothing.
+    swing_sigma, swing_period, swing_damping
+        What is known of the motion of the point under the hook: standard deviations (m), natural
+        periods (s) and damping ratios, shape (3,) each.
+    gust_sigma, gust_time
+        Standard deviations of its slow wandering in gusts (m), shape (3,), and their time constant
+        (s).
+    tuning
+        The numbers of all schemes.
+    """
+
+    step: float
+    fix_sigma: Array
+    force_sigma: float
+    rate_sigma: float
+    force_bias: float
+    rate_bias: float
+    force_walk: float
+    rate_walk: float
+    start: tuple[Array, Array]
+    start_sigma: Array
+    offset_sigma: float
+    swing_sigma: Array
+    swing_period: Array
+    swing_damping: Array
+    gust_sigma: Array
+    gust_time: float
+    tuning: Tuning
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """What a scheme says about a record.
+
+    Attributes
+    ----------
+    root, root_velocity
+        Of the blade's root, m and m/s, shape (steps, 3).
+    rotation
+        Attitude, shape (steps, 3, 3).
+    root_covariance, attitude_covariance
+        Of the root's position (m^2) and of the attitude's error in the body's frame (rad^2), shape
+        (steps, 3, 3); None if the scheme has none.
+    nis
+        Squared innovation of a fix over its covariance and dimension, shape (steps,), NaN without a
+        fix; None if the scheme has none.
+    wait
+        Time in s that a user waits for an estimate; the record's length if all of it is needed.
+    """
+
+    root: Array
+    root_velocity: Array
+    rotation: Array
+    root_covariance: Array | None = None
+    attitude_covariance: Array | None = None
+    nis: Array | None = None
+    wait: float = 0.0
+
+
+class Prepared(Protocol):
+    """A scheme made ready for one setting."""
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+
+
+class Scheme(Protocol):
+    """An estimation scheme of the blade study."""
+
+    name: str
+
+    def prepare(self, setting: Setting) -> Prepared:
+        """Make the scheme ready for a setting.
+
+        Raises
+        ------
+        Unable
+            If the scheme cannot work there; the message says why.
+        """

@@ -1,0 +1,114 @@
+"""What is measured of estimates: errors of the root and of the attitude, and their claims.
+
+Signals are judged after `record.settling`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.blade_angles import find_angles
+from owtsweep.studies.blade.contract import Estimates, Truth
+from owtsweep.studies.contest import WAIT
+
+#: Criteria of the maps -> what the title of a map says.
+CRITERIA = {
+    "root": "position of the root: rms error in space, m",
+    "attitude": "attitude: rms error about all axes, deg",
+    "worst": "position of the root: largest error in the last outage, m",
+}
+#: Further measures -> what they are.
+OTHERS = {
+    "velocity": "velocity of the root: rms error in space, m/s",
+    **{f"root_{name}": f"position of the root along {name}: rms error, m" for name in "xyz"},
+    **{f"rms_over_p_{name}": f"rms error along {name} over the root of P" for name in "xyz"},
+    **{name: f"{name}: rms error, deg" for name in ("heading", "pitch", "roll")},
+    "nees": "normalised squared error of the root's position, over 3",
+    "nees_attitude": "normalised squared error of the attitude, over 3",
+    "nis": "normalised squared innovation of a fix, over its dimension",
+}
+
+
+class NotFinite(ValueError):
+    """An estimate holds an infinite number or NaN."""
+
+
+class Judged(NamedTuple):
+    """Which samples are judged: from the first settled one on, and those of the last outage."""
+
+    settled: int
+    last_outage: NDArray[np.bool_]
+
+
+def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, float]:
+    """Compare the estimates of a record with its truth; return measure -> value.
+
+    Raises
+    ------
+    NotFinite
+        If an estimate is not finite.
+    """
+    cut = slice(judged.settled, None)
+    error = estimates.root - truth.root
+    speed = estimates.root_velocity[cut] - truth.root_velocity[cut]
+    turned = find_turn(truth.rotation[cut], estimates.rotation[cut])
+    if not (np.isfinite(error[cut]).all() and np.isfinite(turned).all()):
+        raise NotFinite("the estimate is not finite")
+    found = {
+        "root": _rms(error[cut]),
+        "attitude": np.rad2deg(_rms(turned)),
+        "worst": np.sqrt(np.sum(error[judged.last_outage] ** 2, axis=1).max()),
+        "velocity": _rms(speed),
+    }
+    angles = find_angles(estimates.rotation[cut]) - find_angles(truth.rotation[cut])
+    angles -= 2.0 * np.pi * np.round(angles / (2.0 * np.pi))
+    for i, name in enumerate(("heading", "pitch", "roll")):
+        found[name] = np.rad2deg(_rms(angles[:, i, None]))
+    for i, name in enumerate("xyz"):
+        found[f"root_{name}"] = _rms(error[cut, i, None])
+    if estimates.root_covariance is not None:
+        P = estimates.root_covariance[cut]
+        found["nees"] = average_nees(error[cut], P)
+        for i, name in enumerate("xyz"):
+            found[f"rms_over_p_{name}"] = found[f"root_{name}"] / np.sqrt(P[:, i, i].mean())
+    if estimates.attitude_covariance is not None:
+        found["nees_attitude"] = average_nees(turned, estimates.attitude_covariance[cut])
+    if estimates.nis is not None and np.isfinite(estimates.nis[cut]).any():
+        found["nis"] = np.nanmean(estimates.nis[cut])
+    if estimates.wait > 0.0:
+        found[WAIT] = estimates.wait
+    return {name: float(value) for name, value in found.items()}
+
+
+def find_turn(true: Array, estimated: Array) -> Array:
+    """Return the rotation vectors that turn estimated attitudes (n, 3, 3) into true ones, (n, 3).
+
+    In the body's frame, rad; the errors of attitude in `estimation.inertial`.
+    """
+    from scipy.spatial.transform import Rotation
+
+    if not np.isfinite(estimated).all():
+        return np.full((len(true), 3), np.nan)
+    return np.asarray(Rotation.from_matrix(estimated.transpose(0, 2, 1) @ true).as_rotvec())
+
+
+def average_nees(errors: Array, covariances: Array) -> float:
+    """Return the mean of e' P^-1 e over the dimension, of errors (n, d) and P (n, d, d)."""
+    solved = np.linalg.solve(covariances, errors[:, :, None])[:, :, 0]
+    return float(np.mean(errors * solved))
+
+
+def list_measures(names: Iterable[str]) -> list[str]:
+    """Return measures in the order of tables: criteria, then the others."""
+    names = set(names)
+    return [name for name in (*CRITERIA, WAIT, *OTHERS) if name in names]
+
+
+def _rms(errors: Array) -> float:
+    """Return the root of the mean over samples of squared lengths, errors (n, d)."""
+    return float(np.sqrt(np.mean(np.sum(errors**2, axis=1))))

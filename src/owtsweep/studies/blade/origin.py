@@ -1,0 +1,37 @@
+"""Describes the motion and the sensors of a run in words, for titles and messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from owtsweep.studies.blade.conditions import CONDITIONS
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.config import BladeConfig
+
+#: Values of axes of which nothing needs to be said.
+_USUAL = {"outage": 0.0, "offset": 0.0, "lever": 0.0}
+
+
+def describe_truth(config: BladeConfig) -> str:
+    """Return the motion and the length of the records in words."""
+    record, swing = config.record, config.motion.freedoms["u"]
+    parts = []
+    if "period" not in config.axes:
+        parts.append(f"{(config.grid.period or [swing.period])[0]:g} s")
+    if "amplitude" not in config.axes:
+        parts.append(f"{(config.grid.amplitude or [swing.sigma])[0]:g} m rms")
+    told = f", swing of {' and '.join(parts)}" if parts else ""
+    return f"rigid blade on a hook{told}; {record.duration:g} s at {record.rate:g} Hz"
+
+
+def describe_sensors(config: BladeConfig) -> str:
+    """Return in words what sensors do, the axes that have one value among it."""
+    told = [f"inertial unit of grade {config.grade}", f"GNSS at {config.sensors.fix_rate:g} Hz"]
+    for condition in CONDITIONS:
+        if condition.name in config.axes:
+            continue
+        values = getattr(config.grid, condition.name)
+        if values and values[0] != _USUAL.get(condition.name):
+            told.append(f"{condition.label} {condition.show(values[0])}")
+    return ", ".join(told)

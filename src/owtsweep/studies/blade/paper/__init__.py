@@ -1,0 +1,1 @@
+"""Repeats and judges what Maes et al. (2018) say of their measurements."""

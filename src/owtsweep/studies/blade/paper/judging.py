@@ -1,0 +1,52 @@
+"""Runs all scenarios on several records and collects their scores."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from owtsweep.io.steps import tell_step
+from owtsweep.studies.blade.paper import scores
+from owtsweep.studies.blade.paper.scenarios import COASTING, REFERENCE, make_record
+from owtsweep.verdicts.scores import tabulate
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Scenario -> overrides, and what is measured of it.
+SCENARIOS: dict[str, tuple[tuple[str, ...], Callable[..., dict[str, float]]]] = {
+    **{name: (words, scores.score_reference) for name, words in REFERENCE.items()},
+    "filters": ((), scores.score_filters),
+    "coasting": (COASTING, scores.score_coasting),
+}
+#: What needs no record of the blade.
+ALONE = {"geometry": scores.score_geometry, "boom": scores.score_boom}
+
+
+def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
+    """Run all scenarios; return their scores (see `verdicts.scores.tabulate`).
+
+    Records have the numbers `replicates`. Scenarios run side by side, in as many processes as there
+    are cores.
+    """
+    import pandas as pd
+    from joblib import Parallel, delayed
+
+    names = [*SCENARIOS, *ALONE]
+    tables = Parallel(n_jobs=-1, return_as="generator")(
+        delayed(score)(name, replicates, overrides) for name in names
+    )
+    found = []
+    for name, table in zip(names, tables, strict=True):
+        tell_step(f"{name}: judged")
+        found.append(table)
+    joined: pd.DataFrame = pd.concat(found, ignore_index=True)
+    return joined
+
+
+def score(name: str, replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
+    """Return the scores of a scenario on records."""
+    if name in ALONE:
+        return tabulate(name, {k: ALONE[name](k) for k in replicates})
+    words, judge = SCENARIOS[name]
+    return tabulate(name, {k: judge(make_record([*words, *overrides], k)) for k in replicates})

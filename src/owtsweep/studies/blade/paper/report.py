@@ -1,0 +1,78 @@
+"""Write the report on how well the study reproduces Maes et al. (2018)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from owtsweep.studies.blade.paper import goals, statements
+from owtsweep.studies.blade.paper.processing import COLUMNS
+from owtsweep.studies.blade.paper.scenarios import REFERENCE
+from owtsweep.verdicts import report, sections
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
+from owtsweep.verdicts.scores import Scores
+from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
+
+TITLE = "How well the blade study reproduces Maes et al. (2018)"
+#: The origin of the tests.
+DEFINITIONS = "Thresholds were written down before any record was judged; prototypes were known."
+
+
+def write_report(scores: Scores, folder: Path) -> list[Path]:
+    """Write fidelity.md, fidelity.html and their tables into a folder; return the files.
+
+    `scores` are as `judging.collect` makes them. The folder is made if it does not exist.
+    """
+    judged = judge(statements.TEXTS, statements.STATEMENTS, scores)
+    reached = judge(goals.TEXTS, goals.GOALS, scores)
+    return report.write_report(
+        folder,
+        title=TITLE,
+        tables={"scores": scores.table, "fidelity_claims": tabulate_claims([*judged, *reached])},
+        figures={},
+        contents=lambda _: _document(scores, judged, reached),
+        metadata={"study": "blade", "paper": "Maes et al. (2018)"},
+    )
+
+
+def _document(
+    scores: Scores, judged: Sequence[JudgedStatement], reached: Sequence[JudgedStatement]
+) -> list[Block]:
+    return [
+        Heading(TITLE, 1),
+        Paragraph(
+            f"{scores.records} records of 300 s at 50 Hz, seed 2018, judged after 60 s. The truth "
+            "is a rigid blade with declared periods and sizes, not the paper's lift, of which only "
+            "pictures are printed. Brackets are 95 % intervals of means over the records."
+        ),
+        Heading("In short"),
+        Bullets(
+            [
+                f"Statements F1-F10: {sections.count_verdicts(judged)}.",
+                f"Goals G1-G{len(reached)}: {sections.count_verdicts(reached)}.",
+            ]
+        ),
+        *sections.statement_section(judged, DEFINITIONS),
+        Heading("What the printed differences require"),
+        Paragraph(
+            "Rms difference of the smoothed inertial system and the total stations, mm and deg; "
+            "printed: 10 to 21 mm, .070 to .115 deg. The late clock is .1 s late; the bent blade "
+            "has its outer prisms 5 cm farther apart than believed, along the blade."
+        ),
+        TextTable(
+            ["", *COLUMNS],
+            [
+                [name, *(_show(scores, name, column) for column in COLUMNS)]
+                for name in REFERENCE
+            ],
+            numbers=COLUMNS,
+        ),
+        *sections.goal_section(reached),
+    ]  # fmt: skip
+
+
+def _show(scores: Scores, name: str, column: str) -> str:
+    values = scores.find((name, f"difference_{column}"))
+    if values is None:
+        return sections.NO_VALUE
+    return f"{1e3 * values.mean():.1f}" if "_" in column else f"{values.mean():.3f}"

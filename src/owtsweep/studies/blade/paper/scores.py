@@ -1,0 +1,155 @@
+"""What is measured of scenarios, for tests of the paper's statements and of the study's goals."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.blade_angles import (
+    find_angles,
+    find_angles_as_printed,
+    make_rotation,
+)
+from owtsweep.estimation.clock_offset import find_offset
+from owtsweep.estimation.double_integration import decimate, integrate_twice, pass_high
+from owtsweep.estimation.wahba import carry_point, find_pose
+from owtsweep.studies.blade.contract import PRISMS, ROOT, UNIT
+from owtsweep.studies.blade.measures import compare
+from owtsweep.studies.blade.paper.processing import COLUMNS, ROTATIONS, Motions, process
+from owtsweep.studies.blade.paper.scenarios import Record
+
+#: Filters that should agree.
+ALIKE = ("UKF", "MEKF", "INVARIANT_EKF")
+#: Rate in Hz of the accelerometers on the boom, their noise (Table 1), length of their record in s.
+BOOM_RATE, BOOM_SIGMA, BOOM_LENGTH = 200.0, 1.2e-4, 300.0
+#: Seconds at both ends of a filtered record that are not judged.
+EDGE = 20.0
+
+
+def score_reference(record: Record) -> dict[str, float]:
+    """Compare both systems of the paper: rms differences in m and deg, and the clock's offset."""
+    estimates = record.run("SMOOTHER")
+    motions = process(record.truth, estimates, record.measured)
+    keep = motions.time >= record.config.record.settling
+    difference = (motions.inertial - motions.stations)[keep]
+    found = {
+        f"difference_{name}": float(np.sqrt(np.mean(column**2)))
+        for name, column in zip(COLUMNS, difference.T, strict=True)
+    }
+    for name in ROTATIONS:
+        found[f"difference_{name}"] = np.rad2deg(found[f"difference_{name}"])
+    time = record.measured.step * np.arange(len(estimates.root))
+    altitude = carry_point(estimates.root, estimates.rotation, PRISMS[0] - ROOT)[:, 2]
+    # positive where the stations' clock is ahead, i.e. shows the blade as it was
+    found["offset"] = find_offset(
+        time, altitude, record.measured.prism_times, record.measured.prisms[:, 0, 2], 1.0
+    )
+    wrong = record.config.sensors.prism_offset
+    found["offset_error"] = abs(found["offset"] - wrong)
+    return found | describe_motion(motions, keep)
+
+
+def describe_motion(motions: Motions, keep: NDArray[np.bool_]) -> dict[str, float]:
+    """Return what the paper says of its figures 9 and 10, of the inertial system's motion."""
+    moved = motions.inertial[keep] - motions.inertial[keep].mean(axis=0)
+    of = dict(zip(COLUMNS, moved.T, strict=True))
+
+    def rms(values: Array) -> float:
+        return float(np.sqrt(np.mean(values**2)))
+
+    def correlate(a: str, b: str) -> float:
+        return abs(float(np.corrcoef(of[a], of[b])[0, 1]))
+
+    return {
+        "corr_u": correlate("root_u", "cog_u"),
+        "difference_u": rms(of["root_u"] - of["cog_u"]) / rms(of["root_u"]),
+        "corr_heading": correlate("heading", "root_v"),
+        "corr_pitch": correlate("pitch", "root_w"),
+        "lateral": rms(of["cog_v"]) / rms(of["root_v"]),
+        "vertical": rms(of["cog_w"]) / rms(of["root_w"]),
+    }
+
+
+def score_filters(record: Record) -> dict[str, float]:
+    """Return the study's measures of filters and smoother, "<scheme> <measure>" each."""
+    found: dict[str, float] = {}
+    for name in (*ALIKE, "SMOOTHER"):
+        estimates = record.run(name)
+        measures = compare(record.truth, estimates, record.judged)
+        found |= {f"{name} {measure}": value for measure, value in measures.items()}
+        if name == "UKF":
+            assert estimates.attitude_covariance is not None
+            sigma = np.sqrt(estimates.attitude_covariance[[0, -1], 2, 2])
+            found["heading_kept"] = float(sigma[1] / sigma[0])
+    return found
+
+
+def score_coasting(record: Record) -> dict[str, float]:
+    """Return errors of UKF at the ends of outages over what its P says, and the worst one in m."""
+    estimates, measured = record.run("UKF"), record.measured
+    lost = np.isnan(measured.fixes[:, 0, 0]) & measured.due
+    due = np.flatnonzero(measured.due)
+    ends = due[:-1][lost[due][:-1] & ~lost[due][1:]]
+    ends = ends[ends >= record.judged.settled]
+    assert estimates.root_covariance is not None
+    error = (estimates.root - record.truth.root)[ends]
+    variance = np.diagonal(estimates.root_covariance[ends], axis1=1, axis2=2)
+    return {
+        "end_over_p": float(np.sqrt(np.mean(error**2 / variance))),
+        "end_worst": float(np.linalg.norm(error, axis=1).max()),
+        "end_rms": float(np.sqrt(np.mean(np.sum(error**2, axis=1)))),
+    }
+
+
+def score_geometry(replicate: int) -> dict[str, float]:
+    """Return errors of Wahba's problem without noise, of printed angles, and of extrapolation."""
+    draw = np.random.default_rng(replicate)
+    rotation = Rotation.random(100, random_state=draw).as_matrix()
+    origin = draw.normal(size=(100, 3))
+    seen = origin[:, None] + np.einsum("nij,kj->nki", rotation, PRISMS)
+    found, turned = find_pose(PRISMS, seen, about="first")
+    mirrored = find_pose(PRISMS, (PRISMS * [1.0, 1.0, -1.0])[None])[1]
+    angles = draw.uniform(0.01, 0.6, (100, 3)) * draw.choice([-1.0, 1.0], (100, 3))
+    small = make_rotation(angles)
+    wrong = np.array([0.1, 0.0, 0.0])  # the unit is believed to be elsewhere on the blade
+    unit = carry_point(origin, rotation, UNIT)
+    cog = carry_point(unit, rotation, -(UNIT + wrong)) - origin
+    root = carry_point(unit, rotation, ROOT - UNIT) - carry_point(origin, rotation, ROOT)
+    return {
+        "pose": float(max(np.abs(found - origin).max(), np.abs(turned - rotation).max())),
+        "reflection": float(np.abs(np.linalg.det(mirrored) - 1.0).max()),
+        "printed_angles": float(np.abs(find_angles_as_printed(small) - find_angles(small)).max()),
+        "cog_over_lever": float(np.linalg.norm(cog, axis=1).mean() / np.linalg.norm(wrong)),
+        "root_over_lever": float(np.linalg.norm(root, axis=1).max() / np.linalg.norm(wrong)),
+    }
+
+
+def score_boom(replicate: int) -> dict[str, float]:
+    """Return errors in mm of double integration of a boom's motion of .3 to 2 Hz, some mm large.
+
+    What is kept of a slow motion of .075 Hz, as a part, too.
+    """
+    draw = np.random.default_rng(replicate)
+    time = np.arange(round(BOOM_LENGTH * BOOM_RATE)) / BOOM_RATE
+    frequency, phase = draw.uniform(0.3, 2.0, (2, 12)) * [[1.0], [np.pi]]
+    angle = 2.0 * np.pi * frequency[:, None] * time + phase[:, None]
+    moved = 0.002 * np.sin(angle).sum(axis=0)
+    felt = -0.002 * ((2.0 * np.pi * frequency[:, None]) ** 2 * np.sin(angle)).sum(axis=0)
+    felt += BOOM_SIGMA * draw.standard_normal(len(felt))
+    factor = 10
+    rate = BOOM_RATE / factor
+    estimate = integrate_twice(decimate(felt, BOOM_RATE), rate)
+    truth = pass_high(moved[::factor], rate)
+    inner = slice(round(EDGE * rate), -round(EDGE * rate))
+    slow = np.sin(2.0 * np.pi * 0.075 * time[::factor])
+
+    def rms(values: Array) -> float:
+        return float(np.sqrt(np.mean(values[inner] ** 2)))
+
+    return {
+        "boom": 1e3 * rms(pass_high(estimate, rate) - truth),
+        "boom_causal": 1e3 * rms(pass_high(estimate, rate, zero_phase=False) - truth),
+        "slow_kept": rms(pass_high(slow, rate)) / rms(slow),
+    }

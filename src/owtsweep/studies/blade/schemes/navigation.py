@@ -1,0 +1,84 @@
+"""What schemes on the inertial unit share: how they begin, what they believe, what they report."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.inertial import ERRORS, STATES
+from owtsweep.studies.blade.contract import ANTENNAS, ROOT, UNIT, Estimates, Measured, Setting
+
+#: Where points are from the inertial unit, in the body's frame, m.
+LEVERS = ANTENNAS - UNIT
+TO_ROOT = ROOT - UNIT
+#: Coordinates of a fix.
+AXES = 3
+
+
+class Found(NamedTuple):
+    """What a filter finds: states (steps, n + 1), covariances (steps, n, n), NIS sums (steps,)."""
+
+    states: Array
+    covariances: Array
+    nis: Array
+
+
+def begin(setting: Setting, more: int = 0) -> tuple[Array, Array]:
+    """Return state (16,) and covariance (15, 15) of the given start, with `more` zero errors."""
+    (position, velocity), rotation = setting.start
+    s = np.zeros(STATES + more)
+    s[:3], s[3:6] = position, velocity
+    s[6:10] = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
+    of_position, of_velocity, tilt, heading = setting.start_sigma
+    sigma = [
+        *[of_position] * 3, *[of_velocity] * 3, tilt, tilt, heading, *[setting.force_bias] * 3,
+        *[setting.rate_bias] * 3, *[0.0] * more,
+    ]  # fmt: skip
+    return s, np.diag(np.square(sigma))
+
+
+def find_noise(setting: Setting) -> Array:
+    """Return intensities of the noise, as of `inertial.add_noise`."""
+    return np.array([
+        setting.force_sigma**2 * setting.step, setting.rate_sigma**2 * setting.step,
+        setting.force_walk**2, setting.rate_walk**2,
+    ])  # fmt: skip
+
+
+def make_room(measured: Measured, more: int = 0) -> Found:
+    """Return room for what a filter finds."""
+    steps, errors = len(measured.rate), ERRORS + more
+    return Found(
+        np.empty((steps, errors + 1)), np.empty((steps, errors, errors)), np.full(steps, np.nan)
+    )
+
+
+def report(measured: Measured, found: Found, *, antennas: int = 1, wait: float = 0.0) -> Estimates:
+    """Return estimates of the root from states and covariances of the unit.
+
+    The error of the root is dp - R [r]x da, with r from unit to root.
+    """
+    states, P = found.states, found.covariances
+    rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
+    whirl = np.cross(measured.rate - states[:, 13:16], TO_ROOT)
+    lean = -rotation @ _cross_matrix(TO_ROOT)
+    rows = np.concatenate([np.broadcast_to(np.eye(3), lean.shape), lean], axis=2)
+    both = np.concatenate([np.arange(3), np.arange(6, 9)])
+    P = P[:, both[:, None], both]
+    return Estimates(
+        root=states[:, :3] + rotation @ TO_ROOT,
+        root_velocity=states[:, 3:6] + np.einsum("nij,nj->ni", rotation, whirl),
+        rotation=rotation,
+        root_covariance=rows @ P @ rows.transpose(0, 2, 1),
+        attitude_covariance=P[:, 3:, 3:],
+        nis=found.nis / (AXES * antennas),
+        wait=wait,
+    )
+
+
+def _cross_matrix(a: Array) -> Array:
+    """Return the matrix of the cross product with a (3,)."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])

@@ -1,0 +1,52 @@
+"""SMOOTHER: MEKF and a pass back over the whole record, what post-processing does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.estimation.inertial_smoother import link, smooth_all
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.schemes.mekf import Navigator
+from owtsweep.studies.blade.schemes.navigation import Found, find_noise, report
+
+
+@dataclass(frozen=True)
+class Smoother:
+    """The smoother, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        states, covariances, nis = Navigator(self.setting).filter(measured)
+        links = link_samples(self.setting, measured, states, covariances)
+        out = (np.empty_like(states), np.empty_like(covariances))
+        smooth_all(states, covariances, links, out)
+        return report(measured, Found(*out, nis), wait=len(nis) * measured.step)
+
+
+def link_samples(
+    setting: Setting, measured: Measured, states: np.ndarray, covariances: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return how samples follow from later ones, as of `inertial_smoother.link`."""
+    links = (np.empty_like(states), np.empty_like(covariances), np.empty_like(covariances))
+    link(
+        states, covariances, measured.specific_force, measured.rate, measured.step,
+        find_noise(setting), links,
+    )  # fmt: skip
+    return links
+
+
+class SmootherScheme:
+    """The smoother of the whole record."""
+
+    name = "SMOOTHER"
+
+    def prepare(self, setting: Setting) -> Smoother:
+        """Make the smoother ready for a setting."""
+        return Smoother(setting)
+
+
+SCHEME = SmootherScheme()

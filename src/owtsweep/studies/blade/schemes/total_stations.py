@@ -1,0 +1,50 @@
+"""TOTAL_STATIONS: the paper's reference: three prisms, interpolated, by Wahba's problem.
+
+Positions are interpolated to a common time base, after which Eqs. 4 to 8 give position and attitude
+(section 3.1). The time stamps are taken as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.estimation.wahba import carry_point, find_pose
+from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Setting
+
+
+@dataclass(frozen=True)
+class Stations:
+    """The least squares, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        steps, step = len(measured.rate), measured.step
+        time = step * np.arange(steps)
+        flat = measured.prisms.reshape(len(measured.prisms), -1)
+        columns = [np.interp(time, measured.prism_times, column) for column in flat.T]
+        points = np.column_stack(columns).reshape(steps, *PRISMS.shape)
+        origin, rotation = find_pose(PRISMS, points, about="first")
+        root = carry_point(origin, rotation, ROOT)
+        return Estimates(
+            root=root,
+            root_velocity=np.gradient(root, step, axis=0),
+            rotation=rotation,
+            wait=float(np.diff(measured.prism_times).max()),
+        )
+
+
+class StationsScheme:
+    """Three total stations and Wahba's problem."""
+
+    name = "TOTAL_STATIONS"
+
+    def prepare(self, setting: Setting) -> Stations:
+        """Make the least squares ready for a setting."""
+        return Stations(setting)
+
+
+SCHEME = StationsScheme()

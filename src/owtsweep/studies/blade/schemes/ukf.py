@@ -1,0 +1,39 @@
+"""UKF: the unscented Kalman filter on 15 errors, what the paper's system runs (section 2.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from owtsweep.estimation.inertial_unscented import filter_unscented
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.schemes.navigation import LEVERS, begin, find_noise, make_room, report
+
+
+@dataclass(frozen=True)
+class Unscented:
+    """The filter, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        found = make_room(measured)
+        filter_unscented(
+            measured.fixes[:, :1].copy(), LEVERS[:1], self.setting.fix_sigma**2, measured.due,
+            measured.specific_force, measured.rate, measured.step, find_noise(self.setting),
+            begin(self.setting), tuple(found),
+        )  # fmt: skip
+        return report(measured, found)
+
+
+class UnscentedScheme:
+    """The unscented filter."""
+
+    name = "UKF"
+
+    def prepare(self, setting: Setting) -> Unscented:
+        """Make the filter ready for a setting."""
+        return Unscented(setting)
+
+
+SCHEME = UnscentedScheme()

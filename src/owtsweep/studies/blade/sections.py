@@ -1,0 +1,97 @@
+"""The sections of the blade study's configuration that are its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import field_validator
+
+from owtsweep.config import Axis, NotNegative, Positive, Section, key
+from owtsweep.studies.blade.contract import DOF
+
+#: Axes of the grid that a map may have.
+AXES = ("sigma", "outage", "offset", "period", "amplitude", "lever", "heading")
+
+
+class Grid(Section):
+    """The section `grid`: what is swept over; only the two of `axes` may have many values."""
+
+    sigma: Axis[Positive] = key("standard deviation of a GNSS fix, horizontal", unit="m")
+    outage: Axis[NotNegative] = key("length of an outage of GNSS", unit="s")
+    offset: Axis[NotNegative] = key("by what the time stamps of GNSS come late", unit="s")
+    period: Axis[Positive] | None = key(
+        "natural period of the longitudinal swing; null: that of the motion", unit="s", default=None
+    )
+    amplitude: Axis[Positive] | None = key(
+        "standard deviation of the longitudinal swing; null: that of the motion",
+        unit="m",
+        default=None,
+    )
+    lever: Axis[NotNegative] = key(
+        "by how much the antenna stands elsewhere than believed, in a random direction", unit="m"
+    )
+    heading: Axis[Positive] | None = key(
+        "standard deviation of the heading; null: that of the motion", unit="deg", default=None
+    )
+    replicates: int = key(
+        "records per cell, each with its own seed of motion and noise", ge=1, le=10_000,
+        advice="use 1 or more",
+    )  # fmt: skip
+
+
+class Freedom(Section):
+    """The motion of one degree of freedom: a resonance, and slow wandering in gusts."""
+
+    period: Positive = key("natural period", unit="s")
+    damping: Positive = key("damping ratio")
+    sigma: NotNegative = key("standard deviation of the resonance, m or deg")
+    gust: NotNegative = key("standard deviation of what gusts add, m or deg")
+
+
+class Motion(Section):
+    """The section `motion`: how the blade moves on its hook."""
+
+    freedoms: dict[str, Freedom] = key(
+        "u, v, w, heading, pitch, roll: of the centre of gravity, and about it"
+    )
+    gust_time: Positive = key("time constant of gusts", unit="s")
+
+    @field_validator("freedoms", mode="before")
+    @classmethod
+    def _name_freedoms(cls, value: Any) -> Any:
+        unknown = sorted(set(value) - set(DOF)) if isinstance(value, Mapping) else []
+        if unknown:
+            raise ValueError(f"no degree of freedom is called {unknown[0]}; use {', '.join(DOF)}")
+        return value
+
+
+class Unit(Section):
+    """The section `unit`: the inertial unit, set by unit=NAME."""
+
+    force_sigma: Positive = key("white noise of a sample of the accelerometers", unit="m/s^2")
+    force_bias: NotNegative = key("bias of the accelerometers", unit="m/s^2")
+    force_walk: NotNegative = key("change of that bias in 100 s", unit="m/s^2")
+    rate_sigma: Positive = key("white noise of a sample of the gyroscopes", unit="deg/s")
+    rate_bias: NotNegative = key("bias of the gyroscopes", unit="deg/s")
+    rate_walk: NotNegative = key("change of that bias in 100 s", unit="deg/s")
+    tilt: Positive = key("error of pitch and roll with which a record begins", unit="deg")
+    heading: Positive = key("error of the heading with which a record begins", unit="deg")
+
+
+class Sensors(Section):
+    """The section `sensors`: GNSS and total stations."""
+
+    fix_rate: Positive = key("GNSS fixes per second", unit="Hz")
+    vertical: Positive = key("vertical over horizontal standard deviation of a fix")
+    outage_every: Positive = key("time from the beginning of an outage to the next", unit="s")
+    start_position: Positive = key("error of the position with which a record begins", unit="m")
+    start_velocity: Positive = key("error of that velocity", unit="m/s")
+    prism_sigma: Positive = key("noise of a total station", unit="m")
+    prism_rate: Positive = key("prism positions per second, at irregular times", unit="Hz")
+    prism_offset: NotNegative = key("by what the total stations' clock is late", unit="s")
+    stretch: NotNegative = key(
+        "by how much farther the first and the last prism are apart than believed, along the "
+        "blade, which bends under its weight",
+        unit="m",
+    )

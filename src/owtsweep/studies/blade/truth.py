@@ -1,0 +1,145 @@
+"""The truth of a record: how the blade moves on its hook, and what ideal sensors would feel.
+
+The centre of gravity swings and the blade turns about it: each degree of freedom is a resonance of
+the hook's tackle and slow wandering in gusts, with random phases. Position, attitude, rates and
+specific force are exact derivatives of each other. It is not the paper's motion, of which only
+pictures are printed (Figs. 9 and 10); sizes and periods are like theirs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.blade_angles import (
+    find_body_acceleration,
+    find_body_rates,
+    make_rotation,
+)
+from owtsweep.gravity import GRAVITY
+from owtsweep.motion.lines import (
+    Series,
+    find_frequencies,
+    interpolate,
+    respond,
+    sample,
+    scale_to_one,
+)
+from owtsweep.streams import stream
+from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.case import Conditions
+    from owtsweep.studies.blade.config import BladeConfig
+
+#: Resonances end at this multiple of their natural frequency, gusts at this frequency in Hz.
+HIGHEST, GUST_END = 3.0, 0.2
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The motion of a record, and what came before it.
+
+    Attributes
+    ----------
+    truth
+        The record.
+    series
+        Translations of the centre of gravity (m) and angles (rad) in the order of `DOF`, with their
+        derivatives and a lead before the record.
+    lead
+        Number of samples of the lead.
+    """
+
+    truth: Truth
+    series: Series
+    lead: int
+
+    def locate(self, points: Array, times: Array) -> Array:
+        """Return where points of the body (k, 3) are at times in s, shape (n, k, 3)."""
+        place = interpolate(self.series, self.truth.step, self.lead, times)
+        return np.asarray(
+            place[:, None, :3] + np.einsum("nij,kj->nki", make_rotation(place[:, 3:]), points)
+        )
+
+
+def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> Motion:
+    """Make the motion of a record: `replicate` says which random numbers."""
+    record = config.record
+    step, steps = 1.0 / record.rate, record.steps
+    late = max(max(config.grid.offset), config.sensors.prism_offset)
+    lead = min(int(np.ceil(late * record.rate)) + 2, steps)
+    lines = _draw_lines(config, replicate, conditions, find_frequencies(steps, step))
+    series = sample(lines, steps, step, lead)
+    x, v, a = (part[lead:] for part in series)
+    rotation = make_rotation(x[:, 3:])
+    rate = find_body_rates(x[:, 3:], v[:, 3:])
+    turning = find_body_acceleration(x[:, 3:], v[:, 3:], a[:, 3:])
+
+    def carry(point: Array) -> tuple[Array, Array, Array]:
+        """Return position, velocity and acceleration of a point of the body, (steps, 3) each."""
+        whirl = np.cross(rate, point)
+        pull = np.cross(turning, point) + np.cross(rate, whirl)
+        parts = (np.broadcast_to(point, whirl.shape), whirl, pull)
+        p, u, f = (np.einsum("nij,nj->ni", rotation, part) for part in parts)
+        return x[:, :3] + p, v[:, :3] + u, a[:, :3] + f
+
+    root, root_velocity, _ = carry(ROOT)
+    unit, unit_velocity, unit_acceleration = carry(UNIT)
+    felt = unit_acceleration + np.array([0.0, 0.0, GRAVITY])
+    truth = Truth(
+        step=step,
+        rotation=rotation,
+        root=root,
+        root_velocity=root_velocity,
+        unit=unit,
+        unit_velocity=unit_velocity,
+        rate=rate,
+        specific_force=np.einsum("nji,nj->ni", rotation, felt),
+    )
+    return Motion(truth, series, lead)
+
+
+def _draw_lines(
+    config: BladeConfig, replicate: int, conditions: Conditions, frequency: Array
+) -> NDArray[np.complex128]:
+    """Draw complex amplitudes of all degrees of freedom, in m and rad, shape (lines, 6)."""
+    draws = partial(stream, config.seed, config.study, (), replicate)
+    motion = config.motion
+    gusts = np.where(
+        (frequency > 0.0) & (frequency <= GUST_END),
+        1.0 / (1.0 + (2.0 * np.pi * frequency * motion.gust_time) ** 2),
+        0.0,
+    )
+    lines = np.zeros((len(frequency), len(DOF)), dtype=complex)
+    for column, (name, freedom) in enumerate(choose_freedoms(config, conditions).items()):
+        period, damping, sigma, gust = freedom
+        swing = respond(frequency, period, damping, HIGHEST)
+        for words, density, size in (("swing", swing, sigma), ("gust", gusts, gust)):
+            unit = draws(f"{words}_{name}").standard_normal((2, len(frequency)))
+            drawn = np.sqrt(density) * (unit[0] + 1j * unit[1])
+            lines[:, column] += size * scale_to_one(drawn[:, None])[:, 0]
+    lines[:, 3:] *= np.pi / 180.0
+    return lines
+
+
+def choose_freedoms(
+    config: BladeConfig, conditions: Conditions
+) -> dict[str, tuple[float, float, float, float]]:
+    """Return of each degree of freedom period, damping, size and gusts, as a cell has them."""
+    chosen = {}
+    for name in DOF:
+        freedom = config.motion.freedoms[name]
+        period, sigma = freedom.period, freedom.sigma
+        if name == "u":
+            period = conditions.period or period
+            sigma = conditions.amplitude or sigma
+        elif name == "heading":
+            sigma = conditions.heading or sigma
+        chosen[name] = (period, freedom.damping, sigma, freedom.gust)
+    return chosen

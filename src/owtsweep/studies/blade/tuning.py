@@ -1,0 +1,49 @@
+"""The numbers of the blade study's schemes, as one section of the configuration.
+
+`paper` believes Table 1 of Maes et al. (2018), whatever the sensors are; `matched` tells every
+scheme the truth.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from owtsweep.config import NotNegative, Positive, Section, key
+
+
+class Tuning(Section):
+    """The section `filters`: what schemes believe, and their own numbers."""
+
+    noise: Literal["declared", "truth"] = key(
+        "where the noise of GNSS and inertial unit is from: the numbers below, or the sensors' own"
+    )
+    fix_sigma: list[Positive] = key(
+        "declared noise of a fix, three numbers", unit="m", min_length=3, max_length=3,
+        form="three numbers, those of x, y and z in m",
+    )  # fmt: skip
+    force_sigma: Positive = key("declared noise of a sample of accelerometers", unit="m/s^2")
+    force_bias: Positive = key("declared bias of accelerometers", unit="m/s^2")
+    force_walk: NotNegative = key("declared change of that bias in 100 s", unit="m/s^2")
+    rate_sigma: Positive = key("declared noise of a sample of gyroscopes", unit="deg/s")
+    rate_bias: Positive = key("declared bias of gyroscopes", unit="deg/s")
+    rate_walk: NotNegative = key("declared change of that bias in 100 s", unit="deg/s")
+    offset_sigma: Positive = key(
+        "how late GNSS time stamps may come, for the scheme with that offset as a state", unit="s"
+    )
+    agreement: Positive = key(
+        "standard deviation with which the hook's swing and the navigation agree", unit="m"
+    )
+    lag: NotNegative = key("of the fixed-lag smoother", unit="s")
+    crossover: Positive = key(
+        "crossover of the complementary filter over the one that balances noise of GNSS and "
+        "accelerometers"
+    )
+    levelling: Positive = key(
+        "time constant with which the complementary filter levels its attitude", unit="s"
+    )
+
+
+class Tuned(Section):
+    """The sections of one tuning in a run of several."""
+
+    filters: Tuning = key("what schemes believe, and their own numbers")
