@@ -25,6 +25,7 @@ from agreement import PROVENANCE, compare_folders, largest_difference
 from owtsweep.cli import main
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
+from owtsweep.studies.blade import measures as blade_measures
 from owtsweep.studies.floater import measures as floater_measures
 from owtsweep.studies.hub.figures import two_maps
 from owtsweep.studies.tower.measures import CRITERIA
@@ -55,6 +56,14 @@ PLANT = {
 COLOURS = {"plant/figure_03_record.png": 32}
 #: Maps of the floater study.
 PLANES = ("delay_bias", "snr_loss", "believed_snr", "roll_snr")
+#: Sweeps of the blade study -> overrides.
+BLADE = {
+    **{f"sigma_outage_{unit}": (f"unit={unit}",) for unit in ("fog", "tactical", "mems")},
+    "offset_sigma": ("plane=offset_sigma",),
+}
+#: Records per cell of these sweeps: a map of the usual 4 tells too few schemes apart. Records that
+#: are judged.
+BLADE_RECORDS, BLADE_JUDGED = 10, 40
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
     *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
@@ -92,6 +101,13 @@ KEPT = {
         "*.md",
         "*.png",
         "figures/*.png",
+    ),
+    "blade": (
+        "summary_*.csv",
+        "best_scheme_*.csv",
+        "fidelity_claims.csv",
+        "*.md",
+        "*.png",
     ),
     **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
@@ -178,6 +194,7 @@ class Reproduction:
         self.make_better()
         self.make_tower()
         self.make_floater()
+        self.make_blade()
 
     def make_rivals(self) -> None:
         """Search the rival explanations of table 8, judge them, and make the EKF's trade-off."""
@@ -267,6 +284,29 @@ class Reproduction:
         run_script("floater/delay_margin.py", folder)
         run_script("floater/fidelity.py", folder)
         self.keep("floater")
+
+    def make_blade(self) -> None:
+        """Sweep the blade study over its planes and grades, and judge its paper.
+
+        Of each sweep the means of the criteria, velocities and NEES are kept, and two maps.
+        """
+        folder = self.results / "blade"
+        folder.mkdir(exist_ok=True)
+        measures = [*blade_measures.CRITERIA, "velocity", "nees", ""]
+        for name, overrides in BLADE.items():
+            self.sweep(
+                f"blade_{name}", "study=blade", *overrides, f"grid.replicates={BLADE_RECORDS}"
+            )
+            run_command("figures", str(self.results / f"blade_{name}"))
+            run = owtsweep.load(self.results / f"blade_{name}")
+            summary = run.summary()
+            write_table(folder, f"summary_{name}", summary[summary["measure"].isin(measures)])
+            write_table(folder, f"best_scheme_{name}", run.best_scheme())
+            for criterion in ("root", "worst"):
+                map_ = self.results / f"blade_{name}" / "figures" / f"map_{criterion}.png"
+                shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
+        run_script("blade/fidelity.py", folder, str(BLADE_JUDGED))
+        self.keep("blade")
 
 
 def run_command(*words: str) -> None:
