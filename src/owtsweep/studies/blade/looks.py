@@ -7,8 +7,8 @@ from owtsweep.figures.palette import SchemeStyle
 #: Grey and brown: no inertial unit. Blue: the filters that should agree. Green: what one of them
 #: knows besides. Violet and red: who waits.
 LOOKS = {
-    "HOLD": SchemeStyle("#8C8C8C", "*", (0, (1, 2))),
-    "GNSS_WAHBA": SchemeStyle("#999933", "d", (0, (3, 1, 1, 1, 1, 1))),
+    "HOLD": SchemeStyle("#B8AED0", "d", (0, (4, 2))),  # as in the hub study
+    "GNSS_WAHBA": SchemeStyle("#999933", "*", (0, (3, 1, 1, 1, 1, 1))),
     "COMPLEMENTARY": SchemeStyle("#882255", "p", (0, (2, 2))),
     "UKF": SchemeStyle("#D55E00", "o", "-"),
     "MEKF": SchemeStyle("#0072B2", "s", (0, (4, 2))),
