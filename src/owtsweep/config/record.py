@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from owtsweep.config.section import NotNegative, Positive, Section, key
+from owtsweep.errors import require
+
+#: Least samples of a record that can be judged.
+LEAST_SAMPLES = 100
 
 
 class Record(Section):
@@ -21,3 +25,22 @@ class Record(Section):
     def settled(self) -> int:
         """The number of the first sample that is judged."""
         return round(self.settling * self.rate)
+
+    def check_samples(self, most: int) -> None:
+        """Check that there are not too many samples, and enough of them after the settling.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than 100 in the record or after its settling, or more than `most`.
+        """
+        require(
+            LEAST_SAMPLES <= self.steps <= most,
+            f"record.duration: {self.duration:g} s at {self.rate:g} Hz are {self.steps} samples; "
+            f"give {LEAST_SAMPLES} to {most}",
+        )
+        require(
+            self.steps - self.settled >= LEAST_SAMPLES,
+            f"record.settling: {self.settling:g} s leave {max(self.steps - self.settled, 0)} "
+            f"samples of a record of {self.duration:g} s; at least {LEAST_SAMPLES} must be left",
+        )

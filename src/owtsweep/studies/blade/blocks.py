@@ -18,6 +18,7 @@ from owtsweep.studies.blade.measuring import find_last_outage, measure
 from owtsweep.studies.blade.schemes import resolve
 from owtsweep.studies.blade.sections import AXES
 from owtsweep.studies.blade.truth import Motion, make_truth
+from owtsweep.studies.contest.planning import plan_blocks
 from owtsweep.studies.contest.rows import Judgement, make_rows
 from owtsweep.sweep.study import Block
 
@@ -37,25 +38,9 @@ class Case(NamedTuple):
 
 
 def plan(config: BladeConfig) -> list[Block]:
-    """Return all blocks of a configuration: one per cell, scheme, and up to ten records.
-
-    The blocks of a cell and its records are a group: truth and measurements are made once for them.
-    """
-    shared = _describe_content(config)
+    """Return all blocks of a configuration: one per cell, scheme, and some records."""
     most = max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps))
-    count = config.grid.replicates
-    blocks = []
-    for conditions in list_cases(config):
-        cell = {axis: getattr(conditions, axis) for axis in AXES}
-        place = ", ".join(f"{axis} {cell[axis]:g}" for axis in config.axes)
-        for first in range(0, count, most):
-            last = min(first + most, count)
-            numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
-            for scheme in config.schemes:
-                content = {**shared, **cell, "replicates": [first, last], "scheme": scheme}
-                label = f"{scheme}, {place}, {numbers}"
-                blocks.append(Block(f"{place}, {numbers}", label, content, last - first))
-    return blocks
+    return plan_blocks(config, list_cases(config), AXES, _describe_content(config), most)
 
 
 def run(config: BladeConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:

@@ -16,8 +16,8 @@ from owtsweep.studies.scheme_names import check_names
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
 
-#: Least and most samples of a record: a filter keeps all its covariances.
-LEAST_SAMPLES, MOST_SAMPLES = 100, 100_000
+#: Most samples of a record: a filter keeps all its covariances.
+MOST_SAMPLES = 100_000
 #: Angles reach some three standard deviations; Euler angles fail at a pitch of 90 degrees.
 REACH, MOST_ANGLE = 3.0, 80.0
 #: An antenna is on the blade.
@@ -34,23 +34,9 @@ def check(config: BladeConfig) -> None:
     """
     check_names(config.schemes, REGISTERED)
     check_axes(config.axes, config.grid, AXES)
-    _check_record(config)
+    config.record.check_samples(MOST_SAMPLES)
     _check_motion(config)
     _check_sensors(config)
-
-
-def _check_record(config: BladeConfig) -> None:
-    record = config.record
-    require(
-        LEAST_SAMPLES <= record.steps <= MOST_SAMPLES,
-        f"record.duration: {record.duration:g} s at {record.rate:g} Hz are {record.steps} samples; "
-        f"give {LEAST_SAMPLES} to {MOST_SAMPLES}",
-    )
-    require(
-        record.steps - record.settled >= LEAST_SAMPLES,
-        f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
-        f"samples of a record of {record.duration:g} s; at least {LEAST_SAMPLES} must be left",
-    )
 
 
 def _check_motion(config: BladeConfig) -> None:
@@ -113,10 +99,12 @@ def _check_sensors(config: BladeConfig) -> None:
         f"grid.lever: {max(grid.lever):g} m is longer than a blade allows; give at most "
         f"{LONGEST_LEVER:g}",
     )
-    require(
-        config.filters is None or config.filters.lag < record.duration,
-        f"filters.lag: the lag is not shorter than the record of {record.duration:g} s; give less",
-    )
+    for chosen in config.by_tuning().values():
+        require(
+            chosen.filters.lag < record.duration,
+            f"filters.lag: the lag is not shorter than the record of {record.duration:g} s; give "
+            "less",
+        )
     require(
         sensors.prism_rate * record.duration >= 10.0,
         f"sensors.prism_rate: {sensors.prism_rate:g} Hz are fewer than 10 positions in "

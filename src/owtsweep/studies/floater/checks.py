@@ -13,9 +13,8 @@ from owtsweep.studies.scheme_names import check_names
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig
 
-#: Most samples of a record: of more, motion and estimates do not fit into memory. Least that are
-#: judged.
-MOST_SAMPLES, LEAST_SAMPLES = 1_000_000, 100
+#: Most samples of a record: of more, motion and estimates do not fit into memory.
+MOST_SAMPLES = 1_000_000
 
 
 def check(config: FloaterConfig) -> None:
@@ -30,24 +29,10 @@ def check(config: FloaterConfig) -> None:
 
     check_names(config.schemes, REGISTERED)
     check_axes(config.axes, config.grid, AXES)
-    _check_record(config)
+    config.record.check_samples(MOST_SAMPLES)
     check_motion(config)
     check_sensors(config)
     _check_times(config)
-
-
-def _check_record(config: FloaterConfig) -> None:
-    record = config.record
-    require(
-        LEAST_SAMPLES <= record.steps <= MOST_SAMPLES,
-        f"record.duration: {record.duration:g} s at {record.rate:g} Hz are {record.steps} samples; "
-        f"give {LEAST_SAMPLES} to {MOST_SAMPLES}",
-    )
-    require(
-        record.steps - record.settled >= LEAST_SAMPLES,
-        f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
-        f"samples of a record of {record.duration:g} s; at least {LEAST_SAMPLES} must be left",
-    )
 
 
 def _check_times(config: FloaterConfig) -> None:

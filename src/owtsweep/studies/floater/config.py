@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
-from pydantic import SerializerFunctionWrapHandler, model_serializer
-
-from owtsweep.config import Config, key, require
+from owtsweep.config import Config, key
 from owtsweep.config.record import Record
+from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.floater.sections import Grid, Motion, Sensors
 from owtsweep.studies.floater.tuning import Tuned, Tuning
 
-#: The value of a key that stands in `tunings.<name>`.
-_ABSENT: Any = None
 
-
-class FloaterConfig(Config):
+class FloaterConfig(TunedConfig):
     """The configuration of the floater study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
@@ -43,19 +39,9 @@ class FloaterConfig(Config):
     tunings: dict[str, Tuned] = key(
         "name: the section filters of this tuning; only with several tunings", default={}
     )
-    filters: Tuning = key("what schemes believe, and their own numbers", default=_ABSENT)
+    filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
     schemes: list[str] = key("names; `owtsweep list` says what each is", min_length=1)
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
-
-    @model_serializer(mode="wrap")
-    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        absent = "filters" if self.tunings else "tunings"
-        return {name: value for name, value in dump(self).items() if name != absent}
-
-    @property
-    def tuning_name(self) -> str:
-        """The name of the tuning; several names are joined by "and"."""
-        return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
 
     def describe_origin(self) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
@@ -73,13 +59,7 @@ class FloaterConfig(Config):
             If two values cannot work together; the message says what would work.
         """
         super().check()
-        several = bool(self.tunings)
-        require(
-            self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),
-            f"tuning: {self.tuning} and the tunings of this run do not fit together; choose one by "
-            "tuning=NAME, or several by tuning=[NAME,NAME]",
-        )
-        require((self.filters is None) == several, "filters: this key has no value; give it one")
+        self.check_tuning()
         from owtsweep.studies.floater.checks import check
 
         check(self)

@@ -8,9 +8,8 @@ from __future__ import annotations
 import re
 from typing import Any, ClassVar, Literal
 
-from pydantic import SerializerFunctionWrapHandler, model_serializer
-
 from owtsweep.config import Config, Finite, Positive, key, require
+from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
 from owtsweep.studies.hub.sections import (
     FilterTuning,
@@ -29,10 +28,9 @@ from owtsweep.studies.hub.tuning.settings import Tune
 
 #: In a run of several tunings, these sections stand in `tunings.<name>`, not at the top.
 TUNED = tuple(Tuning.model_fields)
-_ABSENT: Any = None
 
 
-class HubConfig(Config):
+class HubConfig(TunedConfig):
     """The configuration of the hub-motion study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
@@ -93,11 +91,11 @@ class HubConfig(Config):
         default=[],
         younger=True,
     )
-    ekf: FilterTuning = key("the filter of EKF", default=_ABSENT)
-    mkf: FilterTuning = key("the filter of MKF", default=_ABSENT)
-    hme1: FilterTuning = key("the filter of HME1", default=_ABSENT)
-    hme2: FilterTuning = key("the filter of HME2", default=_ABSENT)
-    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2", default=_ABSENT)
+    ekf: FilterTuning = key("the filter of EKF", default=ABSENT)
+    mkf: FilterTuning = key("the filter of MKF", default=ABSENT)
+    hme1: FilterTuning = key("the filter of HME1", default=ABSENT)
+    hme2: FilterTuning = key("the filter of HME2", default=ABSENT)
+    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2", default=ABSENT)
     skf: Skf = key(
         "SKF and SKFA, which know the spectrum of the motion, or track it; on request, "
         "schemes=[...,SKF,SKFA]",
@@ -107,16 +105,6 @@ class HubConfig(Config):
     switch: Switch = key("the scheme SWITCH", default=Switch(), younger=True)
     measures: Measures = key("what is measured, and what the map judges")
     tune: Tune = key("what the command `tune` searches", default=Tune(), younger=True)
-
-    @model_serializer(mode="wrap")
-    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        absent = TUNED if self.tunings else ("tunings",)
-        return {name: value for name, value in dump(self).items() if name not in absent}
-
-    @property
-    def tuning_name(self) -> str:
-        """The name of the tuning; several names are joined by "and"."""
-        return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
 
     @classmethod
     def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:

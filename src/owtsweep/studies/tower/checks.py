@@ -35,7 +35,7 @@ def check(config: TowerConfig) -> None:
     config.wind.check()
     config.fatigue.check()
     check_names(config.schemes, REGISTERED)
-    _check_record(config)
+    config.record.check_samples(MOST_SAMPLES)
     _check_loads(config)
     require(
         min(config.grid.noise) > 0.0,
@@ -82,20 +82,6 @@ def warn_of_few_inclinometers(config: TowerConfig) -> None:
             count,
             inputs,
         )
-
-
-def _check_record(config: TowerConfig) -> None:
-    record = config.record
-    require(
-        100 <= record.steps <= MOST_SAMPLES,
-        f"record.duration: {record.duration:g} s at {record.rate:g} Hz are {record.steps} samples; "
-        f"give 100 to {MOST_SAMPLES}",
-    )
-    require(
-        record.steps - record.settled >= 100,
-        f"record.settling: {record.settling:g} s leave {max(record.steps - record.settled, 0)} "
-        f"samples of a record of {record.duration:g} s; at least 100 must be left",
-    )
 
 
 def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:

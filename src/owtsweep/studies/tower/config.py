@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from owtsweep.arrays import Array
-from owtsweep.config import Config, Finite, key, require
+from owtsweep.config import Config, Finite, key
 from owtsweep.config.record import Record
+from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.config.typed import as_plain
 from owtsweep.structures import Structure, find_structure
 from owtsweep.structures.bernoulli import list_nodes
@@ -20,11 +20,8 @@ from owtsweep.studies.tower.recorded import Recorded
 from owtsweep.studies.tower.sections import Grid, Model, Sensors, Truth
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
-#: The value of a key that stands in `tunings.<name>`.
-_ABSENT: Any = None
 
-
-class TowerConfig(Config):
+class TowerConfig(TunedConfig):
     """The configuration of the tower study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
@@ -62,23 +59,13 @@ class TowerConfig(Config):
     tunings: dict[str, Tuned] = key(
         "name: the section filters of this tuning; only with several tunings", default={}
     )
-    filters: Tuning = key("numbers of all schemes", default=_ABSENT)
+    filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
     schemes: list[str] = key("names; `owtsweep list` says what each is", min_length=1)
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )
-
-    @model_serializer(mode="wrap")
-    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        absent = "filters" if self.tunings else "tunings"
-        return {name: value for name, value in dump(self).items() if name != absent}
-
-    @property
-    def tuning_name(self) -> str:
-        """The name of the tuning; several names are joined by "and"."""
-        return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
 
     @property
     def heights(self) -> tuple[float, float]:
@@ -127,13 +114,7 @@ class TowerConfig(Config):
             If two values cannot work together; the message says what would work.
         """
         super().check()
-        several = bool(self.tunings)
-        require(
-            self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),
-            f"tuning: {self.tuning} and the tunings of this run do not fit together; choose one by "
-            "tuning=NAME, or several by tuning=[NAME,NAME]",
-        )
-        require((self.filters is None) == several, "filters: this key has no value; give it one")
+        self.check_tuning()
         from owtsweep.studies.tower.checks import check
 
         check(self)

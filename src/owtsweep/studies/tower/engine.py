@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.results.winners import tell_winners
+from owtsweep.studies.contest.origin import describe_draws
 from owtsweep.studies.tower import blocks
 from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.conditions import CONDITIONS
 from owtsweep.studies.tower.maps import list_maps
 from owtsweep.studies.tower.measures import CRITERIA, WINDOW
-from owtsweep.studies.tower.origin import describe_draws, describe_errors, describe_truth
+from owtsweep.studies.tower.origin import describe_errors, describe_truth
 from owtsweep.studies.tower.sight import describe_sight
 from owtsweep.studies.tower.tables import make_tables
 

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
+from owtsweep.studies.contest.maps import tell_unable
+from owtsweep.studies.contest.origin import describe_draws
 from owtsweep.studies.tower.conditions import CONDITIONS
 from owtsweep.studies.tower.measures import CRITERIA, WINDOW
-from owtsweep.studies.tower.origin import describe_draws, describe_errors, describe_truth
+from owtsweep.studies.tower.origin import describe_errors, describe_truth
 from owtsweep.studies.tower.tables import make_cube
 
 if TYPE_CHECKING:
@@ -65,7 +67,7 @@ def _draw(
         coinciding=coinciding,
         replicates=config.grid.replicates,
         failures=failures,
-        notes=_tell_unable(unable),
+        notes=tell_unable(unable),
     )
     wrong = describe_errors(config)
     lines = [
@@ -74,12 +76,3 @@ def _draw(
     ]
     style.add_origin(figure, "\n".join(lines))
     return figure
-
-
-def _tell_unable(unable: pd.DataFrame) -> list[str]:
-    """Return a sentence on schemes that could not work; `unable` is that of a `Cube`."""
-    if unable.empty:
-        return []
-    counts = unable["scheme"].astype(str).value_counts(sort=False)
-    told = ", ".join(f"{name} in {n} cell{'s' * (n != 1)}" for name, n in counts.items())
-    return [f"Unable to work, with its reason in summary.csv: {told}."]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from owtsweep.studies.contest.origin import describe_draws
+
 if TYPE_CHECKING:
     from owtsweep.studies.tower.config import TowerConfig
 
@@ -42,12 +44,6 @@ def describe_errors(config: TowerConfig) -> str:
     if faults.accelerated_inclinometers:
         told.append("inclinometers feel acceleration")
     return ", ".join(told)
-
-
-def describe_draws(config: TowerConfig) -> str:
-    """Return in words how many records a cell has, and their seed."""
-    count = config.grid.replicates
-    return f"{count} record{'s' * (count != 1)} per cell, seed {config.seed}"
 
 
 def describe_origin(config: TowerConfig) -> str:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.estimation.complementary import place_poles
 from owtsweep.estimation.inertial_complementary import blend_fixes
+from owtsweep.gravity import GRAVITY
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import LEVERS, TO_ROOT, begin
 
@@ -47,7 +48,7 @@ def find_crossover(setting: Setting, interval: float) -> float:
     accelerations and of fixes. A levelled acceleration is wrong by the bias and by gravity on the
     tilt, so noise of the size of both counts as lasting as long as the levelling.
     """
-    slow = setting.force_bias**2 + (9.81 * setting.start_sigma[2]) ** 2
+    slow = setting.force_bias**2 + (GRAVITY * setting.start_sigma[2]) ** 2
     q = setting.force_sigma**2 * setting.step + 2.0 * slow * setting.tuning.levelling
     r = float(np.mean(setting.fix_sigma**2)) * interval
     return float(setting.tuning.crossover * (q / r) ** 0.25)
