@@ -10,22 +10,27 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from owtsweep.api import load, replay, run
+    from owtsweep.api import estimate, load, replay, run
     from owtsweep.errors import InputError
     from owtsweep.evaluation.estimate import Estimate, Innovation
+    from owtsweep.evaluation.estimated_record import EstimatedRecord, Reading
     from owtsweep.studies.hub.online import online
     from owtsweep.sweep.runs import Run
 
 __version__ = "0.1.0"
 __all__ = [
-    "Estimate", "Innovation", "InputError", "Run", "__version__", "load", "online", "replay", "run",
+    "Estimate", "EstimatedRecord", "Innovation", "InputError", "Reading", "Run", "__version__",
+    "estimate", "load", "online", "replay", "run",
 ]  # fmt: skip
 
 _HOMES = {
     "Estimate": "owtsweep.evaluation.estimate",
+    "EstimatedRecord": "owtsweep.evaluation.estimated_record",
     "InputError": "owtsweep.errors",
     "Innovation": "owtsweep.evaluation.estimate",
+    "Reading": "owtsweep.evaluation.estimated_record",
     "Run": "owtsweep.sweep.runs",
+    "estimate": "owtsweep.api",
     "load": "owtsweep.api",
     "online": "owtsweep.studies.hub.online",
     "replay": "owtsweep.api",

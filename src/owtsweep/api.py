@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep import studies
+from owtsweep.studies.estimating import estimate
 
 if TYPE_CHECKING:
     from owtsweep.studies.replay.running import Replay
     from owtsweep.sweep.runs import Run
 
-__all__ = ["load", "replay", "run"]
+__all__ = ["estimate", "load", "replay", "run"]
 
 
 def run(overrides: Sequence[str] = ()) -> Run:

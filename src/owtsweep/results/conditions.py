@@ -100,6 +100,25 @@ def require_usable(conditions: Sequence[Condition]) -> None:
             )
 
 
+def find_only_cell(grid: Grid, section: str = "grid") -> dict[str, Value]:
+    """Return condition -> value of a grid that has one cell.
+
+    `section` is the section of the configuration in which the conditions stand.
+
+    Raises
+    ------
+    InputError
+        If a condition has several values.
+    """
+    for name, values in grid.items():
+        if len(values) != 1:
+            raise InputError(
+                f"{section}.{name}: {len(values)} values are several cells, and one record has "
+                f"one; choose, e.g. {section}.{name}=[{show_value(values[0])}]"
+            )
+    return {name: values[0] for name, values in grid.items()}
+
+
 def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
     """Return the distinct values of a column: numbers by size, texts in the order of `listed`.
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.config import Config
+    from owtsweep.evaluation.estimated_record import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition
     from owtsweep.sweep.results import Results
@@ -28,8 +29,9 @@ if TYPE_CHECKING:
     C = TypeVar("C", bound=Config)
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Predicting", "Spectral",
-    "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "Judged", "Predicting",
+    "Spectral", "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame",
+    "broken_study",
 ]  # fmt: skip
 
 
@@ -171,6 +173,22 @@ class Study(Protocol):
 
     def engine(self, config: Any) -> Engine:
         """Return an engine that plans, runs and draws this configuration."""
+
+
+@runtime_checkable
+class Estimating(Protocol):
+    """The interface of a study that can show one record with all that schemes make of it."""
+
+    def estimate(self, config: Any, replicate: int) -> EstimatedRecord:
+        """Make the record with the number `replicate`, and run all schemes on it.
+
+        The record and its measurements are those of a sweep. The configuration has one tuning.
+
+        Raises
+        ------
+        InputError
+            If the configuration's grid has several cells.
+        """
 
 
 @runtime_checkable

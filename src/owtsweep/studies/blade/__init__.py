@@ -16,6 +16,7 @@ from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.evaluation.estimated_record import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.blade.config import BladeConfig
     from owtsweep.sweep.study import Engine
@@ -58,6 +59,12 @@ class BladeStudy:
         from owtsweep.studies.blade.engine import BladeEngine
 
         return BladeEngine()
+
+    def estimate(self, config: BladeConfig, replicate: int) -> EstimatedRecord:
+        """Return a record of the grid's only cell, with the estimates of all schemes."""
+        from owtsweep.studies.blade.estimating import estimate_record
+
+        return estimate_record(config, replicate)
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]

@@ -16,6 +16,7 @@ from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.evaluation.estimated_record import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.floater.config import FloaterConfig
     from owtsweep.sweep.study import Engine
@@ -58,6 +59,12 @@ class FloaterStudy:
         from owtsweep.studies.floater.engine import FloaterEngine
 
         return FloaterEngine()
+
+    def estimate(self, config: FloaterConfig, replicate: int) -> EstimatedRecord:
+        """Return a record of the grid's only cell, with the estimates of all schemes."""
+        from owtsweep.studies.floater.estimating import estimate_record
+
+        return estimate_record(config, replicate)
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]

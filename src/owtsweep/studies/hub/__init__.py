@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.evaluation.estimated_record import EstimatedRecord
     from owtsweep.results.conditions import Condition, Value
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.study import Engine, Tuned
@@ -69,6 +70,12 @@ class HubStudy:
         from owtsweep.studies.hub.plant import is_plant
 
         return PlantEngine() if is_plant(config) else ENGINES[config.engine]()
+
+    def estimate(self, config: HubConfig, replicate: int) -> EstimatedRecord:
+        """Return a record of the grid's only cell, with the estimates of all schemes."""
+        from owtsweep.studies.hub.estimating import estimate_record
+
+        return estimate_record(config, replicate)
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]

@@ -13,6 +13,7 @@ from owtsweep.studies.tower.looks import LOOKS
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
+    from owtsweep.evaluation.estimated_record import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.tower.config import TowerConfig
     from owtsweep.sweep.study import Engine
@@ -55,3 +56,9 @@ class TowerStudy:
         from owtsweep.studies.tower.engine import TowerEngine
 
         return TowerEngine()
+
+    def estimate(self, config: TowerConfig, replicate: int) -> EstimatedRecord:
+        """Return a record of the grid's only cell, with the estimates of all schemes."""
+        from owtsweep.studies.tower.estimating import estimate_record
+
+        return estimate_record(config, replicate)
