@@ -64,6 +64,8 @@ BLADE = {
 #: Records per cell of these sweeps: a map of the usual 4 tells too few schemes apart. Records that
 #: are judged.
 BLADE_RECORDS, BLADE_JUDGED = 10, 40
+#: Maps of the mating study.
+MATING = ("sigma_outage", "sigma_hub")
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
     *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
@@ -109,6 +111,7 @@ KEPT = {
         "*.md",
         "*.png",
     ),
+    "mating": ("summary_*.csv", "best_scheme_*.csv", "*.png"),
     **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
 
@@ -195,6 +198,7 @@ class Reproduction:
         self.make_tower()
         self.make_floater()
         self.make_blade()
+        self.make_mating()
 
     def make_rivals(self) -> None:
         """Search the rival explanations of table 8, judge them, and make the EKF's trade-off."""
@@ -307,6 +311,20 @@ class Reproduction:
                 shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
         run_script("blade/fidelity.py", folder, str(BLADE_JUDGED))
         self.keep("blade")
+
+    def make_mating(self) -> None:
+        """Sweep the mating study over its planes; keep tables and pictures of the chances."""
+        folder = self.results / "mating"
+        folder.mkdir(exist_ok=True)
+        for plane in MATING:
+            run = self.results / f"mating_{plane}"
+            self.sweep(run.name, "study=mating", f"plane={plane}")
+            run_command("figures", str(run))
+            write_table(folder, f"summary_{plane}", owtsweep.load(run).summary())
+            write_table(folder, f"best_scheme_{plane}", owtsweep.load(run).best_scheme())
+            for picture in ("chances", "map_wrong"):
+                shutil.copy(run / "figures" / f"{picture}.png", folder / f"{picture}_{plane}.png")
+        self.keep("mating")
 
 
 def run_command(*words: str) -> None:

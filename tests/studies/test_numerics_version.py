@@ -14,7 +14,15 @@ from owtsweep.sweep.study import add_versions
 
 @pytest.mark.parametrize(
     ("name", "version"),
-    [("hub", 4), ("readings", 4), ("replay", 4), ("tower", 2), ("floater", 1), ("blade", 1)],
+    [
+        ("hub", 4),
+        ("readings", 4),
+        ("replay", 4),
+        ("tower", 2),
+        ("floater", 1),
+        ("blade", 1),
+        ("mating", 6),
+    ],
 )
 def test_our_studies_stand_where_their_rooms_do(name: str, version: int) -> None:
     """Raised with a room, by a line in CHANGELOG.md under "Changed numbers"."""

@@ -202,7 +202,7 @@ def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:
         (["study=huub"], r"study: there is no study 'huub'; did you mean hub\? There are hub, "),
         (
             ["study=x"],
-            r"study: there is no study 'x'; there are hub, .*, tower, floater, blade$",
+            r"study: there is no study 'x'; there are hub, .*, tower, floater, blade, mating$",
         ),
         (["study=hub,readings"], r"study: 'hub,readings' are several studies; run one at a time"),
         (["study="], r"study=: name a study, e\.g\. study=hub$"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from owtsweep.arrays import Array
@@ -58,6 +58,8 @@ class EstimatedRecord:
         Unit of each quantity and of each signal, and its frame where this needs saying.
     failures
         Scheme that gave no estimates -> the reason.
+    at_rest
+        Quantity -> its value while nothing moves, where that is not zero.
     """
 
     study: str
@@ -73,3 +75,4 @@ class EstimatedRecord:
     waits: Mapping[str, float]
     units: Mapping[str, str]
     failures: Mapping[str, str]
+    at_rest: Mapping[str, Array] = field(default_factory=dict)

@@ -63,6 +63,7 @@ OURS = {
     "tower": Entry("owtsweep.studies.tower:TowerStudy"),
     "floater": Entry("owtsweep.studies.floater:FloaterStudy"),
     "blade": Entry("owtsweep.studies.blade:BladeStudy"),
+    "mating": Entry("owtsweep.studies.mating:MatingStudy"),
 }
 
 

@@ -10,7 +10,7 @@ from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.blade.believed import make_setting
 from owtsweep.studies.blade.case import list_cases
 from owtsweep.studies.blade.config import BladeConfig
-from owtsweep.studies.blade.contract import Estimates, Unable
+from owtsweep.studies.blade.contract import ROOT, UNIT, Estimates, Unable
 from owtsweep.studies.blade.measuring import measure
 from owtsweep.studies.blade.schemes import resolve
 from owtsweep.studies.blade.sections import AXES
@@ -85,6 +85,7 @@ def estimate_record(config: BladeConfig, replicate: int) -> EstimatedRecord:
         waits={name: given.wait for name, given in found.items()},
         units=UNITS,
         failures=failures,
+        at_rest={"root": ROOT, "unit": UNIT},
     )  # fmt: skip
 
 

@@ -1,0 +1,93 @@
+"""Plans and runs the blocks of the mating study: some records of one cell and scheme each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import pandas as pd
+
+from owtsweep.config import as_mapping
+from owtsweep.evaluation.mating import Limits
+from owtsweep.results.status import FAILED, UNABLE
+from owtsweep.studies.contest import WAIT
+from owtsweep.studies.contest.planning import plan_blocks
+from owtsweep.studies.contest.rows import Judgement, make_rows
+from owtsweep.studies.mating.conditions import AXES
+from owtsweep.studies.mating.config import MatingConfig
+from owtsweep.studies.mating.joining import (
+    configure_blade,
+    configure_hub,
+    estimate,
+    find_told_motion,
+    find_true_motion,
+)
+from owtsweep.studies.mating.measures import compare
+from owtsweep.sweep.study import Block
+
+#: Most records of a block.
+MOST_RECORDS = 4
+#: Keys of the other studies' configurations on which no number depends.
+NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "criterion", "tuning")
+
+
+def plan(config: MatingConfig) -> list[Block]:
+    """Return all blocks of a configuration: one per cell, scheme, and some records."""
+    cells = [
+        SimpleNamespace(**dict(zip(AXES, values, strict=True)))
+        for values in product(*(getattr(config.grid, axis) for axis in AXES))
+    ]
+    return plan_blocks(config, cells, AXES, _describe_content(config), MOST_RECORDS)
+
+
+def run(config: MatingConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run blocks of one group, i.e. of one cell and some records; yield each with its rows."""
+    content = blocks[0].content
+    schemes = list(dict.fromkeys(block.content["scheme"] for block in blocks))
+    blade = configure_blade(config, content["sigma"], content["outage"], schemes)
+    hub = configure_hub(config, content["hub_sigma"])
+    hold = max(round(content["hold"] * config.record.rate), 1)
+    limits = Limits(config.limits.distance, config.limits.speed, hold)
+    replicates = range(*content["replicates"])
+    judged: dict[str, list[Judgement]] = {scheme: [] for scheme in schemes}
+    for replicate in replicates:
+        of_blade, of_hub = estimate(blade, replicate), estimate(hub, replicate)
+        true = find_true_motion(of_blade, of_hub)
+        for scheme in schemes:
+            reason = of_blade.failures.get(scheme)
+            if reason is not None:
+                judged[scheme].append(Judgement.none(UNABLE, Exception(reason)))
+                continue
+            told = find_told_motion(of_blade, scheme, of_hub, config.hub_scheme)
+            try:
+                found = compare(true, told, limits, config.record.settled)
+            except ValueError as error:
+                judged[scheme].append(Judgement.none(FAILED, error))
+                continue
+            if of_blade.waits[scheme] > 0.0:
+                found[WAIT] = of_blade.waits[scheme]
+            judged[scheme].append(Judgement(found))
+    for block in blocks:
+        rows = make_rows(block.content, AXES, replicates, judged[block.content["scheme"]])
+        yield block, rows
+
+
+def _describe_content(config: MatingConfig) -> dict[str, Any]:
+    """Return what the rows of every block depend on: both other configurations without a cell."""
+    grid = config.grid
+    blade = as_mapping(configure_blade(config, grid.sigma[0], grid.outage[0], config.schemes[:1]))
+    hub = as_mapping(configure_hub(config, grid.hub_sigma[0]))
+    for other, axes in ((blade, ("sigma", "outage")), (hub, ())):
+        for name in ("replicates", *axes):
+            other["grid"].pop(name)
+        for name in NOT_CONTENT:
+            other.pop(name, None)
+    hub["sensors"]["gnss"].pop("sigma")
+    return {
+        "limits": as_mapping(config)["limits"],
+        "blade": blade,
+        "hub": hub,
+        "hub_scheme": config.hub_scheme,
+    }

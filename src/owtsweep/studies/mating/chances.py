@@ -1,0 +1,105 @@
+"""Draws the map of chances: when root and hub can mate, and what each scheme makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from textwrap import fill
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.figures.drawings import Drawing, save_figure
+from owtsweep.results.conditions import show_value
+from owtsweep.studies.contest import WAIT
+from owtsweep.studies.contest.origin import describe_draws
+from owtsweep.studies.mating.contest import CONTEST
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from owtsweep.studies.mating.config import MatingConfig
+
+#: Measures of the panels of a scheme -> their titles. The truth has the first one alone.
+PANELS = {"told": "said to be chances", "missed": "missed, of true", "false": "false, of said"}
+#: Size of a cell in inches, and what labels around the panels take.
+CELL, AROUND = (0.62, 0.34), (1.9, 1.9)
+
+
+def list_figures(
+    config: MatingConfig, tables: Mapping[str, pd.DataFrame], metadata: Mapping[str, str]
+) -> dict[str, Drawing]:
+    """Return the figure "chances", with the function that draws it; none without any result."""
+    summary = tables["summary"]
+    if summary[summary["measure"] == "chance"].empty:
+        return {}
+    return {"chances": save_figure(partial(_draw, config, summary), metadata)}
+
+
+def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
+    from owtsweep.figures import style
+
+    waiting = set(summary[summary["measure"] == WAIT]["scheme"])
+    schemes = [name for name in config.schemes if name not in waiting]
+    across, upwards = CONTEST.find_conditions(config.axes)
+    columns, rows = (sorted(getattr(config.grid, axis)) for axis in config.axes)
+    figure = style.new_figure(
+        len(PANELS) * (len(columns) * CELL[0] + 0.35) + AROUND[0],
+        (len(schemes) + 1) * (len(rows) * CELL[1] + 0.35) + AROUND[1],
+    )
+    panels = figure.subplots(len(schemes) + 1, len(PANELS), squeeze=False)
+    for number, name in enumerate(["truth", *schemes]):
+        for place, measure in enumerate(PANELS):
+            axes = panels[number][place]
+            if number == 0 and place > 0:
+                axes.set_axis_off()
+                continue
+            chosen = summary[
+                (summary["scheme"] == (schemes[0] if number == 0 else name))
+                & (summary["measure"] == ("chance" if number == 0 else measure))
+            ]
+            table = chosen.pivot(index=config.axes[1], columns=config.axes[0], values="mean")
+            shares = table.reindex(index=rows, columns=columns).to_numpy()
+            _fill(axes, shares, "Greens" if measure == "told" else "Reds")
+            axes.set_xticks(range(len(columns)), [show_value(value) for value in columns])
+            axes.set_yticks(range(len(rows)), [show_value(value) for value in rows])
+            axes.tick_params(
+                length=0.0,
+                labelbottom=number == len(schemes) or number == 0,
+                labelleft=place == 0,
+            )
+            axes.set_title("chances" if number == 0 else PANELS[measure], fontsize=8)
+        panels[number][0].set_ylabel(name)
+    figure.suptitle(
+        "Chances to mate: shares of moments from which root and hub stay together for "
+        f"{_say_hold(config)}, %",
+        fontsize=10,
+    )
+    figure.supxlabel(across.title, fontsize=9)
+    figure.supylabel(upwards.title, fontsize=9)
+    lines = [
+        "A blank cell has no chance, or none is said, so it has no share.",
+        f"Truth: {CONTEST.describe_truth(config)}; {describe_draws(config)}.",
+        f"Sensors: {CONTEST.describe_sensors(config)}; tuning {config.tuning_name}.",
+    ]
+    letters = round(12.0 * figure.get_figwidth())
+    style.add_origin(figure, "\n".join(fill(line, letters) for line in lines))
+    return figure
+
+
+def _say_hold(config: MatingConfig) -> str:
+    hold: Sequence[float] = config.grid.hold
+    return f"{hold[0]:g} s" if len(hold) == 1 else "the time on the axis"
+
+
+def _fill(axes: Axes, shares: np.ndarray, colors: str) -> None:
+    """Fill the cells of a panel by shares (rows, columns), and write them in %."""
+    axes.grid(visible=False)
+    axes.imshow(shares, cmap=colors, vmin=0.0, vmax=1.0, origin="lower", aspect="auto")
+    for (row, column), share in np.ndenumerate(shares):
+        if np.isfinite(share):
+            color = "white" if share > 0.6 else "black"
+            axes.text(column, row, f"{100.0 * share:.0f}", ha="center", va="center",
+                      fontsize=8, color=color)  # fmt: skip

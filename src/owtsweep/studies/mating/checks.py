@@ -1,0 +1,72 @@
+"""Checks that the values of the mating study's configuration can work together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.config import require
+from owtsweep.studies.contest.axes import check_axes
+from owtsweep.studies.mating.conditions import AXES
+from owtsweep.studies.mating.joining import configure_blade, configure_hub
+
+if TYPE_CHECKING:
+    from owtsweep.studies.mating.config import MatingConfig
+
+#: Most samples of a record, as of the blade study.
+MOST_SAMPLES = 100_000
+#: Keys of the other studies that this study sets.
+OURS = (
+    "study", "seed", "tuning", "schemes", "record.duration", "record.rate", "record.settling",
+    "grid.sigma", "grid.outage", "sensors.gnss.sigma", "baselines",
+    "measures.settling_time",
+)  # fmt: skip
+
+
+def check(config: MatingConfig) -> None:
+    """Check everything that can be known before a record is made.
+
+    Raises
+    ------
+    InputError
+        If two values cannot work together; the message says what would work.
+    """
+    check_axes(config.axes, config.grid, AXES)
+    config.record.check_samples(MOST_SAMPLES)
+    judged = config.record.duration - config.record.settling
+    require(
+        max(config.grid.hold) <= 0.5 * judged,
+        f"grid.hold: {max(config.grid.hold):g} s are more than half of the {judged:g} s that are "
+        "judged; give less, or a longer record",
+    )
+    for name in ("blade", "hub"):
+        for override in getattr(config, name):
+            key = override.lstrip("+~").partition("=")[0]
+            require(
+                key not in OURS,
+                f"{name}: {key} is set by the mating study; leave it out, and set the mating "
+                "study's own key",
+            )
+    grid = config.grid
+    for outage in grid.outage:
+        blade: Any = configure_blade(config, grid.sigma[0], outage, config.schemes)
+    hub: Any = configure_hub(config, grid.hub_sigma[0])
+    of_plant = hub.motion.kind == "plant"
+    cells = {
+        "blade": {f"grid.{axis}": getattr(blade.grid, axis) for axis in blade.axes},
+        "hub": {f"motion.{axis}": getattr(hub.motion, axis) for axis in ("hs", "tp", "blades")}
+        if of_plant
+        else {f"grid.{axis}": getattr(hub.grid, axis) for axis in ("natural_period", "amplitude")},
+    }
+    for name, axes in cells.items():
+        for axis, values in axes.items():
+            require(
+                len(values or [0]) == 1,
+                f"{name}: {axis} has {len(values or [0])} values, and the mating study takes one; "
+                f"choose, e.g. '{name}=[\"{axis}=[{(values or [0])[0]:g}]\"]'",
+            )
+    ratio = hub.sensors.imu.rate / config.record.rate
+    require(
+        round(ratio) >= 1 and abs(ratio - round(ratio)) < 1e-9,
+        f"record.rate: {config.record.rate:g} Hz do not divide the {hub.sensors.imu.rate:g} Hz of "
+        "the hub's IMU; give a whole fraction of it",
+    )

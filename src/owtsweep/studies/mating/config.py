@@ -1,0 +1,78 @@
+"""The configuration of the mating study: its keys, types, bounds and meanings."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
+from owtsweep.config.record import Record
+
+
+class Grid(Section):
+    """The section `grid`: what is swept over; only the two of `axes` may have many values."""
+
+    sigma: Axis[Positive] = key("standard deviation of a fix of the blade's GNSS", unit="m")
+    outage: Axis[NotNegative] = key("length of an outage of the blade's GNSS", unit="s")
+    hub_sigma: Axis[Positive] = key("standard deviation of a fix of the hub's GNSS", unit="m")
+    hold: Axis[Positive] = key("how long root and hub must stay together", unit="s")
+    replicates: int = key(
+        "records per cell, each with its own seed of motions and noise", ge=1, le=10_000,
+        advice="use 1 or more",
+    )  # fmt: skip
+
+
+class Limits(Section):
+    """The section `limits`: what counts as together."""
+
+    distance: Positive = key("largest distance of the root from its place at the hub", unit="m")
+    speed: Positive = key("largest relative speed", unit="m/s")
+
+
+class MatingConfig(Config):
+    """The configuration of the mating study, with all its keys."""
+
+    inert = Config.inert | {"axes", "criterion"}
+
+    grid: Grid = key("what is swept over")
+    axes: list[str] = key(
+        "the two axes of the map, the horizontal one first, of sigma, outage, hub_sigma, hold; "
+        "plane=NAME sets them and their values",
+        min_length=2,
+        max_length=2,
+        form="two axes, e.g. [sigma,outage]",
+    )
+    record: Record = key("a record of motions and measurements")
+    limits: Limits = key("what counts as together")
+    blade: list[str] = key("overrides of study=blade: its motion, inertial unit and sensors")
+    hub: list[str] = key("overrides of study=hub: its motion and sensors")
+    tuning: str = key("name of the tuning of both studies")
+    hub_scheme: str = key("the scheme of the hub study that estimates the hub's motion")
+    schemes: list[str] = key(
+        "names of schemes of the blade study, which estimate the root's motion", min_length=1
+    )
+    criterion: Literal["relative", "speed", "wrong"] = key("what the map on the terminal judges")
+
+    @property
+    def tuning_name(self) -> str:
+        """The name of the tuning."""
+        return self.tuning
+
+    def describe_origin(self) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.contest.origin import describe_origin
+        from owtsweep.studies.mating.contest import CONTEST
+
+        return describe_origin(CONTEST, self)
+
+    def check(self) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        super().check()
+        from owtsweep.studies.mating.checks import check
+
+        check(self)
