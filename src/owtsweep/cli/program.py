@@ -30,7 +30,8 @@ PROGRAM = "owtsweep"
 
 DESCRIPTION = """\
 Sweeps conditions x estimation schemes for offshore wind installation, and maps which scheme is
-best where. Reproduces the sensitivity study of Ren et al. (2019)."""
+best where. Studies: the hub's motion after Ren et al. (2019); with study=NAME also a tower, a
+floater, a hoisted blade, its mating with the hub (`owtsweep list` has them)."""
 
 
 class Parser(argparse.ArgumentParser):
