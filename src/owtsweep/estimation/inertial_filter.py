@@ -3,7 +3,9 @@
 Errors are those of `inertial`, with the attitude's error in the body's frame (Markley 2003,
 Attitude error representations for Kalman filtering). Behind them may stand further states:
 
-- the clock's offset tau: a fix with the time stamp t shows the antenna at t - tau;
+- the clock's offset tau: a fix with the time stamp t shows the antenna at t - tau, so a delay of
+  fixes is the same state;
+- by what the first antenna stands elsewhere on the body than believed, three lengths;
 - how the hook lets the body swing: the point on which the hook acts is at c + m, where m is an
   oscillator driven by white noise in each direction, and c wanders slowly. What an inertial unit
   says of the accelerations and what the oscillator says of the motion are independent, so both
@@ -77,14 +79,17 @@ def swing(s, P, at, transition, noise):
 
 
 @njit
-def learn_fix(s, P, dx, fix, lever, variance, offset, force, rate):
+def learn_fix(s, P, dx, fix, believed, variance, offset, astray, force, rate):
     """Learn from the fix (3,) of an antenna; return the innovation's square over its variance.
 
-    `offset` is the place of the clock's offset among the errors, or -1. `force` and `rate` (3,)
-    are those of this sample. The result is the sum over three coordinates, each given those before.
+    `offset` is the place of the clock's offset among the errors, or -1, and `astray` that of the
+    antenna's distance from its `believed` lever (3,). `force` and `rate` (3,) are those of this
+    sample. The result is the sum over three coordinates, each given those before.
     """
     R, H, at = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    row = np.zeros(len(dx))
+    row, lever = np.zeros(len(dx)), believed.copy()
+    if astray >= 0:
+        lever += s[astray + 1 : astray + 4]
     rotate(s[6:10], R)
     lean(R, lever, H)
     place(s, R, lever, at)
@@ -97,6 +102,8 @@ def learn_fix(s, P, dx, fix, lever, variance, offset, force, rate):
         row[i] = 1.0
         for k in range(3):
             row[6 + k] = H[i, k]
+            if astray >= 0:
+                row[astray + k] = R[i, k]
         e = fix[i] - at[i]
         if offset >= 0:
             velocity = s[3 + i]
@@ -138,7 +145,7 @@ def put_in(s, dx):
 
 @njit
 def filter_fixes(
-    fixes, levers, variance, due, force, rate, step, noise, start, offset, swinging, found
+    fixes, levers, variance, due, force, rate, step, noise, start, offset, astray, swinging, found
 ):
     """Filter a record.
 
@@ -149,7 +156,7 @@ def filter_fixes(
     levers
         Where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
     variance
-        Of the noise of a fix, shape (3,).
+        Of the noise of a fix at each sample, shape (steps, 3).
     due
         Whether a fix is due at a sample, lost or not, shape (steps,).
     force, rate
@@ -162,6 +169,8 @@ def filter_fixes(
         State and covariance before the first fix; both are overwritten.
     offset
         Place of the clock's offset among the errors, or -1.
+    astray
+        Place of the first antenna's distance from its lever among the errors, or -1.
     swinging
         Place of the swing's first error, or -1; lever of the point on which the hook acts, shape
         (3,); transition (3, 2, 2) and noise (3, 3, 3) of a sample; variance with which both agree.
@@ -185,8 +194,8 @@ def filter_fixes(
                     if np.isnan(nis[k]):
                         nis[k] = 0.0
                     nis[k] += learn_fix(
-                        s, P, dx, fixes[k, antenna], levers[antenna], variance, offset, force[k],
-                        rate[k],
+                        s, P, dx, fixes[k, antenna], levers[antenna], variance[k], offset,
+                        astray if antenna == 0 else -1, force[k], rate[k],
                     )  # fmt: skip
             put_in(s, dx)
             if at >= 0:

@@ -103,6 +103,6 @@ def filter_invariant(fixes, levers, variance, due, force, rate, step, noise, sta
                     row[:] = 0.0
                     row[0:3] = new[i]
                     row[6:9] = -tilt[i]
-                    nis[k] += learn(P, dx, row, fixes[k, antenna, i] - at[i], variance[i])
+                    nis[k] += learn(P, dx, row, fixes[k, antenna, i] - at[i], variance[k, i])
             correct_body(s, dx)
         states[k], covariances[k] = s, P

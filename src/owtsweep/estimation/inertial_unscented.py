@@ -91,6 +91,6 @@ def filter_unscented(fixes, levers, variance, due, force, rate, step, noise, sta
                     if np.isnan(nis[k]):
                         nis[k] = 0.0
                     nis[k] += learn_unscented(
-                        s, P, points, errors, fixes[k, antenna], levers[antenna], variance
+                        s, P, points, errors, fixes[k, antenna], levers[antenna], variance[k]
                     )
         states[k], covariances[k] = s, P

@@ -16,8 +16,9 @@ def draw_outliers(
     rate: float,
     sigma: float,
     length: int = 1,
+    axes: int = 2,
 ) -> Array:
-    """Draw what outliers add to a sensor's samples on two axes, shape (count, 2).
+    """Draw what outliers add to a sensor's samples on some axes, shape (count, axes).
 
     The samples of a burst share one offset, as by a reflected signal (multipath). At each sample a
     burst begins with the same probability; a burst that begins inside another one goes on with its
@@ -31,13 +32,15 @@ def draw_outliers(
     ----------
     begins, offsets
         Random streams: of the moments at which bursts begin (one uniform number per sample), and of
-        the offsets (two normal numbers per sample).
+        the offsets (a normal number per sample and axis).
     rate
         Share of the samples that are outliers, in the long run.
     sigma
         Standard deviation of an offset along each axis, in the unit of the samples.
     length
         Number of samples of a burst.
+    axes
+        Number of axes.
 
     Raises
     ------
@@ -50,7 +53,7 @@ def draw_outliers(
     # no outlier at a sample: no burst began at this sample, nor at the length - 1 samples before
     probability = 1.0 - (1.0 - rate) ** (1.0 / length)
     starts = begins.random(count) < probability
-    drawn = sigma * offsets.standard_normal((count, 2))
+    drawn = sigma * offsets.standard_normal((count, axes))
     sample = np.arange(count)
     last = np.maximum.accumulate(np.where(starts, sample, -length))
     return np.where((sample - last < length)[:, None], drawn[np.maximum(last, 0)], 0.0)

@@ -27,15 +27,18 @@ def make_setting(
 ) -> Setting:
     """Return what schemes know beforehand of a case, by the section `filters`."""
     tuning, sensors = config.filters, config.sensors
+    receiver = sensors.receiver
     told = tuning if tuning.noise == "declared" else config.unit
     vertical = np.array([1.0, 1.0, sensors.vertical])
     declared = tuning.noise == "declared"
+    fix_sigma = np.array(tuning.fix_sigma) if declared else conditions.sigma * vertical
     freedoms = list(choose_freedoms(config, conditions).values())[:3]
     walk = 1.0 / np.sqrt(WALK_TIME)
     rate_sigma = np.deg2rad(told.rate_sigma)
     return Setting(
         step=motion.truth.step,
-        fix_sigma=np.array(tuning.fix_sigma) if declared else conditions.sigma * vertical,
+        fix_sigma=fix_sigma,
+        float_sigma=fix_sigma if declared else np.hypot(fix_sigma, receiver.float_sigma * vertical),
         force_sigma=told.force_sigma,
         rate_sigma=rate_sigma,
         force_bias=max(told.force_bias, LEAST * told.force_sigma),
@@ -45,6 +48,7 @@ def make_setting(
         start=draw_start(config, motion, replicate),
         start_sigma=find_start_sigma(config),
         offset_sigma=tuning.offset_sigma,
+        lever_sigma=tuning.lever_sigma,
         swing_sigma=np.array([sigma for _, _, sigma, _ in freedoms]),
         swing_period=np.array([period for period, _, _, _ in freedoms]),
         swing_damping=np.array([damping for _, damping, _, _ in freedoms]),

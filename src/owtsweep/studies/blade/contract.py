@@ -79,6 +79,8 @@ class Measured:
         NaN where none is. Most schemes look at the first antenna alone.
     due
         Whether a fix is due at a sample, lost or not, shape (steps,).
+    floating
+        Whether the receiver's solution is float, not fixed, shape (steps,): it says so itself.
     prism_times, prisms
         Time stamps in s and positions in m of the prisms by the total stations, shapes (n,) and
         (n, 3, 3).
@@ -89,6 +91,7 @@ class Measured:
     rate: Array
     fixes: Array
     due: NDArray[np.bool_]
+    floating: NDArray[np.bool_]
     prism_times: Array
     prisms: Array
 
@@ -101,8 +104,8 @@ class Setting:
     ----------
     step
         Sampling interval in s.
-    fix_sigma
-        Believed standard deviation of a fix, m, shape (3,).
+    fix_sigma, float_sigma
+        Believed standard deviations of a fix, m, shape (3,): of a fixed, and of a float solution.
     force_sigma, rate_sigma
         Believed noise of a sample of accelerometers (m/s^2) and gyroscopes (rad/s).
     force_bias, rate_bias
@@ -116,6 +119,9 @@ class Setting:
         Their believed standard deviations: m, m/s, tilt and heading in rad.
     offset_sigma
         Believed standard deviation of the clock's offset, s; 0 if it is taken for nothing.
+    lever_sigma
+        Believed standard deviation, along each axis of the body, of the error of the antenna's
+        place, m.
     swing_sigma, swing_period, swing_damping
         What is known of the motion of the point under the hook: standard deviations (m), natural
         periods (s) and damping ratios, shape (3,) each.
@@ -128,6 +134,7 @@ class Setting:
 
     step: float
     fix_sigma: Array
+    float_sigma: Array
     force_sigma: float
     rate_sigma: float
     force_bias: float
@@ -137,6 +144,7 @@ class Setting:
     start: tuple[Array, Array]
     start_sigma: Array
     offset_sigma: float
+    lever_sigma: float
     swing_sigma: Array
     swing_period: Array
     swing_damping: Array

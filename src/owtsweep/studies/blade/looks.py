@@ -15,6 +15,7 @@ LOOKS = {
     "INVARIANT_EKF": SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
     "MEKF_HEADING": SchemeStyle("#117733", "P", "-"),
     "MEKF_OFFSET": SchemeStyle("#44AA99", "<", (0, (1, 1))),
+    "MEKF_LEVER": SchemeStyle("#DDCC77", ">", (0, (3, 1, 1, 1))),
     "PENDULUM": SchemeStyle("#332288", "D", (0, (8, 3))),
     "FIXED_LAG": SchemeStyle("#CC79A7", "X", "-"),
     "SMOOTHER": SchemeStyle("#AA4499", "h", (0, (5, 1))),

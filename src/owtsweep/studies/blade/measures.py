@@ -24,6 +24,7 @@ CRITERIA = {
 }
 #: Further measures -> what they are.
 OTHERS = {
+    "mse": "position of the root: mean squared error in space, m^2",
     "velocity": "velocity of the root: rms error in space, m/s",
     **{f"root_{name}": f"position of the root along {name}: rms error, m" for name in "xyz"},
     **{f"rms_over_p_{name}": f"rms error along {name} over the root of P" for name in "xyz"},
@@ -63,6 +64,7 @@ def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, flo
         "root": _rms(error[cut]),
         "attitude": np.rad2deg(_rms(turned)),
         "worst": np.sqrt(np.sum(error[judged.last_outage] ** 2, axis=1).max()),
+        "mse": _rms(error[cut]) ** 2,
         "velocity": _rms(speed),
     }
     angles = find_angles(estimates.rotation[cut]) - find_angles(truth.rotation[cut])

@@ -16,6 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.streams import stream
 from owtsweep.studies.blade.case import Conditions
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, Measured
+from owtsweep.studies.blade.receiver import draw_errors
 from owtsweep.studies.blade.truth import Motion
 
 if TYPE_CHECKING:
@@ -47,6 +48,11 @@ def measure(
     fixes = motion.locate(antennas, time - conditions.offset)
     sigma = conditions.sigma * np.array([1.0, 1.0, sensors.vertical])
     fixes += sigma * draws("fix").standard_normal((steps, len(ANTENNAS), 3))
+    interval, floating = 1.0 / sensors.fix_rate, np.zeros(steps, dtype=bool)
+    added, floating[due] = draw_errors(
+        sensors.receiver, draws, int(due.sum()), interval, sensors.vertical
+    )
+    fixes[due] += added[:, None]
     fixes[~due | find_outages(config, conditions.outage)] = np.nan
 
     shown = _draw_prism_times(config, draws("prism_times"), steps * step)
@@ -59,6 +65,7 @@ def measure(
         rate=truth.rate + rate_bias + rate_noise,
         fixes=fixes,
         due=due,
+        floating=floating,
         prism_times=shown + sensors.prism_offset,
         prisms=prisms,
     )

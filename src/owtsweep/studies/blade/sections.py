@@ -79,11 +79,44 @@ class Unit(Section):
     heading: Positive = key("error of the heading with which a record begins", unit="deg")
 
 
+class Receiver(Section):
+    """The section `sensors.receiver`: what GNSS adds to white noise; it strikes all antennas alike.
+
+    An error that the hub's receiver shares need not be stated: it cancels between root and hub.
+    """
+
+    red_sigma: NotNegative = key(
+        "standard deviation of slow errors, horizontal", unit="m", default=0.0
+    )
+    red_time: Positive = key("time constant of slow errors", unit="s", default=60.0)
+    fixed_time: Positive | None = key(
+        "mean time from a fixed solution to the next loss of ambiguities; null: never",
+        unit="s",
+        default=None,
+    )
+    float_time: Positive = key(
+        "mean time until a float solution is fixed again", unit="s", default=20.0
+    )
+    float_sigma: NotNegative = key(
+        "standard deviation of a float solution's slow error, horizontal", unit="m", default=0.3
+    )
+    jump_every: Positive | None = key(
+        "mean time between jumps by reflected signals; null: none", unit="s", default=None
+    )
+    jump_sigma: NotNegative = key(
+        "standard deviation of a jump, horizontal", unit="m", default=0.05
+    )
+    jump_time: Positive = key("how long a jump lasts", unit="s", default=5.0)
+
+
 class Sensors(Section):
     """The section `sensors`: GNSS and total stations."""
 
     fix_rate: Positive = key("GNSS fixes per second", unit="Hz")
     vertical: Positive = key("vertical over horizontal standard deviation of a fix")
+    receiver: Receiver = key(
+        "errors of GNSS besides white noise, set by receiver=NAME", default=Receiver(), younger=True
+    )
     outage_every: Positive = key("time from the beginning of an outage to the next", unit="s")
     start_position: Positive = key("error of the position with which a record begins", unit="m")
     start_velocity: Positive = key("error of that velocity", unit="m/s")

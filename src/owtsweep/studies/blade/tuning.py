@@ -30,6 +30,13 @@ class Tuning(Section):
     offset_sigma: Positive = key(
         "how late GNSS time stamps may come, for the scheme with that offset as a state", unit="s"
     )
+    lever_sigma: Positive = key(
+        "how far along each axis the antenna may stand elsewhere, for the scheme with the error of "
+        "its place as states",
+        unit="m",
+        default=0.1,
+        younger=True,
+    )
     agreement: Positive = key(
         "standard deviation with which the hook's swing and the navigation agree", unit="m"
     )

@@ -11,7 +11,14 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_invariant import filter_invariant
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
-from owtsweep.studies.blade.schemes.navigation import LEVERS, begin, find_noise, make_room, report
+from owtsweep.studies.blade.schemes.navigation import (
+    LEVERS,
+    begin,
+    find_noise,
+    find_variance,
+    make_room,
+    report,
+)
 
 
 @dataclass(frozen=True)
@@ -26,9 +33,9 @@ class Invariant:
         s, P = begin(self.setting)
         turn = _turn_errors(s[None])[0]
         filter_invariant(
-            measured.fixes[:, :1].copy(), LEVERS[:1], self.setting.fix_sigma**2, measured.due,
-            measured.specific_force, measured.rate, measured.step, find_noise(self.setting),
-            (s, turn.T @ P @ turn), tuple(found),
+            measured.fixes[:, :1].copy(), LEVERS[:1], find_variance(self.setting, measured),
+            measured.due, measured.specific_force, measured.rate, measured.step,
+            find_noise(self.setting), (s, turn.T @ P @ turn), tuple(found),
         )  # fmt: skip
         turn = _turn_errors(found.states)
         at_rest = turn @ found.covariances @ turn.transpose(0, 2, 1)

@@ -1,8 +1,9 @@
-"""MEKF: the multiplicative Kalman filter, alone, with a second antenna, an offset or a swing."""
+"""MEKF: the multiplicative Kalman filter, alone or with further antennas and states."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from owtsweep.studies.blade.schemes.navigation import (
     Found,
     begin,
     find_noise,
+    find_variance,
     make_room,
     report,
 )
@@ -33,6 +35,8 @@ class Navigator:
         Of how many antennas fixes are used.
     offset
         Whether the clock's offset is a state.
+    lever
+        Whether the error of the first antenna's place is a state.
     swing
         Whether the hook's swing is known.
     """
@@ -40,6 +44,7 @@ class Navigator:
     setting: Setting
     antennas: int = 1
     offset: bool = False
+    lever: bool = False
     swing: bool = False
 
     def run(self, measured: Measured) -> Estimates:
@@ -49,39 +54,40 @@ class Navigator:
     def filter(self, measured: Measured) -> Found:
         """Return states and covariances of all samples."""
         setting = self.setting
-        more = self.offset + SWING * self.swing
+        more = self.offset + 3 * self.lever + SWING * self.swing
         s, P = begin(setting, more)
-        offset, at = -1, -1
+        offset, astray, at = -1, -1, -1
         if self.offset:
             offset = ERRORS
             P[offset, offset] = setting.offset_sigma**2
+        if self.lever:
+            astray = ERRORS + self.offset
+            P[astray : astray + 3, astray : astray + 3] = setting.lever_sigma**2 * np.eye(3)
         transition: Array = np.zeros((3, 2, 2))
         shaking: Array = np.zeros((3, 3, 3))
         if self.swing:
-            at = ERRORS + self.offset
+            at = ERRORS + self.offset + 3 * self.lever
             transition, shaking = describe_swing(setting, s, P, at)
         found = make_room(measured, more)
         fixes = np.ascontiguousarray(measured.fixes[:, : self.antennas])
         filter_fixes(
-            fixes, LEVERS[: self.antennas], setting.fix_sigma**2, measured.due,
+            fixes, LEVERS[: self.antennas], find_variance(setting, measured), measured.due,
             measured.specific_force, measured.rate, measured.step, find_noise(setting), (s, P),
-            offset, (at, -UNIT, transition, shaking, setting.tuning.agreement**2), tuple(found),
+            offset, astray, (at, -UNIT, transition, shaking, setting.tuning.agreement**2),
+            tuple(found),
         )  # fmt: skip
         return found
 
 
 class NavigatorScheme:
-    """The multiplicative filter with what it is given besides."""
+    """The multiplicative filter with what it is given besides: attributes of `Navigator`."""
 
-    def __init__(
-        self, name: str, *, antennas: int = 1, offset: bool = False, swing: bool = False
-    ) -> None:
-        self.name = name
-        self.antennas, self.offset, self.swing = antennas, offset, swing
+    def __init__(self, name: str, **given: Any) -> None:
+        self.name, self.given = name, given
 
     def prepare(self, setting: Setting) -> Navigator:
         """Make the filter ready for a setting."""
-        return Navigator(setting, self.antennas, self.offset, self.swing)
+        return Navigator(setting, **self.given)
 
 
 SCHEME = NavigatorScheme("MEKF")

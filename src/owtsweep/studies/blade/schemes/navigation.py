@@ -48,6 +48,12 @@ def find_noise(setting: Setting) -> Array:
     ])  # fmt: skip
 
 
+def find_variance(setting: Setting, measured: Measured) -> Array:
+    """Return the believed variance of a fix at each sample, m^2, shape (steps, 3)."""
+    floating = measured.floating[:, None]
+    return np.where(floating, setting.float_sigma, setting.fix_sigma) ** 2
+
+
 def make_room(measured: Measured, more: int = 0) -> Found:
     """Return room for what a filter finds."""
     steps, errors = len(measured.rate), ERRORS + more

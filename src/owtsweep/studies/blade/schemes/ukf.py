@@ -6,7 +6,14 @@ from dataclasses import dataclass
 
 from owtsweep.estimation.inertial_unscented import filter_unscented
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
-from owtsweep.studies.blade.schemes.navigation import LEVERS, begin, find_noise, make_room, report
+from owtsweep.studies.blade.schemes.navigation import (
+    LEVERS,
+    begin,
+    find_noise,
+    find_variance,
+    make_room,
+    report,
+)
 
 
 @dataclass(frozen=True)
@@ -19,9 +26,9 @@ class Unscented:
         """Estimate from the measurements of a record."""
         found = make_room(measured)
         filter_unscented(
-            measured.fixes[:, :1].copy(), LEVERS[:1], self.setting.fix_sigma**2, measured.due,
-            measured.specific_force, measured.rate, measured.step, find_noise(self.setting),
-            begin(self.setting), tuple(found),
+            measured.fixes[:, :1].copy(), LEVERS[:1], find_variance(self.setting, measured),
+            measured.due, measured.specific_force, measured.rate, measured.step,
+            find_noise(self.setting), begin(self.setting), tuple(found),
         )  # fmt: skip
         return report(measured, found)
 
