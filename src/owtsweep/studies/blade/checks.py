@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 100_000
 #: Angles reach some three standard deviations; Euler angles fail at a pitch of 90 degrees.
 REACH, MOST_ANGLE = 3.0, 80.0
+#: Most bending in m: slopes of a tenth, beyond which cross-sections do not turn by a slope alone.
+MOST_BENDING = 1.5
 #: An antenna is on the blade.
 LONGEST_LEVER = 50.0
 
@@ -67,6 +69,21 @@ def _check_motion(config: BladeConfig) -> None:
             f"record.rate: {config.record.rate:g} Hz is too slow for a motion of {period:g} s "
             f"({name}); give {30.0 / period:.4g} Hz or more",
         )
+    bending = motion.bending
+    require(
+        bending.damping < 1.0,
+        f"motion.bending.damping: {bending.damping:g} is no resonance; give a ratio below 1",
+    )
+    require(
+        max(bending.sag, bending.vibration) <= MOST_BENDING,
+        f"motion.bending: {max(bending.sag, bending.vibration):g} m are no small bending of 28 m; "
+        f"give at most {MOST_BENDING:g} as sag and as vibration",
+    )
+    require(
+        bending.vibration == 0.0 or config.record.rate >= 30.0 / bending.period,
+        f"motion.bending.period: record.rate={config.record.rate:g} Hz is too slow for "
+        f"{bending.period:g} s; give {30.0 / config.record.rate:.4g} s or more",
+    )
 
 
 def _check_sensors(config: BladeConfig) -> None:

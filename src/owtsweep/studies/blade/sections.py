@@ -49,6 +49,23 @@ class Freedom(Section):
     gust: NotNegative = key("standard deviation of what gusts add, m or deg")
 
 
+class Bending(Section):
+    """The section `motion.bending`: by what the blade is not rigid; nothing unless it is set."""
+
+    sag: NotNegative = key(
+        "by how far the third prism, 28 m from the inertial unit, hangs below the rigid blade, "
+        "under the blade's weight",
+        unit="m",
+        default=0.0,
+    )
+    vibration: NotNegative = key(
+        "standard deviation of the vibration in the first flapwise mode there", unit="m",
+        default=0.0,
+    )  # fmt: skip
+    period: Positive = key("natural period of that mode", unit="s", default=0.8)
+    damping: Positive = key("damping ratio of that mode", default=0.01)
+
+
 class Motion(Section):
     """The section `motion`: how the blade moves on its hook."""
 
@@ -56,6 +73,9 @@ class Motion(Section):
         "u, v, w, heading, pitch, roll: of the centre of gravity, and about it"
     )
     gust_time: Positive = key("time constant of gusts", unit="s")
+    bending: Bending = key(
+        "how the blade bends beyond its root end", default=Bending(), younger=True
+    )
 
     @field_validator("freedoms", mode="before")
     @classmethod

@@ -31,6 +31,7 @@ from owtsweep.motion.lines import (
     scale_to_one,
 )
 from owtsweep.streams import stream
+from owtsweep.studies.blade.bending import Bending, make_bending
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
 
 if TYPE_CHECKING:
@@ -54,18 +55,23 @@ class Motion:
         derivatives and a lead before the record.
     lead
         Number of samples of the lead.
+    bending
+        By what points are off the rigid blade; None: by nothing.
     """
 
     truth: Truth
     series: Series
     lead: int
+    bending: Bending | None = None
 
     def locate(self, points: Array, times: Array) -> Array:
         """Return where points of the body (k, 3) are at times in s, shape (n, k, 3)."""
         place = interpolate(self.series, self.truth.step, self.lead, times)
-        return np.asarray(
-            place[:, None, :3] + np.einsum("nij,kj->nki", make_rotation(place[:, 3:]), points)
-        )
+        rotation = make_rotation(place[:, 3:])
+        located = place[:, None, :3] + np.einsum("nij,kj->nki", rotation, points)
+        if self.bending is not None:
+            located += np.einsum("nij,nkj->nki", rotation, self.bending.shift(points, times))
+        return np.asarray(located)
 
 
 def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> Motion:
@@ -102,7 +108,7 @@ def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> M
         rate=rate,
         specific_force=np.einsum("nji,nj->ni", rotation, felt),
     )
-    return Motion(truth, series, lead)
+    return Motion(truth, series, lead, make_bending(config, replicate, series, steps, lead))
 
 
 def _draw_lines(
