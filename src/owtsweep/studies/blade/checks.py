@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.config import require
+from owtsweep.estimation.double_integration import RATE
+from owtsweep.studies.blade.boom import HIGHEST
 from owtsweep.studies.blade.contract import DOF
 from owtsweep.studies.blade.schemes import REGISTERED
 from owtsweep.studies.blade.sections import AXES
@@ -22,6 +24,8 @@ MOST_SAMPLES = 100_000
 REACH, MOST_ANGLE = 3.0, 80.0
 #: Most bending in m: slopes of a tenth, beyond which cross-sections do not turn by a slope alone.
 MOST_BENDING = 1.5
+#: Fastest accelerometers on the boom, and what passes the filter before decimation, Hz.
+FASTEST, PASSED = 1000.0, 8.0
 #: An antenna is on the blade.
 LONGEST_LEVER = 50.0
 
@@ -39,6 +43,7 @@ def check(config: BladeConfig) -> None:
     config.record.check_samples(MOST_SAMPLES)
     _check_motion(config)
     _check_sensors(config)
+    _check_boom(config)
 
 
 def _check_motion(config: BladeConfig) -> None:
@@ -127,3 +132,23 @@ def _check_sensors(config: BladeConfig) -> None:
         f"sensors.prism_rate: {sensors.prism_rate:g} Hz are fewer than 10 positions in "
         f"{record.duration:g} s; give {10.0 / record.duration:.3g} or more",
     )
+
+
+def _check_boom(config: BladeConfig) -> None:
+    boom = config.boom
+    require(
+        abs(boom.rate / RATE - round(boom.rate / RATE)) < 1e-9 and RATE <= boom.rate <= FASTEST,
+        f"boom.rate: {boom.rate:g} Hz is no whole multiple of {RATE:g} Hz up to {FASTEST:g} Hz; "
+        "200 Hz would work",
+    )
+    for name, mode in boom.modes.items():
+        require(
+            mode.damping < 1.0,
+            f"boom.modes.{name}.damping: {mode.damping:g} is no resonance; give a ratio below 1",
+        )
+        require(
+            HIGHEST / mode.period <= PASSED,
+            f"boom.modes.{name}.period: {mode.period:g} s vibrates up to "
+            f"{HIGHEST / mode.period:.3g} Hz, and {PASSED:g} Hz pass the decimation; give "
+            f"{HIGHEST / PASSED:g} s or more",
+        )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.streams import stream
+from owtsweep.studies.blade.boom import measure_boom
 from owtsweep.studies.blade.case import Conditions
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, Measured
 from owtsweep.studies.blade.truth import Motion
@@ -61,6 +62,7 @@ def measure(
         due=due,
         prism_times=shown + sensors.prism_offset,
         prisms=prisms,
+        boom=None if truth.boom is None else measure_boom(config, truth.boom, replicate),
     )
 
 

@@ -86,6 +86,42 @@ class Motion(Section):
         return value
 
 
+class BoomMode(Section):
+    """One mode of the boom: the tip moves to and fro along a line."""
+
+    period: Positive = key("natural period", unit="s")
+    damping: Positive = key("damping ratio")
+    sigma: list[float] = key(
+        "standard deviation of the tip along x, y and z; signs say along which line", unit="m",
+        min_length=3, max_length=3, form="three numbers, those of x, y and z in m",
+    )  # fmt: skip
+
+
+#: The modes of the boom unless others are given: sizes are like those of Fig. 13.
+BOOM_MODES = {
+    "aside": BoomMode(period=2.5, damping=0.01, sigma=[0.003, 0.0, 0.0]),
+    "luffing": BoomMode(period=1.8, damping=0.01, sigma=[0.0, 0.002, 0.002]),
+    "second": BoomMode(period=0.7, damping=0.01, sigma=[0.0005, 0.0002, -0.0002]),
+}
+
+
+class Boom(Section):
+    """The section `boom`: how the tip of the crane's boom moves, and accelerometers on it."""
+
+    modes: dict[str, BoomMode] = key(
+        "name: period (s), damping and sigma (m, along x, y and z) of a mode of the boom",
+        default=BOOM_MODES,
+    )
+    follow: list[NotNegative] = key(
+        "by what part the tip follows the blade's centre of gravity, along x, y and z",
+        default=[0.01, 0.02, 0.3], min_length=3, max_length=3,
+        form="three numbers, those of x, y and z",
+    )  # fmt: skip
+    rate: Positive = key("rate of the accelerometers", unit="Hz", default=200.0)
+    noise: NotNegative = key("white noise of their samples", unit="m/s^2", default=1.2e-4)
+    bias: NotNegative = key("their bias", unit="m/s^2", default=0.05)
+
+
 class Unit(Section):
     """The section `unit`: the inertial unit, set by unit=NAME."""
 

@@ -32,6 +32,7 @@ from owtsweep.motion.lines import (
 )
 from owtsweep.streams import stream
 from owtsweep.studies.blade.bending import Bending, make_bending
+from owtsweep.studies.blade.boom import make_boom
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
 
 if TYPE_CHECKING:
@@ -107,6 +108,7 @@ def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> M
         unit_velocity=unit_velocity,
         rate=rate,
         specific_force=np.einsum("nji,nj->ni", rotation, felt),
+        boom=make_boom(config, replicate, lines[:, :3]),
     )
     return Motion(truth, series, lead, make_bending(config, replicate, series, steps, lead))
 
