@@ -12,6 +12,7 @@ from owtsweep.studies.blade.boom import HIGHEST
 from owtsweep.studies.blade.contract import DOF
 from owtsweep.studies.blade.schemes import REGISTERED
 from owtsweep.studies.blade.sections import AXES
+from owtsweep.studies.blade.tugger import hold
 from owtsweep.studies.contest.axes import check_axes
 from owtsweep.studies.scheme_names import check_names
 
@@ -68,7 +69,16 @@ def _check_motion(config: BladeConfig) -> None:
                 f"{where or f'motion.freedoms.{name}.sigma'}: {max(sizes):g} deg reaches "
                 f"{reach:.3g} deg; give less, so that {MOST_ANGLE:g} deg are not reached",
             )
-        period = min([freedom.period, *((grid.period or []) if name == "u" else [])])
+        natural = freedom.period
+        if name in ("heading", "pitch"):
+            stiffness = getattr(motion.tugger, name)
+            natural, damping, *_ = hold(freedom, stiffness, motion.tugger.damping)
+            require(
+                damping < 1.0,
+                f"motion.tugger.damping: {motion.tugger.damping:g} makes {name} no resonance, with "
+                f"a damping ratio of {damping:.3g}; give less",
+            )
+        period = min([natural, *((grid.period or []) if name == "u" else [])])
         require(
             config.record.rate >= 10.0 * 3.0 / period,
             f"record.rate: {config.record.rate:g} Hz is too slow for a motion of {period:g} s "

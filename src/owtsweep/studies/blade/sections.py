@@ -66,6 +66,18 @@ class Bending(Section):
     damping: Positive = key("damping ratio of that mode", default=0.01)
 
 
+class Tugger(Section):
+    """The section `motion.tugger`: lines that hold the blade; none unless it is set."""
+
+    heading: NotNegative = key(
+        "stiffness of the lines over that of the hook, about the heading", default=0.0
+    )
+    pitch: NotNegative = key("the same about the pitch", default=0.0)
+    damping: NotNegative = key(
+        "damping ratio that winches add to both, as without the lines' stiffness", default=0.0
+    )
+
+
 class Motion(Section):
     """The section `motion`: how the blade moves on its hook."""
 
@@ -73,6 +85,10 @@ class Motion(Section):
         "u, v, w, heading, pitch, roll: of the centre of gravity, and about it"
     )
     gust_time: Positive = key("time constant of gusts", unit="s")
+    tugger: Tugger = key(
+        "lines that hold heading and pitch, whose freedoms are those without lines",
+        default=Tugger(), younger=True,
+    )  # fmt: skip
     bending: Bending = key(
         "how the blade bends beyond its root end", default=Bending(), younger=True
     )

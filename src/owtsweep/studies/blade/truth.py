@@ -34,6 +34,7 @@ from owtsweep.streams import stream
 from owtsweep.studies.blade.bending import Bending, make_bending
 from owtsweep.studies.blade.boom import make_boom
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
+from owtsweep.studies.blade.tugger import hold
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.case import Conditions
@@ -143,11 +144,15 @@ def choose_freedoms(
     chosen = {}
     for name in DOF:
         freedom = config.motion.freedoms[name]
-        period, sigma = freedom.period, freedom.sigma
+        period, damping, sigma, gust = freedom.period, freedom.damping, freedom.sigma, freedom.gust
+        if name in ("heading", "pitch"):
+            tugger = config.motion.tugger
+            stiffness = getattr(tugger, name)
+            period, damping, sigma, gust = hold(freedom, stiffness, tugger.damping)
         if name == "u":
             period = conditions.period or period
             sigma = conditions.amplitude or sigma
         elif name == "heading":
             sigma = conditions.heading or sigma
-        chosen[name] = (period, freedom.damping, sigma, freedom.gust)
+        chosen[name] = (period, damping, sigma, gust)
     return chosen
