@@ -50,8 +50,8 @@ def test_each_error_of_the_reference_is_seen_where_it_must() -> None:
 
 
 def test_the_boom_is_judged_in_both_forms() -> None:
-    found = score_boom(0)
-    assert found["boom"] < 0.2 < found["boom_causal"]
+    found = score_boom(make_record(SHORT, 0))
+    assert found["boom"] < 0.2 < found["boom_moved"] < found["boom_causal"]
     assert found["slow_kept"] < 0.01
 
 

@@ -23,7 +23,7 @@ from owtsweep.studies.contest.rows import Judgement, make_rows
 from owtsweep.sweep.study import Block
 
 #: Keys and sections of the configuration on which every row depends.
-SHARED = ("seed", "record", "motion", "unit", "sensors", "filters")
+SHARED = ("seed", "record", "motion", "boom", "unit", "sensors", "filters")
 #: Most records of a block, and most samples of its records: it keeps their measurements. To write
 #: and read the file of a block takes as long as a scheme takes for a record.
 MOST_RECORDS, MOST_SAMPLES = 4, 100_000
@@ -86,4 +86,4 @@ def _judge(case: Case, setting: Setting, scheme: Scheme, window: Judged) -> Judg
 def _describe_content(config: BladeConfig) -> dict[str, Any]:
     """Return what the rows of every block depend on."""
     whole = as_mapping(config)
-    return {name: whole[name] for name in SHARED}
+    return {name: whole[name] for name in SHARED if name in whole}  # the boom is younger

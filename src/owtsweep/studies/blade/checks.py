@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.config import require
+from owtsweep.estimation.double_integration import RATE
+from owtsweep.studies.blade.boom import HIGHEST
 from owtsweep.studies.blade.contract import DOF
 from owtsweep.studies.blade.schemes import REGISTERED
 from owtsweep.studies.blade.sections import AXES
+from owtsweep.studies.blade.tugger import hold
 from owtsweep.studies.contest.axes import check_axes
 from owtsweep.studies.scheme_names import check_names
 
@@ -20,6 +23,10 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 100_000
 #: Angles reach some three standard deviations; Euler angles fail at a pitch of 90 degrees.
 REACH, MOST_ANGLE = 3.0, 80.0
+#: Most bending in m: slopes of a tenth, beyond which cross-sections do not turn by a slope alone.
+MOST_BENDING = 1.5
+#: Fastest accelerometers on the boom, and what passes the filter before decimation, Hz.
+FASTEST, PASSED = 1000.0, 8.0
 #: An antenna is on the blade.
 LONGEST_LEVER = 50.0
 
@@ -37,6 +44,7 @@ def check(config: BladeConfig) -> None:
     config.record.check_samples(MOST_SAMPLES)
     _check_motion(config)
     _check_sensors(config)
+    _check_boom(config)
 
 
 def _check_motion(config: BladeConfig) -> None:
@@ -61,12 +69,36 @@ def _check_motion(config: BladeConfig) -> None:
                 f"{where or f'motion.freedoms.{name}.sigma'}: {max(sizes):g} deg reaches "
                 f"{reach:.3g} deg; give less, so that {MOST_ANGLE:g} deg are not reached",
             )
-        period = min([freedom.period, *((grid.period or []) if name == "u" else [])])
+        natural = freedom.period
+        if name in ("heading", "pitch"):
+            stiffness = getattr(motion.tugger, name)
+            natural, damping, *_ = hold(freedom, stiffness, motion.tugger.damping)
+            require(
+                damping < 1.0,
+                f"motion.tugger.damping: {motion.tugger.damping:g} makes {name} no resonance, with "
+                f"a damping ratio of {damping:.3g}; give less",
+            )
+        period = min([natural, *((grid.period or []) if name == "u" else [])])
         require(
             config.record.rate >= 10.0 * 3.0 / period,
             f"record.rate: {config.record.rate:g} Hz is too slow for a motion of {period:g} s "
             f"({name}); give {30.0 / period:.4g} Hz or more",
         )
+    bending = motion.bending
+    require(
+        bending.damping < 1.0,
+        f"motion.bending.damping: {bending.damping:g} is no resonance; give a ratio below 1",
+    )
+    require(
+        max(bending.sag, bending.vibration) <= MOST_BENDING,
+        f"motion.bending: {max(bending.sag, bending.vibration):g} m are no small bending of 28 m; "
+        f"give at most {MOST_BENDING:g} as sag and as vibration",
+    )
+    require(
+        bending.vibration == 0.0 or config.record.rate >= 30.0 / bending.period,
+        f"motion.bending.period: record.rate={config.record.rate:g} Hz is too slow for "
+        f"{bending.period:g} s; give {30.0 / config.record.rate:.4g} s or more",
+    )
 
 
 def _check_sensors(config: BladeConfig) -> None:
@@ -110,3 +142,23 @@ def _check_sensors(config: BladeConfig) -> None:
         f"sensors.prism_rate: {sensors.prism_rate:g} Hz are fewer than 10 positions in "
         f"{record.duration:g} s; give {10.0 / record.duration:.3g} or more",
     )
+
+
+def _check_boom(config: BladeConfig) -> None:
+    boom = config.boom
+    require(
+        abs(boom.rate / RATE - round(boom.rate / RATE)) < 1e-9 and RATE <= boom.rate <= FASTEST,
+        f"boom.rate: {boom.rate:g} Hz is no whole multiple of {RATE:g} Hz up to {FASTEST:g} Hz; "
+        "200 Hz would work",
+    )
+    for name, mode in boom.modes.items():
+        require(
+            mode.damping < 1.0,
+            f"boom.modes.{name}.damping: {mode.damping:g} is no resonance; give a ratio below 1",
+        )
+        require(
+            HIGHEST / mode.period <= PASSED,
+            f"boom.modes.{name}.period: {mode.period:g} s vibrates up to "
+            f"{HIGHEST / mode.period:.3g} Hz, and {PASSED:g} Hz pass the decimation; give "
+            f"{HIGHEST / PASSED:g} s or more",
+        )

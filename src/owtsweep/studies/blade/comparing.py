@@ -12,7 +12,7 @@ from owtsweep.studies.contest.tables import list_competing
 
 #: The keys on which the motion of a record depends, besides its conditions and number. Those of
 #: sensors scale noise, and move or leave out reports, but draw nothing anew.
-PAIRING = ("seed", "record", "motion", "unit")
+PAIRING = ("seed", "record", "motion", "boom", "unit")
 
 
 def describe_run(run: Candidate) -> Aspects:

@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
-from owtsweep.studies.blade.sections import Grid, Motion, Sensors, Unit
+from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
 
 
@@ -31,6 +31,7 @@ class BladeConfig(TunedConfig):
     )
     record: Record = key("a record of motion and measurements")
     motion: Motion = key("how the blade moves on its hook")
+    boom: Boom = key("the crane's boom and its accelerometers", default=Boom(), younger=True)
     unit: Unit = key("the inertial unit, set by unit=NAME")
     grade: str = key("what the inertial unit is called, set by unit=NAME")
     sensors: Sensors = key("GNSS and total stations")

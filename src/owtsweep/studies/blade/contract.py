@@ -7,7 +7,7 @@ the blade's centre of gravity in its reference position. The body's frame is thi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,21 @@ class Unable(Exception):
     """A scheme cannot work at a setting; the message is the reason."""
 
 
+class BoomMotion(NamedTuple):
+    """Displacement (m) and acceleration (m/s^2) of the boom's tip, (n, 3), at a rate in Hz."""
+
+    rate: float
+    position: Array
+    acceleration: Array
+
+
+class Accelerations(NamedTuple):
+    """What the accelerometers on the boom's tip say, m/s^2, shape (n, 3), at a rate in Hz."""
+
+    rate: float
+    values: Array
+
+
 @dataclass(frozen=True)
 class Truth:
     """The motion of a record.
@@ -52,6 +67,8 @@ class Truth:
         Angular velocity in the body's frame, rad/s, shape (steps, 3).
     specific_force
         What an ideal accelerometer at the unit reads, m/s^2, shape (steps, 3).
+    boom
+        How the tip of the crane's boom moves; None if nobody knows.
     """
 
     step: float
@@ -62,6 +79,7 @@ class Truth:
     unit_velocity: Array
     rate: Array
     specific_force: Array
+    boom: BoomMotion | None = None
 
 
 @dataclass(frozen=True)
@@ -84,6 +102,8 @@ class Measured:
     prism_times, prisms
         Time stamps in s and positions in m of the prisms by the total stations, shapes (n,) and
         (n, 3, 3).
+    boom
+        Accelerations of the boom's tip; None if nothing is there.
     """
 
     step: float
@@ -94,6 +114,7 @@ class Measured:
     floating: NDArray[np.bool_]
     prism_times: Array
     prisms: Array
+    boom: Accelerations | None = None
 
 
 @dataclass(frozen=True)
@@ -171,6 +192,9 @@ class Estimates:
         fix; None if the scheme has none.
     wait
         Time in s that a user waits for an estimate; the record's length if all of it is needed.
+    boom
+        Displacement of the boom's tip above .15 Hz at 20 Hz, m, shape (n, 3); None if the scheme
+        does not look at the boom.
     """
 
     root: Array
@@ -180,6 +204,7 @@ class Estimates:
     attitude_covariance: Array | None = None
     nis: Array | None = None
     wait: float = 0.0
+    boom: Array | None = None
 
 
 class Prepared(Protocol):

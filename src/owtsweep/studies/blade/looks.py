@@ -19,5 +19,6 @@ LOOKS = {
     "PENDULUM": SchemeStyle("#332288", "D", (0, (8, 3))),
     "FIXED_LAG": SchemeStyle("#CC79A7", "X", "-"),
     "SMOOTHER": SchemeStyle("#AA4499", "h", (0, (5, 1))),
+    "DOUBLE_INTEGRATION": SchemeStyle("#661100", "H", (0, (2, 1, 1, 1))),
     "TOTAL_STATIONS": SchemeStyle("#E69F00", "^", (0, (4, 2))),
 }

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.blade_angles import find_angles
+from owtsweep.studies.blade.boom import find_boom_error
 from owtsweep.studies.blade.contract import Estimates, Truth
 from owtsweep.studies.contest import WAIT
 
@@ -32,6 +33,7 @@ OTHERS = {
     "nees": "normalised squared error of the root's position, over 3",
     "nees_attitude": "normalised squared error of the attitude, over 3",
     "nis": "normalised squared innovation of a fix, over its dimension",
+    "boom": "tip of the boom above .15 Hz, by its accelerometers: rms error in space, m",
 }
 
 
@@ -82,6 +84,9 @@ def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, flo
         found["nees_attitude"] = average_nees(turned, estimates.attitude_covariance[cut])
     if estimates.nis is not None and np.isfinite(estimates.nis[cut]).any():
         found["nis"] = np.nanmean(estimates.nis[cut])
+    if estimates.boom is not None and truth.boom is not None:
+        boom = find_boom_error(truth.boom, estimates.boom, judged.settled * truth.step)
+        found |= {} if boom is None else {"boom": boom}
     if estimates.wait > 0.0:
         found[WAIT] = estimates.wait
     return {name: float(value) for name, value in found.items()}

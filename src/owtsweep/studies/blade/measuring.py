@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.streams import stream
+from owtsweep.studies.blade.boom import measure_boom
 from owtsweep.studies.blade.case import Conditions
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, Measured
 from owtsweep.studies.blade.receiver import draw_errors
@@ -68,6 +69,7 @@ def measure(
         floating=floating,
         prism_times=shown + sensors.prism_offset,
         prisms=prisms,
+        boom=None if truth.boom is None else measure_boom(config, truth.boom, replicate),
     )
 
 

@@ -49,6 +49,35 @@ class Freedom(Section):
     gust: NotNegative = key("standard deviation of what gusts add, m or deg")
 
 
+class Bending(Section):
+    """The section `motion.bending`: by what the blade is not rigid; nothing unless it is set."""
+
+    sag: NotNegative = key(
+        "by how far the third prism, 28 m from the inertial unit, hangs below the rigid blade, "
+        "under the blade's weight",
+        unit="m",
+        default=0.0,
+    )
+    vibration: NotNegative = key(
+        "standard deviation of the vibration in the first flapwise mode there", unit="m",
+        default=0.0,
+    )  # fmt: skip
+    period: Positive = key("natural period of that mode", unit="s", default=0.8)
+    damping: Positive = key("damping ratio of that mode", default=0.01)
+
+
+class Tugger(Section):
+    """The section `motion.tugger`: lines that hold the blade; none unless it is set."""
+
+    heading: NotNegative = key(
+        "stiffness of the lines over that of the hook, about the heading", default=0.0
+    )
+    pitch: NotNegative = key("the same about the pitch", default=0.0)
+    damping: NotNegative = key(
+        "damping ratio that winches add to both, as without the lines' stiffness", default=0.0
+    )
+
+
 class Motion(Section):
     """The section `motion`: how the blade moves on its hook."""
 
@@ -56,6 +85,13 @@ class Motion(Section):
         "u, v, w, heading, pitch, roll: of the centre of gravity, and about it"
     )
     gust_time: Positive = key("time constant of gusts", unit="s")
+    tugger: Tugger = key(
+        "lines that hold heading and pitch, whose freedoms are those without lines",
+        default=Tugger(), younger=True,
+    )  # fmt: skip
+    bending: Bending = key(
+        "how the blade bends beyond its root end", default=Bending(), younger=True
+    )
 
     @field_validator("freedoms", mode="before")
     @classmethod
@@ -64,6 +100,42 @@ class Motion(Section):
         if unknown:
             raise ValueError(f"no degree of freedom is called {unknown[0]}; use {', '.join(DOF)}")
         return value
+
+
+class BoomMode(Section):
+    """One mode of the boom: the tip moves to and fro along a line."""
+
+    period: Positive = key("natural period", unit="s")
+    damping: Positive = key("damping ratio")
+    sigma: list[float] = key(
+        "standard deviation of the tip along x, y and z; signs say along which line", unit="m",
+        min_length=3, max_length=3, form="three numbers, those of x, y and z in m",
+    )  # fmt: skip
+
+
+#: The modes of the boom unless others are given: sizes are like those of Fig. 13.
+BOOM_MODES = {
+    "aside": BoomMode(period=2.5, damping=0.01, sigma=[0.003, 0.0, 0.0]),
+    "luffing": BoomMode(period=1.8, damping=0.01, sigma=[0.0, 0.002, 0.002]),
+    "second": BoomMode(period=0.7, damping=0.01, sigma=[0.0005, 0.0002, -0.0002]),
+}
+
+
+class Boom(Section):
+    """The section `boom`: how the tip of the crane's boom moves, and accelerometers on it."""
+
+    modes: dict[str, BoomMode] = key(
+        "name: period (s), damping and sigma (m, along x, y and z) of a mode of the boom",
+        default=BOOM_MODES,
+    )
+    follow: list[NotNegative] = key(
+        "by what part the tip follows the blade's centre of gravity, along x, y and z",
+        default=[0.01, 0.02, 0.3], min_length=3, max_length=3,
+        form="three numbers, those of x, y and z",
+    )  # fmt: skip
+    rate: Positive = key("rate of the accelerometers", unit="Hz", default=200.0)
+    noise: NotNegative = key("white noise of their samples", unit="m/s^2", default=1.2e-4)
+    bias: NotNegative = key("their bias", unit="m/s^2", default=0.05)
 
 
 class Unit(Section):

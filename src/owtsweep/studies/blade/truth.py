@@ -31,7 +31,10 @@ from owtsweep.motion.lines import (
     scale_to_one,
 )
 from owtsweep.streams import stream
+from owtsweep.studies.blade.bending import Bending, make_bending
+from owtsweep.studies.blade.boom import make_boom
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
+from owtsweep.studies.blade.tugger import hold
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.case import Conditions
@@ -54,18 +57,23 @@ class Motion:
         derivatives and a lead before the record.
     lead
         Number of samples of the lead.
+    bending
+        By what points are off the rigid blade; None: by nothing.
     """
 
     truth: Truth
     series: Series
     lead: int
+    bending: Bending | None = None
 
     def locate(self, points: Array, times: Array) -> Array:
         """Return where points of the body (k, 3) are at times in s, shape (n, k, 3)."""
         place = interpolate(self.series, self.truth.step, self.lead, times)
-        return np.asarray(
-            place[:, None, :3] + np.einsum("nij,kj->nki", make_rotation(place[:, 3:]), points)
-        )
+        rotation = make_rotation(place[:, 3:])
+        located = place[:, None, :3] + np.einsum("nij,kj->nki", rotation, points)
+        if self.bending is not None:
+            located += np.einsum("nij,nkj->nki", rotation, self.bending.shift(points, times))
+        return np.asarray(located)
 
 
 def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> Motion:
@@ -101,8 +109,9 @@ def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> M
         unit_velocity=unit_velocity,
         rate=rate,
         specific_force=np.einsum("nji,nj->ni", rotation, felt),
+        boom=make_boom(config, replicate, lines[:, :3]),
     )
-    return Motion(truth, series, lead)
+    return Motion(truth, series, lead, make_bending(config, replicate, series, steps, lead))
 
 
 def _draw_lines(
@@ -135,11 +144,15 @@ def choose_freedoms(
     chosen = {}
     for name in DOF:
         freedom = config.motion.freedoms[name]
-        period, sigma = freedom.period, freedom.sigma
+        period, damping, sigma, gust = freedom.period, freedom.damping, freedom.sigma, freedom.gust
+        if name in ("heading", "pitch"):
+            tugger = config.motion.tugger
+            stiffness = getattr(tugger, name)
+            period, damping, sigma, gust = hold(freedom, stiffness, tugger.damping)
         if name == "u":
             period = conditions.period or period
             sigma = conditions.amplitude or sigma
         elif name == "heading":
             sigma = conditions.heading or sigma
-        chosen[name] = (period, freedom.damping, sigma, freedom.gust)
+        chosen[name] = (period, damping, sigma, gust)
     return chosen

@@ -77,7 +77,7 @@ def judge_g5(scores: Scores) -> list[Claim]:
 
 
 def judge_g6(scores: Scores) -> list[Claim]:
-    """A boom that moves some mm at .3 to 2 Hz."""
+    """The tip of the study's boom, all three directions: rms error in space, mean over records."""
     return [scores.claim("error, mm", [("boom", "boom")], "below", 0.2)]
 
 

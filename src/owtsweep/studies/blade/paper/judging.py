@@ -18,9 +18,10 @@ SCENARIOS: dict[str, tuple[tuple[str, ...], Callable[..., dict[str, float]]]] = 
     **{name: (words, scores.score_reference) for name, words in REFERENCE.items()},
     "filters": ((), scores.score_filters),
     "coasting": (COASTING, scores.score_coasting),
+    "boom": ((), scores.score_boom),
 }
 #: What needs no record of the blade.
-ALONE = {"geometry": scores.score_geometry, "boom": scores.score_boom}
+ALONE = {"geometry": scores.score_geometry}
 
 
 def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:

@@ -13,8 +13,9 @@ from owtsweep.estimation.blade_angles import (
     make_rotation,
 )
 from owtsweep.estimation.clock_offset import find_offset
-from owtsweep.estimation.double_integration import decimate, integrate_twice, pass_high
+from owtsweep.estimation.double_integration import RATE, pass_high
 from owtsweep.estimation.wahba import carry_point, find_pose
+from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
 from owtsweep.studies.blade.contract import PRISMS, ROOT, UNIT
 from owtsweep.studies.blade.measures import compare
 from owtsweep.studies.blade.paper.processing import COLUMNS, ROTATIONS, Motions, process
@@ -22,10 +23,6 @@ from owtsweep.studies.blade.paper.scenarios import Record
 
 #: Filters that should agree.
 ALIKE = ("UKF", "MEKF", "INVARIANT_EKF")
-#: Rate in Hz of the accelerometers on the boom, their noise (Table 1), length of their record in s.
-BOOM_RATE, BOOM_SIGMA, BOOM_LENGTH = 200.0, 1.2e-4, 300.0
-#: Seconds at both ends of a filtered record that are not judged.
-EDGE = 20.0
 
 
 def score_reference(record: Record) -> dict[str, float]:
@@ -126,30 +123,27 @@ def score_geometry(replicate: int) -> dict[str, float]:
     }
 
 
-def score_boom(replicate: int) -> dict[str, float]:
-    """Return errors in mm of double integration of a boom's motion of .3 to 2 Hz, some mm large.
+def score_boom(record: Record) -> dict[str, float]:
+    """Return errors in mm of the boom's tip above .15 Hz, in space, and by how much it moves.
 
     What is kept of a slow motion of .075 Hz, as a part, too.
     """
-    draw = np.random.default_rng(replicate)
-    time = np.arange(round(BOOM_LENGTH * BOOM_RATE)) / BOOM_RATE
-    frequency, phase = draw.uniform(0.3, 2.0, (2, 12)) * [[1.0], [np.pi]]
-    angle = 2.0 * np.pi * frequency[:, None] * time + phase[:, None]
-    moved = 0.002 * np.sin(angle).sum(axis=0)
-    felt = -0.002 * ((2.0 * np.pi * frequency[:, None]) ** 2 * np.sin(angle)).sum(axis=0)
-    felt += BOOM_SIGMA * draw.standard_normal(len(felt))
-    factor = 10
-    rate = BOOM_RATE / factor
-    estimate = integrate_twice(decimate(felt, BOOM_RATE), rate)
-    truth = pass_high(moved[::factor], rate)
-    inner = slice(round(EDGE * rate), -round(EDGE * rate))
-    slow = np.sin(2.0 * np.pi * 0.075 * time[::factor])
-
-    def rms(values: Array) -> float:
-        return float(np.sqrt(np.mean(values[inner] ** 2)))
-
-    return {
-        "boom": 1e3 * rms(pass_high(estimate, rate) - truth),
-        "boom_causal": 1e3 * rms(pass_high(estimate, rate, zero_phase=False) - truth),
-        "slow_kept": rms(pass_high(slow, rate)) / rms(slow),
+    true, felt = record.truth.boom, record.measured.boom
+    assert true is not None
+    assert felt is not None
+    settled = record.config.record.settling
+    estimate = estimate_boom(felt)
+    forms = {
+        "boom": estimate,
+        "boom_causal": estimate_boom(felt, zero_phase=False),
+        "boom_moved": np.zeros_like(estimate),
     }
+    found = {}
+    for name, form in forms.items():
+        error = find_boom_error(true, form, settled)
+        assert error is not None
+        found[name] = 1e3 * error
+    slow = np.sin(2.0 * np.pi * 0.075 * np.arange(len(estimate)) / RATE)
+    inner = slice(round(ENDS * RATE), -round(ENDS * RATE))
+    kept = pass_high(slow, RATE)[inner].std() / slow[inner].std()
+    return found | {"slow_kept": float(kept)}

@@ -108,7 +108,7 @@ def judge_f7(scores: Scores) -> list[Claim]:
 
 
 def judge_f8(scores: Scores) -> list[Claim]:
-    """Forward and reverse: error below .2 mm from .3 Hz on; less than 1 % is left at .075 Hz."""
+    """Forward and reverse: error below .2 mm in the band; less than 1 % is left at .075 Hz."""
     return [
         scores.claim("error, mm", [("boom", "boom")], "below", 0.2),
         scores.claim("left at .075 Hz", [("boom", "slow_kept")], "below", 0.01),

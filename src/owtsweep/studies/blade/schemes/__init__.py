@@ -22,6 +22,7 @@ REGISTERED = {
     "PENDULUM": "MEKF that knows how the hook lets the blade swing",
     "FIXED_LAG": "MEKF and a smoother that looks a fixed time ahead",
     "SMOOTHER": "MEKF and a smoother of the whole record, what post-processing does",
+    "DOUBLE_INTEGRATION": "accelerations integrated twice above .15 Hz, and fixes below it",
     "TOTAL_STATIONS": "three total stations and Wahba's problem, the paper's reference",
 }
 
