@@ -16,10 +16,10 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.timing import seconds, timed
 from owtsweep.estimation.inertial import ERRORS, add_noise, move
-from owtsweep.studies.blade.contract import Measured, Setting
+from owtsweep.studies.blade.contract import PLAN, Measured, Setting
 from owtsweep.studies.blade.paper.scenarios import make_record
 from owtsweep.studies.blade.schemes import REGISTERED, resolve
-from owtsweep.studies.blade.schemes.navigation import LEVERS, TO_ROOT, begin, find_noise
+from owtsweep.studies.blade.schemes.navigation import begin, find_noise
 
 #: Greatest time of UKF over a record of 300 s, s; least ratio to filterpy; largest difference, m.
 RECORD, FASTER, AGREEMENT = 1.5, 10.0, 1e-3
@@ -50,7 +50,7 @@ def filter_by_peer(setting: Setting, measured: Measured) -> tuple[np.ndarray, fl
         return fold(s)
 
     def see(x):
-        return x[:3] + Rotation.from_rotvec(x[6:9]).apply(LEVERS[0])
+        return x[:3] + Rotation.from_rotvec(x[6:9]).apply(PLAN.levers[0])
 
     points = JulierSigmaPoints(ERRORS, kappa=0.0)
     peer = UnscentedKalmanFilter(ERRORS, 3, measured.step, see, carry, points)
@@ -67,7 +67,7 @@ def filter_by_peer(setting: Setting, measured: Measured) -> tuple[np.ndarray, fl
                 peer.predict(k=k)
             if measured.due[k]:
                 peer.update(measured.fixes[k, 0])
-            found[k] = peer.x[:3] + Rotation.from_rotvec(peer.x[6:9]).apply(TO_ROOT)
+            found[k] = peer.x[:3] + Rotation.from_rotvec(peer.x[6:9]).apply(PLAN.to_root)
 
     _, spent = timed(run)
     return found, spent.wall / PEER_STEPS

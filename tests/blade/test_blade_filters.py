@@ -23,8 +23,9 @@ from owtsweep.estimation.inertial import (
     subtract,
 )
 from owtsweep.estimation.inertial_invariant import carry_body, correct_body
+from owtsweep.studies.blade.contract import PLAN
 from owtsweep.studies.blade.schemes.mekf import Navigator
-from owtsweep.studies.blade.schemes.navigation import LEVERS, begin, find_noise
+from owtsweep.studies.blade.schemes.navigation import begin, find_noise
 
 RNG = np.random.default_rng(5)
 STEP = 0.02
@@ -163,7 +164,7 @@ def test_the_smoother_is_the_least_squares_of_everything() -> None:
             parts.append(whiten @ dx)
         for k in np.flatnonzero(short.due):
             R, at = Rotation.from_quat(now[k, 6:10], scalar_first=True).as_matrix(), np.empty(3)
-            place(now[k], R, LEVERS[0], at)
+            place(now[k], R, PLAN.levers[0], at)
             parts.append((short.fixes[k, 0] - at) / setting.fix_sigma)
         return np.concatenate(parts)
 

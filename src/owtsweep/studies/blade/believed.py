@@ -25,7 +25,18 @@ LEAST = 1e-6
 def make_setting(
     config: BladeConfig, motion: Motion, conditions: Conditions, replicate: int
 ) -> Setting:
-    """Return what schemes know beforehand of a case, by the section `filters`."""
+    """Return what schemes know beforehand of a simulated case, by the section `filters`."""
+    start = draw_start(config, motion, replicate)
+    return believe(config, conditions, start, find_start_sigma(config))
+
+
+def believe(
+    config: BladeConfig, conditions: Conditions, start: tuple[Array, Array], start_sigma: Array
+) -> Setting:
+    """Return what schemes know of a case that begins at `start`, by the section `filters`.
+
+    `start` and `start_sigma` are those of `contract.Setting`.
+    """
     tuning, sensors = config.filters, config.sensors
     receiver = sensors.receiver
     told = tuning if tuning.noise == "declared" else config.unit
@@ -36,7 +47,7 @@ def make_setting(
     walk = 1.0 / np.sqrt(WALK_TIME)
     rate_sigma = np.deg2rad(told.rate_sigma)
     return Setting(
-        step=motion.truth.step,
+        step=1.0 / config.record.rate,
         fix_sigma=fix_sigma,
         float_sigma=fix_sigma if declared else np.hypot(fix_sigma, receiver.float_sigma * vertical),
         force_sigma=told.force_sigma,
@@ -45,8 +56,8 @@ def make_setting(
         rate_bias=max(np.deg2rad(told.rate_bias), LEAST * rate_sigma),
         force_walk=walk * told.force_walk,
         rate_walk=walk * np.deg2rad(told.rate_walk),
-        start=draw_start(config, motion, replicate),
-        start_sigma=find_start_sigma(config),
+        start=start,
+        start_sigma=start_sigma,
         offset_sigma=tuning.offset_sigma,
         lever_sigma=tuning.lever_sigma,
         swing_sigma=np.array([sigma for _, _, sigma, _ in freedoms]),

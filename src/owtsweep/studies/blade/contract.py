@@ -30,6 +30,36 @@ ANTENNAS = np.array([[-16.0, 0.0, 2.0], [4.0, -2.0, 1.0], [12.0, 2.2, 0.5]])
 PRISMS = np.array([[-14.0, 1.8, 1.2], [4.0, -2.0, 1.0], [12.0, 2.2, 0.5]])
 
 
+class Geometry(NamedTuple):
+    """Where points are in the body's frame, m; its origin is the point under the hook.
+
+    Attributes
+    ----------
+    root, unit
+        The blade's root and the inertial unit, shape (3,).
+    antennas
+        Antennas that the record has, shape (k, 3).
+    """
+
+    root: Array
+    unit: Array
+    antennas: Array
+
+    @property
+    def levers(self) -> Array:
+        """Where antennas are from the unit, shape (k, 3)."""
+        return self.antennas - self.unit
+
+    @property
+    def to_root(self) -> Array:
+        """Where the root is from the unit, shape (3,)."""
+        return self.root - self.unit
+
+
+#: The geometry of simulated records.
+PLAN = Geometry(ROOT, UNIT, ANTENNAS)
+
+
 class Unable(Exception):
     """A scheme cannot work at a setting; the message is the reason."""
 
@@ -151,6 +181,8 @@ class Setting:
         (s).
     tuning
         The numbers of all schemes.
+    geometry
+        Where root, inertial unit and antennas are.
     """
 
     step: float
@@ -172,6 +204,7 @@ class Setting:
     gust_sigma: Array
     gust_time: float
     tuning: Tuning
+    geometry: Geometry = PLAN
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from owtsweep.estimation.complementary import place_poles
 from owtsweep.estimation.inertial_complementary import blend_fixes
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
-from owtsweep.studies.blade.schemes.navigation import LEVERS, TO_ROOT, begin
+from owtsweep.studies.blade.schemes.navigation import begin
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,14 @@ class Complementary:
         states = np.empty((len(measured.rate), len(s)))
         gains = (float(alpha), float(beta), 1.0 / setting.tuning.levelling)
         blend_fixes(
-            measured.fixes[:, 0].copy(), LEVERS[0], measured.due, measured.specific_force,
-            measured.rate, measured.step, gains, s, states,
+            measured.fixes[:, 0].copy(), setting.geometry.levers[0], measured.due,
+            measured.specific_force, measured.rate, measured.step, gains, s, states,
         )  # fmt: skip
         rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
-        whirl = np.cross(measured.rate, TO_ROOT)
+        to_root = setting.geometry.to_root
+        whirl = np.cross(measured.rate, to_root)
         return Estimates(
-            root=states[:, :3] + rotation @ TO_ROOT,
+            root=states[:, :3] + rotation @ to_root,
             root_velocity=states[:, 3:6] + np.einsum("nij,nj->ni", rotation, whirl),
             rotation=rotation,
         )

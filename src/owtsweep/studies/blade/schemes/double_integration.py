@@ -18,7 +18,6 @@ from owtsweep.gravity import GRAVITY
 from owtsweep.studies.blade.boom import estimate_boom
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Unable
 from owtsweep.studies.blade.schemes.complementary import Complementary
-from owtsweep.studies.blade.schemes.navigation import LEVERS, TO_ROOT
 
 
 @dataclass(frozen=True)
@@ -36,16 +35,17 @@ class Chain:
             If the record is not longer than the filter's padding, or has no fix.
         """
         steps, step = len(measured.rate), measured.step
+        geometry = self.setting.geometry
         if steps * step <= PADDING:
             raise Unable(f"the filter needs more than {PADDING:g} s of measurements")
         rotation = Complementary(self.setting).run(measured).rotation
         fixed = np.flatnonzero(np.isfinite(measured.fixes[:, 0]).all(axis=1))
         if len(fixed) == 0:
             raise Unable("there is no fix of the first antenna")
-        unit = measured.fixes[fixed, 0] - rotation[fixed] @ LEVERS[0]
+        unit = measured.fixes[fixed, 0] - rotation[fixed] @ geometry.levers[0]
         felt = np.einsum("nij,nj->ni", rotation, measured.specific_force)
         place = merge(felt - [0.0, 0.0, GRAVITY], step, fixed, unit)
-        root = place + rotation @ TO_ROOT
+        root = place + rotation @ geometry.to_root
         boom = None if measured.boom is None else estimate_boom(measured.boom)
         return Estimates(
             root=root,

@@ -27,7 +27,9 @@ class FixedLag:
         lag = round(self.setting.tuning.lag / measured.step)
         smooth_lag(states, covariances, links, measured.due, lag, out)
         between = np.diff(np.flatnonzero(measured.due)).max(initial=1) - 1
-        return report(measured, Found(*out, nis), wait=(lag + between) * measured.step)
+        return report(
+            self.setting, measured, Found(*out, nis), wait=(lag + between) * measured.step
+        )
 
 
 class FixedLagScheme:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.wahba import carry_point, find_pose
-from owtsweep.studies.blade.contract import ANTENNAS, ROOT, UNIT, Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.hold import hold_last
+from owtsweep.studies.blade.schemes.navigation import require_antennas
 
 
 @dataclass(frozen=True)
@@ -20,9 +21,12 @@ class Geometry:
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
         (position, _), given = self.setting.start
-        origin, rotation = find_pose(ANTENNAS, measured.fixes)
+        geometry = self.setting.geometry
+        origin, rotation = find_pose(geometry.antennas, measured.fixes)
         rotation = hold_last(rotation, given)
-        root = hold_last(carry_point(origin, rotation, ROOT), position + given @ (ROOT - UNIT))
+        root = hold_last(
+            carry_point(origin, rotation, geometry.root), position + given @ geometry.to_root
+        )
         return Estimates(root=root, root_velocity=np.zeros_like(root), rotation=rotation)
 
 
@@ -32,7 +36,8 @@ class GeometryScheme:
     name = "GNSS_WAHBA"
 
     def prepare(self, setting: Setting) -> Geometry:
-        """Make the least squares ready for a setting."""
+        """Make the least squares ready for a setting; `Unable` without three antennas."""
+        require_antennas(setting, 3)
         return Geometry(setting)
 
 

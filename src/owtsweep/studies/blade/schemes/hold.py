@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.contract import ANTENNAS, ROOT, Estimates, Measured, Setting
-from owtsweep.studies.blade.schemes.navigation import LEVERS
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 
 
 @dataclass(frozen=True)
@@ -20,10 +19,11 @@ class Hold:
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
         (position, _), rotation = self.setting.start
-        given = position + rotation @ LEVERS[0]
+        geometry = self.setting.geometry
+        given = position + rotation @ geometry.levers[0]
         fix = hold_last(measured.fixes[:, 0], given)
         return Estimates(
-            root=fix + rotation @ (ROOT - ANTENNAS[0]),
+            root=fix + rotation @ (geometry.root - geometry.antennas[0]),
             root_velocity=np.zeros_like(fix),
             rotation=np.broadcast_to(rotation, (len(fix), 3, 3)),
         )

@@ -12,7 +12,6 @@ from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_invariant import filter_invariant
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import (
-    LEVERS,
     begin,
     find_noise,
     find_variance,
@@ -33,13 +32,13 @@ class Invariant:
         s, P = begin(self.setting)
         turn = _turn_errors(s[None])[0]
         filter_invariant(
-            measured.fixes[:, :1].copy(), LEVERS[:1], find_variance(self.setting, measured),
+            measured.fixes[:, :1].copy(), self.setting.geometry.levers[:1], find_variance(self.setting, measured),
             measured.due, measured.specific_force, measured.rate, measured.step,
             find_noise(self.setting), (s, turn.T @ P @ turn), tuple(found),
         )  # fmt: skip
         turn = _turn_errors(found.states)
         at_rest = turn @ found.covariances @ turn.transpose(0, 2, 1)
-        return report(measured, found._replace(covariances=at_rest))
+        return report(self.setting, measured, found._replace(covariances=at_rest))
 
 
 def _turn_errors(states: Array) -> Array:

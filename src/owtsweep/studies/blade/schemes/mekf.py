@@ -10,15 +10,15 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_filter import SWING, filter_fixes
-from owtsweep.studies.blade.contract import UNIT, Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import (
-    LEVERS,
     Found,
     begin,
     find_noise,
     find_variance,
     make_room,
     report,
+    require_antennas,
 )
 from owtsweep.studies.blade.schemes.swing import describe_swing
 
@@ -49,11 +49,11 @@ class Navigator:
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
-        return report(measured, self.filter(measured), antennas=self.antennas)
+        return report(self.setting, measured, self.filter(measured), antennas=self.antennas)
 
     def filter(self, measured: Measured) -> Found:
         """Return states and covariances of all samples."""
-        setting = self.setting
+        setting, geometry = self.setting, self.setting.geometry
         more = self.offset + 3 * self.lever + SWING * self.swing
         s, P = begin(setting, more)
         offset, astray, at = -1, -1, -1
@@ -71,9 +71,9 @@ class Navigator:
         found = make_room(measured, more)
         fixes = np.ascontiguousarray(measured.fixes[:, : self.antennas])
         filter_fixes(
-            fixes, LEVERS[: self.antennas], find_variance(setting, measured), measured.due,
+            fixes, geometry.levers[: self.antennas], find_variance(setting, measured), measured.due,
             measured.specific_force, measured.rate, measured.step, find_noise(setting), (s, P),
-            offset, astray, (at, -UNIT, transition, shaking, setting.tuning.agreement**2),
+            offset, astray, (at, -geometry.unit, transition, shaking, setting.tuning.agreement**2),
             tuple(found),
         )  # fmt: skip
         return found
@@ -86,7 +86,8 @@ class NavigatorScheme:
         self.name, self.given = name, given
 
     def prepare(self, setting: Setting) -> Navigator:
-        """Make the filter ready for a setting."""
+        """Make the filter ready for a setting; `Unable` if it has too few antennas."""
+        require_antennas(setting, self.given.get("antennas", 1))
         return Navigator(setting, **self.given)
 
 

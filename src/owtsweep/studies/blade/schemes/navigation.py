@@ -9,11 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS, STATES
-from owtsweep.studies.blade.contract import ANTENNAS, ROOT, UNIT, Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Unable
 
-#: Where points are from the inertial unit, in the body's frame, m.
-LEVERS = ANTENNAS - UNIT
-TO_ROOT = ROOT - UNIT
 #: Coordinates of a fix.
 AXES = 3
 
@@ -62,20 +59,29 @@ def make_room(measured: Measured, more: int = 0) -> Found:
     )
 
 
-def report(measured: Measured, found: Found, *, antennas: int = 1, wait: float = 0.0) -> Estimates:
+def require_antennas(setting: Setting, count: int) -> None:
+    """Raise `Unable` if there are fewer antennas."""
+    there = len(setting.geometry.antennas)
+    if there < count:
+        raise Unable(f"needs {count} antennas, and the record has {there}")
+
+
+def report(
+    setting: Setting, measured: Measured, found: Found, *, antennas: int = 1, wait: float = 0.0
+) -> Estimates:
     """Return estimates of the root from states and covariances of the unit.
 
     The error of the root is dp - R [r]x da, with r from unit to root.
     """
-    states, P = found.states, found.covariances
+    states, P, to_root = found.states, found.covariances, setting.geometry.to_root
     rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
-    whirl = np.cross(measured.rate - states[:, 13:16], TO_ROOT)
-    lean = -rotation @ _cross_matrix(TO_ROOT)
+    whirl = np.cross(measured.rate - states[:, 13:16], to_root)
+    lean = -rotation @ _cross_matrix(to_root)
     rows = np.concatenate([np.broadcast_to(np.eye(3), lean.shape), lean], axis=2)
     both = np.concatenate([np.arange(3), np.arange(6, 9)])
     P = P[:, both[:, None], both]
     return Estimates(
-        root=states[:, :3] + rotation @ TO_ROOT,
+        root=states[:, :3] + rotation @ to_root,
         root_velocity=states[:, 3:6] + np.einsum("nij,nj->ni", rotation, whirl),
         rotation=rotation,
         root_covariance=rows @ P @ rows.transpose(0, 2, 1),

@@ -24,7 +24,7 @@ class Smoother:
         links = link_samples(self.setting, measured, states, covariances)
         out = (np.empty_like(states), np.empty_like(covariances))
         smooth_all(states, covariances, links, out)
-        return report(measured, Found(*out, nis), wait=len(nis) * measured.step)
+        return report(self.setting, measured, Found(*out, nis), wait=len(nis) * measured.step)
 
 
 def link_samples(

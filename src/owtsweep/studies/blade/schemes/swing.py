@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.contract import UNIT, Setting
+from owtsweep.studies.blade.contract import Setting
 
 
 def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array, Array]:
@@ -18,7 +18,7 @@ def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array
     swing's errors.
     """
     transitions, noises = np.zeros((3, 2, 2)), np.zeros((3, 3, 3))
-    under_hook = setting.start[0][0] - setting.start[1] @ UNIT
+    under_hook = setting.start[0][0] - setting.start[1] @ setting.geometry.unit
     for i in range(3):
         w, size = 2.0 * np.pi / setting.swing_period[i], setting.swing_sigma[i]
         rate = np.array([[0.0, 1.0], [-(w**2), -2.0 * setting.swing_damping[i] * w]])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.wahba import carry_point, find_pose
-from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Setting, Unable
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,8 @@ class Stations:
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
+        if len(measured.prisms) == 0:
+            raise Unable("needs total stations, and the record has none")
         steps, step = len(measured.rate), measured.step
         time = step * np.arange(steps)
         flat = measured.prisms.reshape(len(measured.prisms), -1)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from owtsweep.estimation.inertial_unscented import filter_unscented
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import (
-    LEVERS,
     begin,
     find_noise,
     find_variance,
@@ -26,11 +25,11 @@ class Unscented:
         """Estimate from the measurements of a record."""
         found = make_room(measured)
         filter_unscented(
-            measured.fixes[:, :1].copy(), LEVERS[:1], find_variance(self.setting, measured),
+            measured.fixes[:, :1].copy(), self.setting.geometry.levers[:1], find_variance(self.setting, measured),
             measured.due, measured.specific_force, measured.rate, measured.step,
             find_noise(self.setting), begin(self.setting), tuple(found),
         )  # fmt: skip
-        return report(measured, found)
+        return report(self.setting, measured, found)
 
 
 class UnscentedScheme:
