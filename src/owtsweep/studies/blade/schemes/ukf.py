@@ -25,8 +25,8 @@ class Unscented:
         """Estimate from the measurements of a record."""
         found = make_room(measured)
         filter_unscented(
-            measured.fixes[:, :1].copy(), self.setting.geometry.levers[:1], find_variance(self.setting, measured),
-            measured.due, measured.specific_force, measured.rate, measured.step,
+            measured.fixes[:, :1].copy(), self.setting.geometry.levers[:1],
+            find_variance(self.setting, measured), measured.due, measured.specific_force, measured.rate, measured.step,
             find_noise(self.setting), begin(self.setting), tuple(found),
         )  # fmt: skip
         return report(self.setting, measured, found)
