@@ -57,7 +57,9 @@ def _document(
         Paragraph(
             "Rms difference of the smoothed inertial system and the total stations, mm and deg; "
             "printed: 10 to 21 mm, .070 to .115 deg. The late clock is .1 s late; the bent blade "
-            "has its outer prisms 5 cm farther apart than believed, along the blade."
+            "has its outer prisms 5 cm farther apart than believed, along the blade. The sagging "
+            "blade hangs 3 cm below the rigid one at its third prism; this size was chosen "
+            "afterwards, to be near the printed rotations, so its rows test nothing."
         ),
         TextTable(
             ["", *COLUMNS],

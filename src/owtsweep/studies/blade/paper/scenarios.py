@@ -21,12 +21,15 @@ CELL = (
     "grid.outage=[0]",
 )  # fmt: skip
 _CLOCK, _STRETCH = "sensors.prism_offset=0.1", "sensors.stretch=0.05"
+_SAG = "motion.bending.sag=0.03"
 #: What is wrong with the reference system -> overrides. The paper's sentences name all of it.
 REFERENCE = {
     "noise only": (),
     "late clock": (_CLOCK,),
     "bent blade": (_STRETCH,),
     "both": (_CLOCK, _STRETCH),
+    "sagging blade": (_SAG,),
+    "sag and late clock": (_CLOCK, _SAG),
 }
 #: Outages of 10 s, many in a record.
 COASTING = ("grid.outage=[10]", "sensors.outage_every=30")
