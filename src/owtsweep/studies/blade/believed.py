@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from owtsweep.arrays import Array
 from owtsweep.streams import stream
 from owtsweep.studies.blade.case import Conditions
-from owtsweep.studies.blade.contract import Setting
+from owtsweep.studies.blade.contract import PLAN, Geometry, Setting
 from owtsweep.studies.blade.measuring import WALK_TIME
 from owtsweep.studies.blade.truth import Motion, choose_freedoms
 
@@ -31,11 +31,15 @@ def make_setting(
 
 
 def believe(
-    config: BladeConfig, conditions: Conditions, start: tuple[Array, Array], start_sigma: Array
+    config: BladeConfig,
+    conditions: Conditions,
+    start: tuple[Array, Array],
+    start_sigma: Array,
+    geometry: Geometry = PLAN,
 ) -> Setting:
     """Return what schemes know of a case that begins at `start`, by the section `filters`.
 
-    `start` and `start_sigma` are those of `contract.Setting`.
+    `start`, `start_sigma` and `geometry` are those of `contract.Setting`.
     """
     tuning, sensors = config.filters, config.sensors
     receiver = sensors.receiver
@@ -66,6 +70,7 @@ def believe(
         gust_sigma=np.array([gust for _, _, _, gust in freedoms]),
         gust_time=config.motion.gust_time,
         tuning=tuning,
+        geometry=geometry,
     )
 
 

@@ -3,38 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from owtsweep.config import as_mapping
 from owtsweep.results.status import FAILED, UNABLE
-from owtsweep.studies.blade.believed import make_setting
 from owtsweep.studies.blade.case import Conditions, list_cases
+from owtsweep.studies.blade.cases import Case, make_cases
 from owtsweep.studies.blade.config import BladeConfig
-from owtsweep.studies.blade.contract import Measured, Scheme, Setting, Unable
+from owtsweep.studies.blade.contract import Scheme, Setting, Unable
 from owtsweep.studies.blade.measures import Judged, NotFinite, compare
-from owtsweep.studies.blade.measuring import find_last_outage, measure
+from owtsweep.studies.blade.measuring import find_last_outage
+from owtsweep.studies.blade.recorded_case import compare_withheld
 from owtsweep.studies.blade.schemes import resolve
 from owtsweep.studies.blade.sections import AXES
-from owtsweep.studies.blade.truth import Motion, make_truth
 from owtsweep.studies.contest.planning import plan_blocks
 from owtsweep.studies.contest.rows import Judgement, make_rows
 from owtsweep.sweep.study import Block
 
 #: Keys and sections of the configuration on which every row depends.
-SHARED = ("seed", "record", "motion", "boom", "unit", "sensors", "filters")
+SHARED = ("seed", "record", "motion", "boom", "unit", "recorded", "sensors", "filters")
 #: Most records of a block, and most samples of its records: it keeps their measurements. To write
 #: and read the file of a block takes as long as a scheme takes for a record.
 MOST_RECORDS, MOST_SAMPLES = 4, 100_000
-
-
-class Case(NamedTuple):
-    """One record of a cell: its truth, and what its sensors say."""
-
-    replicate: int
-    motion: Motion
-    measured: Measured
 
 
 def plan(config: BladeConfig) -> list[Block]:
@@ -52,18 +46,13 @@ def run(config: BladeConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
     first, last = blocks[0].content["replicates"]
     last_outage = find_last_outage(config, conditions.outage)
     window = Judged(config.record.settled, last_outage)
-    cases = []
-    for replicate in range(first, last):
-        motion = make_truth(config, replicate, conditions)
-        cases.append(Case(replicate, motion, measure(config, motion, conditions, replicate)))
+    cases = make_cases(config, conditions, range(first, last))
     settings: dict[tuple[str, ...], list[Setting]] = {}
     for block in blocks:
         tuning = block.tunings[:1]
         if tuning not in settings:
             chosen = block.choose(config)
-            settings[tuning] = [
-                make_setting(chosen, case.motion, conditions, case.replicate) for case in cases
-            ]
+            settings[tuning] = [case.tell(chosen, conditions) for case in cases]
         scheme = resolve(block.content["scheme"])
         parts = [
             _judge(case, setting, scheme, window)
@@ -76,7 +65,11 @@ def _judge(case: Case, setting: Setting, scheme: Scheme, window: Judged) -> Judg
     """Run a scheme on a record and compare its estimates with the truth."""
     try:
         estimates = scheme.prepare(setting).run(case.measured)
-        return Judgement(compare(case.motion.truth, estimates, window))
+        found = compare(case.truth, estimates, window)
+        if case.withheld is not None:
+            off = compare_withheld(estimates, case.withheld, case.geometry)
+            found |= {} if off is None else {"withheld": off}
+        return Judgement(found)
     except Unable as reason:
         return Judgement.none(UNABLE, reason)
     except NotFinite as reason:
@@ -86,4 +79,13 @@ def _judge(case: Case, setting: Setting, scheme: Scheme, window: Judged) -> Judg
 def _describe_content(config: BladeConfig) -> dict[str, Any]:
     """Return what the rows of every block depend on."""
     whole = as_mapping(config)
-    return {name: whole[name] for name in SHARED if name in whole}  # the boom is younger
+    content = {name: whole[name] for name in SHARED if name in whole}  # some are younger
+    recorded = config.recorded
+    if recorded.imu is not None:
+        imu, *gnss = (
+            blake2b(Path(name).expanduser().read_bytes(), digest_size=16).hexdigest()
+            for name in (recorded.imu, *recorded.gnss)
+        )
+        content["recorded"] |= {"imu": imu, "gnss": gnss}
+        content["reference"] = config.grid.sigma[0]
+    return content

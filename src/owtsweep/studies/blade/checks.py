@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,7 @@ from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
 from owtsweep.studies.blade.boom import HIGHEST
 from owtsweep.studies.blade.contract import DOF
+from owtsweep.studies.blade.recorded_case import load_lift
 from owtsweep.studies.blade.schemes import REGISTERED
 from owtsweep.studies.blade.sections import AXES
 from owtsweep.studies.blade.tugger import hold
@@ -29,6 +31,10 @@ MOST_BENDING = 1.5
 FASTEST, PASSED = 1000.0, 8.0
 #: An antenna is on the blade.
 LONGEST_LEVER = 50.0
+#: A longer lever arm of a record is warned of: nothing on a blade is so far from another thing, m.
+LONGEST_RECORDED = 150.0
+
+logger = logging.getLogger(__name__)
 
 
 def check(config: BladeConfig) -> None:
@@ -42,9 +48,40 @@ def check(config: BladeConfig) -> None:
     check_names(config.schemes, REGISTERED)
     check_axes(config.axes, config.grid, AXES)
     config.record.check_samples(MOST_SAMPLES)
+    config.recorded.check()
+    if config.recorded.imu is not None:
+        _check_recorded(config)
     _check_motion(config)
     _check_sensors(config)
     _check_boom(config)
+
+
+def _check_recorded(config: BladeConfig) -> None:
+    """Check that nothing is asked of a recorded lift that it cannot answer."""
+    grid = config.grid
+    require(
+        grid.replicates == 1,
+        f"grid.replicates: {grid.replicates}, but one lift was recorded; set grid.replicates=1",
+    )
+    for name in ("offset", "period", "amplitude", "lever", "heading"):
+        values = getattr(grid, name)
+        require(
+            values is None or (len(values) == 1 and values[0] == 0.0),
+            f"grid.{name}: a recorded lift has its own; map it over axes=[sigma,outage]",
+        )
+    load_lift(config)
+
+
+def warn_of_long_levers(config: BladeConfig) -> None:
+    """Log a warning if an antenna of a recorded lift is too far from the inertial unit."""
+    if config.recorded.imu is None:
+        return
+    longest = float(np.linalg.norm(config.recorded.geometry.levers, axis=1).max())
+    if longest > LONGEST_RECORDED:
+        logger.warning(
+            "recorded.antennas: an antenna is %g m from the inertial unit; are the places in m?",
+            longest,
+        )
 
 
 def _check_motion(config: BladeConfig) -> None:

@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
 
@@ -34,6 +35,10 @@ class BladeConfig(TunedConfig):
     boom: Boom = key("the crane's boom and its accelerometers", default=Boom(), younger=True)
     unit: Unit = key("the inertial unit, set by unit=NAME")
     grade: str = key("what the inertial unit is called, set by unit=NAME")
+    recorded: Recorded = key(
+        "a recorded lift in place of a simulated one (docs/blade.md)", default=Recorded(),
+        younger=True,
+    )  # fmt: skip
     sensors: Sensors = key("GNSS and total stations")
     tuning: str | list[str] = key(
         "name of the file that sets the section `filters`, or a list of names, whose tunings run "

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.studies.blade import blocks
+from owtsweep.studies.blade.checks import warn_of_long_levers
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.contest import maps, tables, terminal
 
@@ -32,6 +33,10 @@ class BladeEngine:
     def backend(self, config: BladeConfig) -> str:
         """Return "loky", joblib's backend for processes."""
         return "loky"
+
+    def warm_up(self, config: BladeConfig, workers: int) -> None:
+        """Warn of what a recorded lift makes doubtful."""
+        warn_of_long_levers(config)
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""

@@ -7,14 +7,12 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimated_record import EstimatedRecord, Reading
 from owtsweep.results.conditions import find_only_cell
-from owtsweep.studies.blade.believed import make_setting
 from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.blade.cases import make_cases
 from owtsweep.studies.blade.config import BladeConfig
-from owtsweep.studies.blade.contract import ROOT, UNIT, Estimates, Unable
-from owtsweep.studies.blade.measuring import measure
+from owtsweep.studies.blade.contract import Estimates, Unable
 from owtsweep.studies.blade.schemes import resolve
 from owtsweep.studies.blade.sections import AXES
-from owtsweep.studies.blade.truth import make_truth
 
 UNITS = {
     "root": "m",
@@ -42,10 +40,10 @@ def estimate_record(config: BladeConfig, replicate: int) -> EstimatedRecord:
     grid = {axis: getattr(config.grid, axis) for axis in AXES}
     cell = find_only_cell({axis: values for axis, values in grid.items() if values is not None})
     (conditions,) = list_cases(config)
-    motion = make_truth(config, replicate, conditions)
-    measured = measure(config, motion, conditions, replicate)
-    setting = make_setting(config, motion, conditions, replicate)
-    truth, time = motion.truth, motion.truth.step * np.arange(len(motion.truth.root))
+    (case,) = make_cases(config, conditions, [replicate])
+    truth, measured = case.truth, case.measured
+    setting = case.tell(config, conditions)
+    time = truth.step * np.arange(len(truth.root))
     found: dict[str, Estimates] = {}
     failures = {}
     for name in config.schemes:
@@ -85,7 +83,7 @@ def estimate_record(config: BladeConfig, replicate: int) -> EstimatedRecord:
         waits={name: given.wait for name, given in found.items()},
         units=UNITS,
         failures=failures,
-        at_rest={"root": ROOT, "unit": UNIT},
+        at_rest={"root": case.geometry.root, "unit": case.geometry.unit},
     )  # fmt: skip
 
 

@@ -30,6 +30,7 @@ OTHERS = {
     **{f"root_{name}": f"position of the root along {name}: rms error, m" for name in "xyz"},
     **{f"rms_over_p_{name}": f"rms error along {name} over the root of P" for name in "xyz"},
     **{name: f"{name}: rms error, deg" for name in ("heading", "pitch", "roll")},
+    "withheld": "first antenna against fixes withheld in outages of a recorded lift: rms, m",
     "nees": "normalised squared error of the root's position, over 3",
     "nees_attitude": "normalised squared error of the attitude, over 3",
     "nis": "normalised squared innovation of a fix, over its dimension",

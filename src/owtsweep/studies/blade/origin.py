@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.blade.conditions import CONDITIONS
+from owtsweep.studies.blade.recorded import REFERENCE
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
@@ -16,6 +17,11 @@ _USUAL = {"outage": 0.0, "offset": 0.0, "lever": 0.0}
 def describe_truth(config: BladeConfig) -> str:
     """Return the motion and the length of the records in words."""
     record, swing = config.record, config.motion.freedoms["u"]
+    if config.recorded.imu is not None:
+        return (
+            f"recorded lift, {record.duration:g} s at {record.rate:g} Hz; its reference is "
+            f"{REFERENCE} with all fixes"
+        )
     parts = []
     if "period" not in config.axes:
         parts.append(f"{(config.grid.period or [swing.period])[0]:g} s")

@@ -34,7 +34,8 @@ class Invariant:
         filter_invariant(
             measured.fixes[:, :1].copy(), self.setting.geometry.levers[:1],
             find_variance(self.setting, measured), measured.due, measured.specific_force,
-            measured.rate, measured.step, find_noise(self.setting), (s, turn.T @ P @ turn), tuple(found),
+            measured.rate, measured.step, find_noise(self.setting),
+            (s, turn.T @ P @ turn), tuple(found),
         )  # fmt: skip
         turn = _turn_errors(found.states)
         at_rest = turn @ found.covariances @ turn.transpose(0, 2, 1)

@@ -27,7 +27,8 @@ class Unscented:
         filter_unscented(
             measured.fixes[:, :1].copy(), self.setting.geometry.levers[:1],
             find_variance(self.setting, measured), measured.due, measured.specific_force,
-            measured.rate, measured.step, find_noise(self.setting), begin(self.setting), tuple(found),
+            measured.rate, measured.step, find_noise(self.setting),
+            begin(self.setting), tuple(found),
         )  # fmt: skip
         return report(self.setting, measured, found)
 

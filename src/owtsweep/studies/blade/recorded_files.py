@@ -1,0 +1,204 @@
+"""Reads what an inertial unit and GNSS receivers recorded: tables, and NMEA sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError, require, shorten
+from owtsweep.io.reading import read_bytes
+from owtsweep.motion.recorded import open_table
+from owtsweep.motion.recorded.columns import guess_roles
+from owtsweep.motion.recorded.formats.table import ChannelTable
+from owtsweep.motion.recorded.units import find_dimension, find_factor
+
+FORCE, RATE = ("fx", "fy", "fz"), ("wx", "wy", "wz")
+LOCAL, GLOBE = ("x", "y", "z"), ("latitude", "longitude", "height")
+#: Signal -> the SI unit in which it is taken; degrees for the globe.
+UNITS = {
+    "time": "s",
+    **dict.fromkeys(FORCE, "m/s^2"),
+    **dict.fromkeys(RATE, "rad/s"),
+    **dict.fromkeys((*LOCAL, "height"), "m"),
+    **dict.fromkeys(("latitude", "longitude"), "deg"),
+}
+DIMENSIONS = {"s": "time", "m": "length", "m/s^2": "acceleration"}
+#: Qualities of an NMEA fix: no fix, and a float solution.
+NO_FIX, FLOAT = 0, 5
+#: Largest NMEA file, bytes; seconds of a day.
+MOST_BYTES, DAY = 200_000_000, 86_400.0
+EXTRA = "install the extra: pip install 'owtsweep[gnss]'"
+
+
+class Inertial(NamedTuple):
+    """What an inertial unit says: times (s), specific force (m/s^2), rates (rad/s), (n, 3) each."""
+
+    time: Array
+    force: Array
+    rate: Array
+
+
+class Fixes(NamedTuple):
+    """What an antenna says.
+
+    Attributes
+    ----------
+    time
+        Times in s, shape (n,).
+    position
+        x, y, z in m, or latitude (deg), longitude (deg) and height (m), shape (n, 3).
+    globe
+        Whether positions are on the globe.
+    floating
+        Whether a solution is float, shape (n,).
+    """
+
+    time: Array
+    position: Array
+    globe: bool
+    floating: NDArray[np.bool_]
+
+
+def read_inertial(path: Path, columns: Sequence[str]) -> Inertial:
+    """Read the table of an inertial unit.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column or a number is missing, or times do not increase.
+    """
+    table = open_table(path)
+    found = _load(table, ("time", *FORCE, *RATE), columns)
+    for name, values in found.items():
+        missing = np.flatnonzero(~np.isfinite(values))
+        require(
+            len(missing) == 0,
+            f"{path}: {name} has no number in data row {missing[0] + 1 if len(missing) else 0}; "
+            "fill the gaps or cut the record there",
+        )
+    _check_times(path, found["time"])
+    force, rate = (np.column_stack([found[name] for name in names]) for names in (FORCE, RATE))
+    return Inertial(found["time"], force, rate)
+
+
+def read_fixes(path: Path, columns: Sequence[str]) -> Fixes:
+    """Read the positions of an antenna, from NMEA sentences (.nmea) or a table.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column is missing, times do not increase, or a position is
+        none.
+    """
+    fixes = _read_nmea(path) if path.suffix.lower() == ".nmea" else _read_table(path, columns)
+    _check_times(path, fixes.time)
+    if fixes.globe:
+        for i, (name, most) in enumerate((("latitude", 90.0), ("longitude", 360.0))):
+            wrong = np.flatnonzero(np.abs(fixes.position[:, i]) > most)
+            require(
+                len(wrong) == 0,
+                f"{path}: a {name} of {fixes.position[wrong[:1], i].sum():g} degrees in data row "
+                f"{wrong[0] + 1 if len(wrong) else 0}; give decimal degrees up to {most:g}",
+            )
+    return fixes
+
+
+def _read_table(path: Path, columns: Sequence[str]) -> Fixes:
+    table = open_table(path)
+    named = {item.partition(":")[0] for item in columns}
+    globe = "latitude" in (*table.names, *named) and "x" not in table.names
+    names = GLOBE if globe else LOCAL
+    found = _load(table, ("time", *names), columns)
+    position = np.column_stack([found[name] for name in names])
+    there = np.isfinite(position).all(axis=1)
+    require(bool(there.any()), f"{path}: no row has a position")
+    return Fixes(found["time"][there], position[there], globe, np.zeros(there.sum(), dtype=bool))
+
+
+def _read_nmea(path: Path) -> Fixes:
+    """Read GGA sentences: times are seconds of the first day, heights are above the ellipsoid."""
+    try:
+        from pynmeagps import ERR_RAISE, NMEAReader
+        from pynmeagps.exceptions import NMEAParseError, NMEAStreamError
+    except ModuleNotFoundError:
+        raise InputError(f"{path}: NMEA needs the package pynmeagps; {EXTRA}") from None
+    from io import BytesIO
+
+    rows = []
+    try:
+        for _, said in NMEAReader(BytesIO(read_bytes(path, MOST_BYTES)), quitonerror=ERR_RAISE):
+            if said is None or not said.identity.endswith("GGA") or said.quality == NO_FIX:
+                continue
+            at = said.time
+            second = 3600.0 * at.hour + 60.0 * at.minute + at.second + 1e-6 * at.microsecond
+            rows.append((second, said.lat, said.lon, said.alt + said.sep, said.quality == FLOAT))
+    except (NMEAParseError, NMEAStreamError) as error:
+        raise InputError(
+            f"{path}: sentence {len(rows) + 1} cannot be read ({shorten(str(error), 120)}); cut "
+            "damaged sentences out"
+        ) from None
+    require(bool(rows), f"{path}: no GGA sentence has a fix")
+    table = np.array(rows, dtype=float)
+    time = table[:, 0] + DAY * np.cumsum(np.diff(table[:, 0], prepend=table[0, 0]) < -0.5 * DAY)
+    return Fixes(time, table[:, 1:4], True, table[:, 4] > 0.0)
+
+
+def _load(table: ChannelTable, signals: Sequence[str], given: Sequence[str]) -> dict[str, Array]:
+    """Return signal -> values in the units of `UNITS`."""
+    named: dict[str, tuple[str, str]] = {}
+    clock = guess_roles(table.names).get("time")
+    for signal in signals:
+        name = clock if signal == "time" and clock is not None else signal
+        if name in table.names:
+            named[signal] = (name, table.unit(name))
+    for item in given:
+        signal, *words = item.split(":")
+        require(
+            signal in UNITS and len(words) in (1, 2),
+            f"recorded.columns: {item!r} is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are "
+            f"{', '.join(UNITS)}",
+        )
+        if signal in signals and words[0] in table.names:
+            named[signal] = (words[0], words[1] if words[1:] else table.unit(words[0]))
+    missing = [signal for signal in signals if signal not in named]
+    require(
+        not missing,
+        f"{table.path}: no column {' and no column '.join(missing[:3])}; it has "
+        f"{shorten(', '.join(table.names), 200)}; name it by "
+        f"recorded.columns=[{missing[0] if missing else ''}:NAME]",
+    )
+    loaded = table.load(list(dict.fromkeys(name for name, _ in named.values())), None)
+    return {
+        signal: loaded[name] * _find_factor(unit, UNITS[signal], f"{table.path}: column {name}")
+        for signal, (name, unit) in named.items()
+    }
+
+
+def _find_factor(unit: str, wanted: str, argument: str) -> float:
+    """Return the factor from the unit of a column; 1 if the file states none."""
+    if not unit:
+        return 1.0
+    if wanted == "rad/s":
+        angle, slash, time = unit.strip().lower().partition("/")
+        require(
+            bool(slash) and find_dimension(angle) == "angle" and time.strip() in ("s", "sec"),
+            f"{argument}: {unit!r} is not a unit of angular velocity: use rad/s or deg/s",
+        )
+        return find_factor(angle, "angle", argument)
+    if wanted == "deg":
+        return float(np.rad2deg(find_factor(unit, "angle", argument)))
+    return find_factor(unit, DIMENSIONS[wanted], argument)
+
+
+def _check_times(path: Path, time: Array) -> None:
+    back = np.flatnonzero(~(np.diff(time) > 0.0))
+    require(
+        len(time) > 1 and len(back) == 0,
+        f"{path}: the time does not increase in data row {back[0] + 2 if len(back) else 1}; sort "
+        "the rows, and leave out repeated ones",
+    )

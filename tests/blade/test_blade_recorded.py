@@ -1,0 +1,242 @@
+"""A recorded lift: files of a simulated one go through the same estimators."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from pymap3d import enu2geodetic
+from pynmeagps import GET, NMEAMessage
+from scipy.spatial.transform import Rotation
+
+import owtsweep
+from owtsweep.evaluation.estimated_record import EstimatedRecord
+from owtsweep.studies import compose
+
+SHORT = [
+    "unit=fog", "record.duration=60", "record.settling=20", "sensors.outage_every=40",
+    "schemes=[HOLD,MEKF]",
+]  # fmt: skip
+RECORDED = ["study=blade", "experiment=recorded", *SHORT, "recorded.imu=imu.csv"]
+CELL = ["grid.sigma=[0.006]", "grid.outage=[10]"]
+#: Turns x, y, z of the frame into east, north, up.
+TO_ENU = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+ORIGIN = (53.5, 8.1, 40.0)
+
+
+@pytest.fixture(scope="module")
+def lift() -> EstimatedRecord:
+    return owtsweep.estimate(["study=blade", *SHORT, "grid.sigma=[0.006]", "grid.outage=[0]"])
+
+
+@pytest.fixture(autouse=True)
+def _files(lift: EstimatedRecord, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write the lift as tables, on the globe and as NMEA, with a clock that begins at 100 s."""
+    monkeypatch.chdir(tmp_path)
+    imu = {"time": 100.0 + lift.time}
+    for names, signal in (("fx fy fz", "specific_force"), ("wx wy wz", "rate")):
+        for name, column in zip(names.split(), lift.measurements[signal].value.T, strict=True):
+            imu[name] = column
+    pd.DataFrame(imu).to_csv("imu.csv", index=False)
+    time, fixes = lift.measurements["fixes"]
+    for k in range(3):
+        table = pd.DataFrame(fixes[:, k], columns=["x", "y", "z"])
+        table.insert(0, "time", 100.0 + time)
+        table.to_csv(f"gnss{k}.csv", index=False)
+    enu = fixes[:, 0] @ TO_ENU.T
+    globe = np.column_stack(enu2geodetic(*enu.T, *ORIGIN))
+    pd.DataFrame({"time": 100.0 + time, **dict(zip(("latitude", "longitude", "height"), globe.T,
+                 strict=True))}).to_csv("globe.csv", index=False)  # fmt: skip
+
+
+def _run(*words: str) -> EstimatedRecord:
+    return owtsweep.estimate([*RECORDED, *CELL, *words])
+
+
+def _write_nmea(quality: int = 4) -> None:
+    table = pd.read_csv("globe.csv")
+    sentences = []
+    for time, lat, lon, height in table.to_numpy():
+        clock = f"00{int(time // 60):02d}{time % 60:05.2f}"
+        sentences.append(
+            NMEAMessage(
+                "GN", "GGA", GET, time=clock, lat=lat, NS="N", lon=lon, EW="E", quality=quality,
+                numSV=12, HDOP=0.7, alt=round(height - 38.0, 3), altUnit="M", sep=38.0,
+                sepUnit="M", hpnmeamode=1,
+            ).serialize()
+        )  # fmt: skip
+    Path("fixes.nmea").write_bytes(b"".join(sentences))
+
+
+def test_tables_give_what_the_simulation_gave(lift: EstimatedRecord) -> None:
+    attitude = Rotation.from_matrix(lift.truth["rotation"][0]).as_quat(scalar_first=True)
+    known = f"recorded.attitude=[{','.join(map(repr, attitude.tolist()))}]"
+    sure = ["recorded.tilt_sigma=0.01", "recorded.heading_sigma=0.01"]
+    found = _run("recorded.gnss=[gnss0.csv,gnss1.csv,gnss2.csv]", known, *sure)
+    for name in ("specific_force", "rate"):
+        expected = lift.measurements[name].value
+        np.testing.assert_allclose(found.measurements[name].value, expected, atol=1e-12)
+    error = found.estimates["MEKF"]["root"] - lift.truth["root"]
+    before = lift.estimates["MEKF"]["root"] - lift.truth["root"]
+    part = slice(1500, 2450)
+    assert np.sqrt(np.mean(error[part] ** 2)) < 1.2 * np.sqrt(np.mean(before[part] ** 2))
+
+
+def test_the_heading_of_two_antennas_is_that_of_the_truth(lift: EstimatedRecord) -> None:
+    found = _run("recorded.gnss=[gnss0.csv,gnss1.csv]", "schemes=[MEKF_HEADING]")
+    turned = Rotation.from_matrix(
+        found.estimates["MEKF_HEADING"]["rotation"][-501] @ lift.truth["rotation"][-501].T
+    ).magnitude()
+    assert np.rad2deg(turned) < 0.3
+
+
+def test_a_given_heading_tilts_as_gravity_says(lift: EstimatedRecord) -> None:
+    angles = Rotation.from_matrix(lift.truth["rotation"][0]).as_euler("ZYX", degrees=True)
+    found = _run("recorded.gnss=[gnss0.csv]", f"recorded.heading={-angles[0]}")
+    first = found.estimates["MEKF"]["rotation"][0]
+    turned = Rotation.from_matrix(first @ lift.truth["rotation"][0].T).magnitude()
+    assert np.rad2deg(turned) < 1.5  # the blade swings while it is levelled
+
+
+@pytest.mark.parametrize("kind", ["globe", "nmea"])
+def test_positions_on_the_globe_are_those_of_the_table(kind: str, lift: EstimatedRecord) -> None:
+    words = ["recorded.heading=0"]
+    table = _run("recorded.gnss=[gnss0.csv]", *words)
+    if kind == "nmea":
+        _write_nmea()
+    file = "fixes.nmea" if kind == "nmea" else "globe.csv"
+    globe = _run(f"recorded.gnss=[{file}]", *words)
+    apart = globe.estimates["MEKF"]["root"] - table.estimates["MEKF"]["root"]
+    apart -= apart[1500:2400].mean(axis=0)  # another origin
+    assert np.abs(apart[1500:2400]).max() < (2e-3 if kind == "nmea" else 1e-4)
+
+
+def test_float_solutions_of_nmea_are_told() -> None:
+    from owtsweep.studies.blade.recorded_files import read_fixes
+
+    _write_nmea(quality=5)
+    fixes = read_fixes(Path("fixes.nmea"), [])
+    assert fixes.floating.all()
+    assert fixes.time[0] == pytest.approx(100.0)
+
+
+def test_columns_units_mounting_and_a_shifted_clock() -> None:
+    plain = _run("recorded.gnss=[gnss0.csv]", "recorded.heading=0")
+    imu, gnss = pd.read_csv("imu.csv"), pd.read_csv("gnss0.csv")
+    turned = imu.copy()
+    for a, b in (("fx", "fy"), ("wx", "wy")):  # the unit's x is the blade's y, its y minus x
+        turned[a], turned[b] = imu[b], -imu[a]
+    turned[["wx", "wy", "wz"]] = np.rad2deg(turned[["wx", "wy", "wz"]])
+    turned = turned.rename(columns={"wx": "wx (deg/s)", "wy": "wy (deg/s)", "wz": "gyro"})
+    turned.to_csv("imu.csv", index=False)
+    gnss.assign(time=gnss["time"] - 30.0).rename(columns={"x": "east"}).to_csv(
+        "gnss0.csv", index=False
+    )
+    found = _run(
+        "recorded.gnss=[gnss0.csv]", "recorded.heading=0", "recorded.shift=30",
+        "recorded.mounting=[[0,-1,0],[1,0,0],[0,0,1]]", "recorded.columns=[wz:gyro:deg/s,x:east]",
+    )  # fmt: skip
+    np.testing.assert_allclose(
+        found.estimates["MEKF"]["root"], plain.estimates["MEKF"]["root"], atol=1e-6
+    )
+
+
+def test_a_sweep_judges_against_withheld_fixes(tmp_path: Path) -> None:
+    run = owtsweep.run([
+        *RECORDED, "grid.outage=[0,10]", "recorded.gnss=[gnss0.csv,gnss1.csv]",
+        "schemes=[HOLD,MEKF,GNSS_WAHBA,TOTAL_STATIONS]", f"results={tmp_path}",
+    ])  # fmt: skip
+    rows = run.cases()
+    withheld = rows[rows["measure"] == "withheld"].set_index("scheme")["value"]
+    assert set(rows[rows["measure"] == "withheld"]["outage"]) == {10.0}
+    assert withheld["MEKF"] < 0.2 < withheld["HOLD"]
+    unable = rows[rows["status"] == "unable"]
+    assert set(unable["scheme"].astype(str)) == {"GNSS_WAHBA", "TOTAL_STATIONS"}
+    assert "needs 3 antennas, and the record has 2" in set(unable["reason"].astype(str))
+
+
+def _change(file: str, column: str, row: int, value: float) -> None:
+    table = pd.read_csv(file)
+    table.loc[row, column] = value
+    table.to_csv(file, index=False)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["recorded.gnss=[]"], "recorded.gnss: 0 files for the 3 places"),
+        (["recorded.gnss=[gnss0.csv]"], "recorded.heading: the heading is unknown, and cannot be "),
+        (["recorded.attitude=[0,0,0,0]"], "recorded.attitude: a quaternion of norm 0; give four "),
+        (
+            ["recorded.mounting=[[1,0,0],[0,1,0.1],[0,0,1]]"],
+            "recorded.mounting: the rows are no rotation; ",
+        ),
+        (["recorded.mounting=[[1,0,0],[0,1,0],[0,0,-1]]"], "recorded.mounting: the rows are no "),
+        (["record.rate=100"], "record.rate: 100 Hz, but imu.csv has a row every 0.02 s; "),
+        (["record.duration=90"], "record.duration: 90 s, but imu.csv lasts 60 s from the first "),
+        (["recorded.shift=1000"], "gnss0.csv: fewer than two fixes fall into the time of imu.csv"),
+        (["recorded.imu=other.csv"], "other.csv: "),
+        (["recorded.columns=[speed:v]"], "recorded.columns: 'speed:v' is not SIGNAL:NAME"),
+        (["grid.replicates=2"], "grid.replicates: 2, but one lift was recorded; "),
+        (["grid.lever=[0.1]"], "grid.lever: a recorded lift has its own; "),
+        (["recorded.gnss=[gnss0.csv,globe.csv]"], "recorded.gnss: some files have x, y, z and "),
+    ],
+)
+def test_what_a_record_cannot_be(words: list[str], told: str) -> None:
+    given = ["recorded.gnss=[gnss0.csv]", "recorded.heading=0"]
+    if "heading is unknown" in told:
+        given = given[:1]
+    with pytest.raises(owtsweep.InputError) as error:
+        compose([*RECORDED, *CELL, *given, *words])
+    assert str(error.value).startswith(told)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("file", "column", "value", "told"),
+    [
+        ("imu.csv", "fx", np.nan, "imu.csv: fx has no number in data row 8; "),
+        ("imu.csv", "time", 3.0, "imu.csv: the time does not increase in data row 8; "),
+        ("gnss0.csv", "time", 3.0, "gnss0.csv: the time does not increase in data row 8; "),
+        ("globe.csv", "latitude", 95.0, "globe.csv: a latitude of 95 degrees in data row 8; "),
+    ],
+)
+def test_bad_numbers_in_files(file: str, column: str, value: float, told: str) -> None:
+    _change(file, column, 7, value)
+    gnss = file if file != "imu.csv" else "gnss0.csv"
+    with pytest.raises(owtsweep.InputError) as error:
+        compose([*RECORDED, *CELL, f"recorded.gnss=[{gnss}]", "recorded.heading=0"])
+    assert str(error.value).startswith(told)
+
+
+def test_fixes_faster_than_the_unit_are_refused() -> None:
+    table = pd.read_csv("gnss0.csv")
+    table.assign(time=100.0 + 0.004 * np.arange(len(table))).to_csv("gnss0.csv", index=False)
+    with pytest.raises(owtsweep.InputError, match=r"a fix every 0.004 s is faster than the"):
+        compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv]", "recorded.heading=0"])
+
+
+def test_antennas_in_a_line_do_not_show_an_attitude() -> None:
+    line = "recorded.antennas=[[-16,0,2],[0,0,2],[5,0,2]]"
+    files = "recorded.gnss=[gnss0.csv,gnss1.csv,gnss2.csv]"
+    with pytest.raises(owtsweep.InputError, match="collinear"):
+        _run(files, line, "recorded.heading=0", "schemes=[GNSS_WAHBA]")
+
+
+def test_a_damaged_sentence_is_refused() -> None:
+    _write_nmea()
+    text = Path("fixes.nmea").read_bytes()
+    Path("fixes.nmea").write_bytes(text.replace(b"GNGGA", b"GNGGX", 1))
+    with pytest.raises(owtsweep.InputError, match=r"^fixes.nmea: sentence 1 cannot be read"):
+        compose([*RECORDED, *CELL, "recorded.gnss=[fixes.nmea]", "recorded.heading=0"])
+
+
+def test_a_lever_arm_of_a_kilometre_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
+    from owtsweep.studies.blade.checks import warn_of_long_levers
+
+    far = "recorded.antennas=[[1000,0,2]]"
+    config = compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv]", "recorded.heading=0", far])
+    warn_of_long_levers(config)
+    assert "an antenna is 1016 m from the inertial unit; are the places in m?" in caplog.text
