@@ -310,6 +310,7 @@ class Reproduction:
                 map_ = self.results / f"blade_{name}" / "figures" / f"map_{criterion}.png"
                 shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
         run_script("blade/fidelity.py", folder, str(BLADE_JUDGED))
+        run_script("blade/figures.py", folder)
         self.keep("blade")
 
     def make_mating(self) -> None:
