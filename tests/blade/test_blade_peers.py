@@ -68,6 +68,7 @@ def _find_root(setting: Setting, states: Array) -> Array:
     return np.asarray(states[:, :3] + rotation @ setting.geometry.to_root)
 
 
+@pytest.mark.faults  # slow: its smoother takes 10 s in Python
 def test_smsfusion_errs_as_much_as_we_do() -> None:
     config, motion, measured, setting = make("record.duration=50")
     settled = slice(config.record.settled, None)
