@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.blade.paper import scores
-from owtsweep.studies.blade.paper.scenarios import COASTING, REFERENCE, make_records
+from owtsweep.studies.blade.paper.scenarios import COASTING, REFERENCE, compose_cell, simulate
 from owtsweep.verdicts.scores import tabulate
 
 if TYPE_CHECKING:
@@ -50,5 +50,5 @@ def score(name: str, replicates: Sequence[int], overrides: Sequence[str] = ()) -
     if name in ALONE:
         return tabulate(name, {k: ALONE[name](k) for k in replicates})
     words, judge = SCENARIOS[name]
-    records = make_records([*words, *overrides], replicates)
-    return tabulate(name, {k: judge(record) for k, record in zip(replicates, records, strict=True)})
+    config = compose_cell([*words, *overrides])  # once, not per record: it takes .1 s
+    return tabulate(name, {k: judge(simulate(config, k)) for k in replicates})

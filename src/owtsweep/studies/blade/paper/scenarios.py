@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from owtsweep.studies.blade.believed import make_setting
@@ -52,17 +52,21 @@ class Record:
 
 def make_record(words: Sequence[str], replicate: int) -> Record:
     """Make a record of the paper's system with overrides; `replicate` is its number."""
-    return next(make_records(words, [replicate]))
+    return simulate(compose_cell(words), replicate)
 
 
-def make_records(words: Sequence[str], replicates: Sequence[int]) -> Iterator[Record]:
-    """Make records of the paper's system with overrides, one after the other."""
+def compose_cell(words: Sequence[str]) -> BladeConfig:
+    """Return the configuration of the paper's system with overrides."""
     config = compose([*CELL, *words])
     assert isinstance(config, BladeConfig)
+    return config
+
+
+def simulate(config: BladeConfig, replicate: int) -> Record:
+    """Make the record with a number of the only cell of a configuration."""
     (conditions,) = list_cases(config)
-    window = Judged(config.record.settled, find_last_outage(config, conditions.outage))
-    for replicate in replicates:
-        motion = make_truth(config, replicate, conditions)
-        measured = measure(config, motion, conditions, replicate)
-        setting = make_setting(config, motion, conditions, replicate)
-        yield Record(config, motion.truth, measured, setting, window)
+    motion = make_truth(config, replicate, conditions)
+    measured = measure(config, motion, conditions, replicate)
+    setting = make_setting(config, motion, conditions, replicate)
+    judged = Judged(config.record.settled, find_last_outage(config, conditions.outage))
+    return Record(config, motion.truth, measured, setting, judged)

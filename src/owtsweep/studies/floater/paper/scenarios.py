@@ -106,7 +106,11 @@ class Outcome:
 
 def run_scenario(scenario: Scenario, replicate: int, overrides: Sequence[str] = ()) -> Outcome:
     """Run a scenario on the record with a number."""
-    config = scenario.compose(overrides)
+    return run_composed(scenario, scenario.compose(overrides), replicate)
+
+
+def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> Outcome:
+    """Run a scenario, of which `config` is the configuration, on the record with a number."""
     (cell,) = list_cases(config)
     motion = make_truth(config, replicate, cell.roll)
     if scenario.printed:
