@@ -16,21 +16,18 @@ import sys
 import tempfile
 from pathlib import Path
 
-from PIL import Image  # comes with matplotlib
-from PIL.PngImagePlugin import PngInfo
-
 import owtsweep
 import plant
-from agreement import PROVENANCE, compare_folders, largest_difference
+from keeping import Keeper
 from owtsweep.cli import main
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies.blade import measures as blade_measures
 from owtsweep.studies.floater import measures as floater_measures
 from owtsweep.studies.hub.figures import two_maps
+from owtsweep.studies.registry import get_study
 from owtsweep.studies.tower.measures import CRITERIA
 
-REFERENCE = Path("results/reference")
 SCRIPTS = Path(__file__).parent
 #: Run -> its overrides. `matched_on_paper` has the truth of `paper`: only the tuning differs.
 RUNS = {
@@ -52,21 +49,16 @@ PLANT = {
         "grid.replicates=20",
     ],
 }  # fmt: skip
-#: Pictures that get fewer colours than others, because they would be large: folder/name -> number.
-COLOURS = {"plant/figure_03_record.png": 32}
 #: Maps of the floater study.
 PLANES = ("delay_bias", "snr_loss", "believed_snr", "roll_snr")
-#: The blade's schemes without UKF and INVARIANT_EKF: these agree with MEKF within 1 %, so they run
-#: with the tactical unit only.
-BLADE_WITHOUT_ALIKE = (
-    "schemes=[HOLD,GNSS_WAHBA,COMPLEMENTARY,MEKF,MEKF_HEADING,MEKF_OFFSET,MEKF_LEVER,PENDULUM,"
-    "FIXED_LAG,SMOOTHER,DOUBLE_INTEGRATION,TOTAL_STATIONS]"
-)
+#: The blade's schemes but two, which agree with MEKF within 1 % and run with one unit only.
+_OTHERS = [name for name in get_study("blade").schemes() if name not in ("UKF", "INVARIANT_EKF")]
+BLADE_OTHERS = f"schemes=[{','.join(_OTHERS)}]"
 #: Sweeps of the blade study -> overrides.
 BLADE = {
     "sigma_outage_tactical": ("unit=tactical",),
-    "sigma_outage_fog": ("unit=fog", BLADE_WITHOUT_ALIKE),
-    "sigma_outage_mems": ("unit=mems", BLADE_WITHOUT_ALIKE),
+    "sigma_outage_fog": ("unit=fog", BLADE_OTHERS),
+    "sigma_outage_mems": ("unit=mems", BLADE_OTHERS),
     "offset_sigma": (
         "plane=offset_sigma",
         "schemes=[HOLD,GNSS_WAHBA,COMPLEMENTARY,MEKF,MEKF_HEADING,MEKF_OFFSET,PENDULUM]",
@@ -77,62 +69,14 @@ BLADE = {
 BLADE_RECORDS, BLADE_JUDGED = 10, 40
 #: Maps of the mating study.
 MATING = ("sigma_outage", "sigma_hub")
-TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
-ALL = (
-    *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
-    "figures/*.md", "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
-)  # fmt: skip
-KEPT = {
-    "readings": ("config.yaml", "manifest.json", "*.csv", "figures/*.png"),
-    "default": (*TABLES, "figures/figure_18*.png"),
-    "paper": ALL,
-    "matched": ALL,
-    "matched_on_paper": (*TABLES, "figures/figure_18*.png"),
-    "rivals": ("config.yaml", "manifest.json", "*.csv"),
-    "plant": ("*.csv", "*.png", "*.md"),
-    "better": ("*.csv", "*.png"),
-    "tower": (
-        "summary_*.csv",
-        "best_scheme_*.csv",
-        "crossover.csv",
-        "choices.csv",
-        "checked.csv",
-        "model_errors.csv",
-        "wave_yaw.csv",
-        "fidelity_claims.csv",
-        "table_3.csv",
-        "*.md",
-        "*.png",
-        "figures/*.png",
-    ),
-    "floater": (
-        "summary_*.csv",
-        "best_scheme_*.csv",
-        "delay_margin.csv",
-        "fidelity_claims.csv",
-        "stored_tests.csv",
-        "*.md",
-        "*.png",
-        "figures/*.png",
-    ),
-    "blade": (
-        "summary_*.csv",
-        "best_scheme_*.csv",
-        "fidelity_claims.csv",
-        "*.md",
-        "*.png",
-    ),
-    "mating": ("summary_*.csv", "best_scheme_*.csv", "*.png"),
-    **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
-}
 
 
 class Reproduction:
-    """The runs below one folder, and the list of files that differ from results/reference."""
+    """Everything made below one folder, and compared with results/reference."""
 
     def __init__(self, results: Path, replicates: str, *, check: bool) -> None:
-        self.results, self.replicates, self.check = results, replicates, check
-        self.differing: list[str] = []
+        self.results, self.replicates = results, replicates
+        self.keeper = Keeper(results, copies=not check)
 
     def sweep(self, name: str, *overrides: str) -> None:
         """Run one study under a name; if it fails, end the program with the exit code."""
@@ -143,66 +87,23 @@ class Reproduction:
         run_command("figures", str(self.results / name))
         run_command("fidelity", str(self.results / name))
 
-    def keep(self, name: str) -> None:
-        """Compare a run's small outputs with results/reference/<name>; copy them if they differ."""
-        with tempfile.TemporaryDirectory() as folder:
-            made, kept = Path(folder), REFERENCE / name
-            for pattern in KEPT[name]:
-                for file in sorted((self.results / name).glob(pattern)):
-                    copy_small(file, made / file.name)
-            differences = compare_folders(made, kept)
-            self.tell(name, differences, largest_difference(made, kept))
-            if differences and not self.check:
-                kept.mkdir(parents=True, exist_ok=True)
-                for file in differences:
-                    (kept / file).unlink(missing_ok=True)
-                for file in {*differences, *PROVENANCE}:
-                    if (made / file).is_file():
-                        shutil.copy(made / file, kept / file)
-
-    def keep_file(self, file: Path, reference: Path = REFERENCE) -> None:
-        """Compare one picture or table with the kept one in `reference`; copy it if it differs."""
-        with tempfile.TemporaryDirectory() as folder:
-            made, kept = Path(folder) / "made", Path(folder) / "kept"
-            for target in (made, kept):
-                target.mkdir()
-            copy_small(file, made / file.name)
-            if (reference / file.name).is_file():
-                shutil.copy(reference / file.name, kept)
-            differences = compare_folders(made, kept)
-            self.tell(file.name, differences, largest_difference(made, kept))
-            if differences and not self.check:
-                shutil.copy(made / file.name, reference / file.name)
-
-    def tell(self, name: str, differences: dict[str, str], largest: float) -> None:
-        """Print whether a part agrees with results/reference, and remember the files that do not.
-
-        `differences` and `largest` are the results of `compare_folders` and `largest_difference`.
-        """
-        if not differences:
-            exact = "to the last digit" if largest == 0.0 else f"to {largest:.1e}"
-            print(f"{name}: agrees with {REFERENCE / name}, numbers {exact}", flush=True)
-        for file, text in differences.items():
-            print(f"{name}: {file} {text}", flush=True)
-        self.differing += [f"{name}/{file}" for file in differences]
-
     def make_all(self) -> None:
         """Make the searches, the runs, the ablations, the two maps side by side, and the plant."""
         self.sweep("readings", "experiment=readings")
-        self.keep("readings")
+        self.keeper.keep("readings")
         for name, overrides in RUNS.items():
             self.sweep(name, f"grid.replicates={self.replicates}", *overrides)
             self.report(name)
-            self.keep(name)
+            self.keeper.keep(name)
         for name, overrides in ABLATIONS.items():
             words = ["experiment=paper", "tuning=paper", "schemes=[HME1,HME2]"]
             self.sweep(name, *words, f"grid.replicates={self.replicates}", *overrides)
-            self.keep(name)
+            self.keeper.keep(name)
         paper, matched = (owtsweep.load(self.results / n) for n in ("paper", "matched_on_paper"))
         metadata = {"paper": paper.hash, "matched": matched.hash}
         figure = two_maps.draw(paper, matched)
         png, _ = style.save(figure, self.results, "two_maps", metadata)
-        self.keep_file(png)
+        self.keeper.keep_file(png)
         self.make_rivals()
         self.make_plant()
         self.make_better()
@@ -216,10 +117,10 @@ class Reproduction:
         self.sweep("rivals", "experiment=rivals")
         folder = self.results / "rivals"
         run_script("judge_rivals.py", folder, self.replicates, folder / "judged.csv")
-        self.keep("rivals")
+        self.keeper.keep("rivals")
         run_script("ekf_trade_off.py", self.results)
         for ending in ("csv", "png"):
-            self.keep_file(self.results / f"ekf_trade_off.{ending}")
+            self.keeper.keep_file(self.results / f"ekf_trade_off.{ending}")
 
     def make_plant(self) -> None:
         """Make the runs, tables and pictures of the plant, and what a tilt of the IMU costs."""
@@ -236,9 +137,9 @@ class Reproduction:
             shutil.copy(claims, folder / f"fidelity_claims_{tuning}.csv")
         run_script("plant_spectrum.py", folder / "plant_spectrum.csv")
         run_script("plant_tilt.py", folder / "plant_tilt.csv")
-        self.keep("plant")
+        self.keeper.keep("plant")
         run_script("tilt.py", self.results / "tilt")
-        self.keep_file(self.results / "tilt" / "tilt_cost.png", Path("docs/images"))
+        self.keeper.keep_file(self.results / "tilt" / "tilt_cost.png", Path("docs/images"))
 
     def make_better(self) -> None:
         """Set the schemes beside the bounds of their errors; run SKFA in seas that move.
@@ -250,7 +151,7 @@ class Reproduction:
         words = [f"results={self.results}", "name=better_run"]
         run_script("better.py", folder, replicates, *words)
         run_script("moving_sea.py", folder)
-        self.keep("better")
+        self.keeper.keep("better")
 
     def make_tower(self) -> None:
         """Sweep the tower study with both tunings, judge its paper, find crossings, places, maps.
@@ -275,7 +176,7 @@ class Reproduction:
         run_script("tower/model_errors.py", folder)
         run_script("tower/wave_yaw.py", folder)
         run_script("tower/fidelity.py", folder)
-        self.keep("tower")
+        self.keeper.keep("tower")
 
     def make_floater(self) -> None:
         """Sweep the floater study over each plane, judge its paper, find delay margins.
@@ -298,7 +199,7 @@ class Reproduction:
                 shutil.copy(map_, folder / f"map_{plane}_{tuning}.png")
         run_script("floater/delay_margin.py", folder)
         run_script("floater/fidelity.py", folder)
-        self.keep("floater")
+        self.keeper.keep("floater")
 
     def make_blade(self) -> None:
         """Sweep the blade study over its planes and grades, and judge its paper.
@@ -322,7 +223,7 @@ class Reproduction:
                 shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
         run_script("blade/fidelity.py", folder, str(BLADE_JUDGED))
         run_script("blade/figures.py", folder)
-        self.keep("blade")
+        self.keeper.keep("blade")
 
     def make_mating(self) -> None:
         """Sweep the mating study over its planes; keep tables and pictures of the chances."""
@@ -336,7 +237,7 @@ class Reproduction:
             write_table(folder, f"best_scheme_{plane}", owtsweep.load(run).best_scheme())
             for picture in ("chances", "map_wrong"):
                 shutil.copy(run / "figures" / f"{picture}.png", folder / f"{picture}_{plane}.png")
-        self.keep("mating")
+        self.keeper.keep("mating")
 
 
 def run_command(*words: str) -> None:
@@ -356,28 +257,6 @@ def run_script(name: str, *words: object) -> None:
         sys.exit(code)
 
 
-def copy_small(source: Path, target: Path) -> None:
-    """Copy a file into the one folder of a run in results/reference.
-
-    A PNG is reduced to 192 colours, or those of `COLOURS`: a third of the size and alike to the
-    eye. Links of a report to its pictures lead to the pictures beside it.
-    """
-    if source.suffix == ".md":
-        target.write_text(source.read_text("utf-8").replace("](figures/", "]("), "utf-8")
-        return
-    if source.suffix != ".png":
-        shutil.copy(source, target)
-        return
-    picture = Image.open(source)
-    notes = PngInfo()
-    for key, value in picture.info.items():
-        if isinstance(value, str):
-            notes.add_text(key, value)
-    colours = COLOURS.get(f"{source.parent.name}/{source.name}", 192)
-    small = picture.convert("RGB").quantize(colours, dither=Image.Dither.NONE)
-    small.save(target, optimize=True, pnginfo=notes)
-
-
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description="Make everything behind the reports and pictures of docs/."
@@ -389,5 +268,6 @@ if __name__ == "__main__":
         results = Path(scratch) if options.check else Path("results")
         reproduction = Reproduction(results, options.replicates, check=options.check)
         reproduction.make_all()
-    if options.check and reproduction.differing:
-        sys.exit(f"{len(reproduction.differing)} files differ: {', '.join(reproduction.differing)}")
+    differing = reproduction.keeper.differing
+    if options.check and differing:
+        sys.exit(f"{len(differing)} files differ: {', '.join(differing)}")

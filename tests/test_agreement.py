@@ -65,7 +65,7 @@ def test_a_shorter_table_differs(compare, made):
 
 def test_the_pictures_of_a_kept_report_stand_beside_it(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    from reproduce import copy_small
+    from keeping import copy_small
 
     report = tmp_path / "report.md"
     square = "0.3 m\N{SUPERSCRIPT TWO}"

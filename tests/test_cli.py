@@ -86,6 +86,7 @@ def test_each_script_draws_its_figure(capsys, monkeypatch):
             "better.py",
             "ekf_trade_off.py",
             "judge_rivals.py",
+            "keeping.py",
             "make_sample.py",
             "moving_sea.py",
             "outliers.py",
