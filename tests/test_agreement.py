@@ -73,3 +73,20 @@ def test_the_pictures_of_a_kept_report_stand_beside_it(monkeypatch, tmp_path):
     copy_small(report, tmp_path / "kept.md")
     kept = (tmp_path / "kept.md").read_text("utf-8")
     assert kept == f"![one](one.png) [two](other/two.csv) {square}"
+
+
+@pytest.mark.parametrize("copies", [False, True])
+def test_what_differs_is_listed_and_copied_if_asked(copies, monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    import keeping
+
+    monkeypatch.setattr(keeping, "REFERENCE", tmp_path / "reference")
+    kept, made = tmp_path / "reference" / "mating", tmp_path / "results" / "mating"
+    for folder, number in ((kept, "1.0"), (made, "2.0")):
+        folder.mkdir(parents=True)
+        (folder / "summary_a.csv").write_text(f"mean\n{number}\n")
+        (folder / "summary_b.csv").write_text("mean\n3.0\n")
+    keeper = keeping.Keeper(tmp_path / "results", copies=copies)
+    keeper.keep("mating")
+    assert keeper.differing == ["mating/summary_a.csv"]
+    assert (kept / "summary_a.csv").read_text() == f"mean\n{'2.0' if copies else '1.0'}\n"

@@ -13,7 +13,7 @@ from owtsweep.studies.blade.paper import goals, statements
 from owtsweep.studies.blade.paper.judging import ALONE, SCENARIOS, score
 from owtsweep.studies.blade.paper.processing import process
 from owtsweep.studies.blade.paper.report import write_report
-from owtsweep.studies.blade.paper.scenarios import make_record
+from owtsweep.studies.blade.paper.scenarios import REFERENCE, make_record
 from owtsweep.studies.blade.paper.scores import score_boom, score_geometry, score_reference
 from owtsweep.verdicts.scores import Scores
 
@@ -59,6 +59,17 @@ def test_geometry_is_exact() -> None:
     found = score_geometry(0)
     assert max(found["pose"], found["reflection"], found["root_over_lever"]) < 1e-12
     assert found["cog_over_lever"] == pytest.approx(1.0)
+
+
+def test_each_record_has_its_own_number() -> None:
+    found = score("late clock", range(2), SHORT).set_index(["replicate", "measure"])["value"]
+    for number in range(2):
+        alone = score_reference(make_record([*REFERENCE["late clock"], *SHORT], number))
+        assert found[number].to_dict() == alone
+    first, second = (make_record(SHORT, number) for number in range(2))
+    assert not np.allclose(first.truth.root, second.truth.root)
+    noises = [record.measured.rate - record.truth.rate for record in (first, second)]
+    assert not np.allclose(*noises)
 
 
 def test_every_statement_and_goal_is_judged(tmp_path: Path) -> None:

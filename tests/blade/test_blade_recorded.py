@@ -120,6 +120,12 @@ def test_float_solutions_of_nmea_are_told() -> None:
     fixes = read_fixes(Path("fixes.nmea"), [])
     assert fixes.floating.all()
     assert fixes.time[0] == pytest.approx(100.0)
+    size = {}
+    for quality in (4, 5):
+        _write_nmea(quality)
+        found = _run("recorded.gnss=[fixes.nmea]", "recorded.heading=0")
+        size[quality] = np.trace(found.covariances["MEKF"]["root"][-501])
+    assert size[5] > 2.0 * size[4]
 
 
 def test_columns_units_mounting_and_a_shifted_clock() -> None:

@@ -184,6 +184,18 @@ def test_scores_are_those_of_the_estimates():
     assert found["over_closed_loop"] == pytest.approx(1.0, abs=0.15)
 
 
+def test_each_record_has_its_own_number():
+    table = judging.score_scenario("20 dB", range(2), SHORT)
+    found = table.set_index(["replicate", "measure"])["value"]
+    for number in range(2):
+        alone = score(run_scenario(judging.OWN["20 dB"], number, SHORT))
+        assert found[number].to_dict() == alone
+    first, second = (run_scenario(judging.OWN["20 dB"], number, SHORT) for number in range(2))
+    assert not np.allclose(first.truth.position, second.truth.position)
+    noises = [one.measured.position - one.truth.position for one in (first, second)]
+    assert not np.allclose(*noises, equal_nan=True)
+
+
 def test_the_figures_are_drawn(tmp_path):
     files = draw_figures(["figure_6", "figure_8"], tmp_path, SHORT)
     assert {file.name for file in files} >= {"figure_6.png", "figure_8.svg"}

@@ -99,8 +99,10 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
     import pandas as pd
     from joblib import Parallel, delayed
 
-    jobs: list[Any] = [delayed(_score)(name, replicates[:MOST], overrides) for name in PAPER]
-    jobs += [delayed(_score)(name, replicates, overrides) for name in OWN]
+    jobs: list[Any] = [
+        delayed(score_scenario)(name, replicates[:MOST], overrides) for name in PAPER
+    ]
+    jobs += [delayed(score_scenario)(name, replicates, overrides) for name in OWN]
     jobs += [delayed(score_plane)(plane, overrides) for plane in PLANES]
     tables = Parallel(n_jobs=-1, return_as="generator")(jobs)
     found = []
@@ -111,7 +113,7 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
     return joined
 
 
-def _score(name: str, replicates: Sequence[int], overrides: Sequence[str]) -> pd.DataFrame:
+def score_scenario(name: str, replicates: Sequence[int], overrides: Sequence[str]) -> pd.DataFrame:
     """Return the scores of a scenario on all records."""
     scenario = SCENARIOS[name]
     config = scenario.compose(overrides)  # once, not per record: it takes .1 s
