@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hanging import QUIET, make, mean_square, run, score
+from scipy.linalg import solve_discrete_lyapunov
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
@@ -23,9 +24,10 @@ from owtsweep.estimation.inertial import (
     subtract,
 )
 from owtsweep.estimation.inertial_invariant import carry_body, correct_body
-from owtsweep.studies.blade.contract import PLAN
+from owtsweep.studies.blade.contract import PLAN, ROOT
 from owtsweep.studies.blade.schemes.mekf import Navigator
 from owtsweep.studies.blade.schemes.navigation import begin, find_noise
+from owtsweep.studies.blade.schemes.swing import describe_swing
 
 RNG = np.random.default_rng(5)
 STEP = 0.02
@@ -225,6 +227,22 @@ def test_who_knows_the_hook_does_not_drift_away() -> None:
     worst = {name: mean_square(each, "worst") for name, each in found.items()}
     assert worst["PENDULUM"] < 0.7 * min(worst["MEKF"], worst["HOLD"])
     assert 0.5 < np.mean([each["nees"] for each in found["PENDULUM"]]) < 1.6
+
+
+def test_the_swing_begins_under_the_hook_and_keeps_its_size() -> None:
+    """Turned as at the start, the point under the hook is the centre of gravity of the truth."""
+    _, motion, _, setting = make(*QUIET)
+    size = ERRORS + 9
+    s, P = np.zeros(size + 1), np.zeros((size, size))
+    transitions, noises = describe_swing(setting, s, P, ERRORS)
+    first = motion.truth.root[0] - motion.truth.rotation[0] @ ROOT
+    assert s[ERRORS + 7 : ERRORS + 10] == pytest.approx(first, abs=1e-4)
+    for F, Q, period, sigma in zip(
+        transitions, noises, setting.swing_period, setting.swing_sigma, strict=True
+    ):
+        settled = solve_discrete_lyapunov(F, Q[:2, :2])
+        rates = (2.0 * np.pi / period) ** 2
+        assert settled == pytest.approx(sigma**2 * np.diag([1.0, rates]), abs=1e-12)
 
 
 def test_before_the_first_fix_the_start_stands() -> None:

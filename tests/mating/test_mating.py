@@ -58,6 +58,23 @@ def test_a_perfect_estimate_is_never_wrong() -> None:
     assert found["chance"] == found["told"] > 0.0
 
 
+def test_measures_are_those_of_the_settled_part() -> None:
+    """Of ten settled samples three are chances; one of them is told, and one that is none."""
+    apart = np.full((30, 3), [1.0, 0.0, 0.0])
+    true, said = apart.copy(), apart.copy()
+    true[[20, 21, 22]] = said[[20, 25]] = 0.0
+    still, fast = np.zeros((30, 3)), np.full((30, 3), [0.0, 0.0, 9.0])
+    fast[20:] = [0.0, 0.06, 0.0]
+    found = compare(
+        Relative(true, still), Relative(said, fast), Limits(0.1, 0.1, 1), settled=20
+    )  # fmt: skip
+    expected = {
+        "relative": np.sqrt(3 / 10), "speed": 0.06, "wrong": 3 / 10, "chance": 3 / 10,
+        "told": 2 / 10, "missed": 2 / 3, "false": 1 / 2,
+    }  # fmt: skip
+    assert found == pytest.approx(expected)
+
+
 def test_nees_of_drawn_errors() -> None:
     steps = 20_000
     true = Relative(np.zeros((steps, 3)), np.zeros((steps, 3)))
