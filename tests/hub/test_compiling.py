@@ -119,7 +119,7 @@ def test_processes_are_started_once_and_a_pipe_gets_one_line(monkeypatch, capsys
 
     def start(parts):
         started.append(parts)
-        words = [sys.executable, "-c", "print('gains.leaving')"]
+        words = [sys.executable, "-c", f"print({parts[0]!r})"]
         return subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
 
     monkeypatch.setattr(compiling, "_start", start)
