@@ -21,7 +21,7 @@ from typing import Any
 
 from benchmarks import bookkeeping, page, report, scaling
 from benchmarks.environment import busy, describe
-from benchmarks.parts import PARTS
+from benchmarks.parts import PARTS, measure_part
 
 HERE = Path(__file__).resolve().parent
 ELSEWHERE = HERE.parent / "results" / "bench"
@@ -35,7 +35,7 @@ def measure(names: list[str], quick: bool) -> dict[str, Any]:
         print(f"{name} ...", end=" ", flush=True)
         began = time.perf_counter()
         try:
-            results[name] = PARTS[name](quick)
+            results[name] = measure_part(name, "quick" if quick else "full")
         except Exception as error:  # minutes of other parts must not be lost with this one
             failed[name] = f"{type(error).__name__}: {error}"
             print(failed[name], file=sys.stderr)

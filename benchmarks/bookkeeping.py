@@ -88,8 +88,8 @@ def _stages(run: Run) -> dict[str, list[float]]:
     missing, before = timed(status)
     _, writing = timed(write)
     stored, after = timed(status)
-    (frame, lacking), reading = timed(run.stored)
-    _, aggregating = timed(lambda: run.engine.tables(run.config, frame))
+    (rows_by_tuning, lacking), reading = timed(run.stored)
+    _, aggregating = timed(lambda: run.make_results(rows_by_tuning))
     assert set(missing) == {"missing"}
     assert set(stored) == {"done"}
     assert not lacking

@@ -6,7 +6,7 @@ python -m benchmarks.online
 from __future__ import annotations
 
 import time
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,8 +34,10 @@ class Cost(NamedTuple):
 
 def measure(
     steps: int = 20_000, repeats: int = 5, tunings: tuple[str, ...] = ("paper", "matched")
-) -> list[Cost]:
+) -> list[dict[str, Any]]:
     """Measure the cost of each scheme at the default rates, 100 Hz (IMU) and 1 Hz (GNSS).
+
+    Each row is a `Cost` by the names of its fields.
 
     The statistics of `update` are over all steps of all repeats, so they include what other
     programs do to the machine. `at_once` is the median over the repeats.
@@ -66,13 +68,13 @@ def measure(
                 Cost(scheme, tuning, float(median), float(high), 1e6 * float(spent.max()),
                      1e6 * float(np.median(whole)))
             )  # fmt: skip
-    return costs
+    return [cost._asdict() for cost in costs]
 
 
 if __name__ == "__main__":
     print("microseconds per IMU step   update: median   99.9 %    worst   run at once")
     for cost in measure():
         print(
-            f"{cost.scheme:5s} tuning={cost.tuning:8s}{cost.median:20.1f}{cost.high:9.1f}"
-            f"{cost.worst:9.0f}{cost.at_once:14.2f}"
+            "{scheme:5s} tuning={tuning:8s}{median:20.1f}{high:9.1f}{worst:9.0f}"
+            "{at_once:14.2f}".format(**cost)
         )

@@ -1,94 +1,42 @@
-"""List the parts that are measured, in order; each part is measured by its own module.
+"""List the parts that are measured, in order, and the sizes in which each is measured.
 
-The argument `quick` of a part's function chooses smaller sizes.
+Each part is measured by the function `measure` of the module of its name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
-Part = Callable[[bool], Any]
+from importlib import import_module
+from typing import Any, NamedTuple
 
 
-def _kernels(quick: bool) -> Any:
-    from benchmarks.kernels import measure
+class Part(NamedTuple):
+    """Arguments of a part's `measure`; those of a full run are its defaults."""
 
-    return measure(series=64, steps=5_000, repeats=5) if quick else measure()
-
-
-def _reference(quick: bool) -> Any:
-    from benchmarks.reference import measure
-
-    return measure(intervals=1) if quick else measure()
+    quick: dict[str, Any]
+    #: The smallest size, in which a test runs every part.
+    least: dict[str, Any]
 
 
-def _breakdown(quick: bool) -> Any:
-    from benchmarks.breakdown import measure
-
-    return measure(duration=200.0) if quick else measure()
-
-
-def _peers_filter(quick: bool) -> Any:
-    from benchmarks.peers_filter import measure
-
-    return measure()
-
-
-def _peers_mhe(quick: bool) -> Any:
-    from benchmarks.peers_mhe import measure
-
-    return measure()
-
-
-def _startup(quick: bool) -> Any:
-    from benchmarks.startup import measure
-
-    return measure(2 if quick else 5)
-
-
-def _study(quick: bool) -> Any:
-    from benchmarks.study import ROUNDS, WHOLE, axes, measure_axis, measure_long, measure_whole
-
-    results: dict[str, Any]
-    if quick:
-        small = ("grid.replicates=8", "record.duration=500")
-        results = {"replicates": 8, "whole": measure_whole(1, small)}
-        scale, rounds = 0.1, 2
-    else:
-        results = {"replicates": 100, "whole": measure_whole(5, WHOLE), "long": measure_long()}
-        scale, rounds = 1.0, ROUNDS
-    return {**results, "axes": [measure_axis(name, rounds, scale) for name in axes()]}
-
-
-def _online(quick: bool) -> Any:
-    from benchmarks.online import measure
-
-    costs = measure(steps=2_000 if quick else 20_000, repeats=2 if quick else 5)
-    return [cost._asdict() for cost in costs]
-
-
-def _expected(quick: bool) -> Any:
-    from benchmarks.expected import measure
-
-    return measure(("matched",)) if quick else measure()
-
-
-def _bookkeeping(quick: bool) -> Any:
-    from benchmarks.bookkeeping import measure
-
-    return measure(1 if quick else 5)
-
-
-PARTS: dict[str, Part] = {
-    "kernels": _kernels,
-    "reference": _reference,
-    "breakdown": _breakdown,
-    "peers_filter": _peers_filter,
-    "peers_mhe": _peers_mhe,
-    "startup": _startup,
-    "study": _study,
-    "online": _online,
-    "expected": _expected,
-    "bookkeeping": _bookkeeping,
+PARTS = {
+    "kernels": Part(
+        {"series": 64, "steps": 5_000, "repeats": 5}, {"series": 8, "steps": 500, "repeats": 1}
+    ),
+    "reference": Part({"intervals": 1}, {"intervals": 1, "repeats": 1}),
+    "breakdown": Part({"duration": 200.0}, {"duration": 30.0, "repeats": 1}),
+    "peers_filter": Part({}, {"duration": 33.0, "repeats": 1}),
+    "peers_mhe": Part({}, {"intervals": 4, "repeats": 1}),
+    "startup": Part({"repeats": 2}, {"repeats": 1}),
+    "study": Part(
+        {"replicates": 8, "repeats": 1, "rounds": 2, "scale": 0.1},
+        {"replicates": 1, "repeats": 1, "rounds": 1, "scale": 0.02, "along": ["workers"]},
+    ),
+    "online": Part({"steps": 2_000, "repeats": 2}, {"steps": 200, "repeats": 1}),
+    "expected": Part({"tunings": ["matched"]}, {"tunings": ["matched"], "repeats": 1}),
+    "bookkeeping": Part({"repeats": 1}, {"repeats": 1}),
 }
+
+
+def measure_part(name: str, size: str = "full") -> Any:
+    """Measure a part; `size` is full, quick or least. Returns what the part's `measure` returns."""
+    options = {} if size == "full" else getattr(PARTS[name], size)
+    return import_module(f"benchmarks.{name}").measure(**options)

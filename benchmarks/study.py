@@ -1,5 +1,7 @@
 """Measure whole studies: time and memory against replicates, duration and workers.
 
+The goal is stated for the default grid, with records of 2000 s, 100 per cell.
+
 The memory of each study is measured in a process of its own, because a peak never goes down. The
 times of all studies along an axis are measured in one process, in turn (`benchmarks.turns`).
 """
@@ -18,8 +20,6 @@ from typing import Any, NamedTuple
 
 from benchmarks.timing import REPEATS, timed
 
-#: The study for which the goal is stated: the default grid, records of 2000 s, 100 per cell.
-WHOLE = ("grid.replicates=100",)
 #: The study for which the goal for the memory of long records is stated.
 LONG = (
     "grid.natural_period=[4.0]", "grid.replicates=16", "record.duration=16000", "compute.workers=2",
@@ -63,8 +63,29 @@ def axes(scale: float = 1.0) -> dict[str, list[Point]]:
     }  # fmt: skip
 
 
-def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> dict[str, float]:
-    """Run the study of the goal in several processes; return the medians.
+def measure(
+    replicates: int = 100,
+    repeats: int = REPEATS,
+    rounds: int = ROUNDS,
+    *,
+    scale: float = 1.0,
+    along: Sequence[str] = ("replicates", "duration", "workers"),
+) -> dict[str, Any]:
+    """Measure the whole study, the growth along some axes and, in full length, long records.
+
+    A `scale` below 1 shortens the records, and leaves out the long ones.
+    """
+    whole = (f"grid.replicates={replicates}", f"record.duration={2000 * scale:g}")
+    results: dict[str, Any] = {
+        "replicates": replicates,
+        "whole": measure_whole(repeats, whole),
+        "axes": [measure_axis(name, rounds, scale) for name in along],
+    }
+    return {**results, "long": measure_long()} if scale == 1.0 else results
+
+
+def measure_whole(repeats: int, overrides: Sequence[str]) -> dict[str, float]:
+    """Run a study in several processes; return the medians.
 
     They are those of `one_study.run`, and `process`: the seconds of the whole process, with the
     start of the interpreter and imports.
@@ -125,6 +146,4 @@ def _process(module: str, what: Any, *words: object) -> Any:
 
 
 if __name__ == "__main__":
-    print(measure_whole())
-    for axis in axes():
-        print(measure_axis(axis, rounds=1))
+    print(measure(rounds=1))

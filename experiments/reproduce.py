@@ -168,7 +168,7 @@ class Reproduction:
             summary = run.summary()
             kept = summary[summary["measure"].isin([*CRITERIA, ""])]
             write_table(folder, f"summary_{tuning}", kept)
-            write_table(folder, f"best_scheme_{tuning}", run.best_scheme())
+            write_table(folder, f"best_scheme_{tuning}", run.table("best_scheme"))
             for map_ in sorted((self.results / name / "figures").glob("map_*.png")):
                 shutil.copy(map_, folder / f"{map_.stem}_{tuning}.png")
         run_script("tower/crossover.py", folder, f"results={self.results}")
@@ -193,7 +193,7 @@ class Reproduction:
             summary = run.summary()
             kept = summary[summary["measure"].isin([*floater_measures.CRITERIA, ""])]
             write_table(folder, f"summary_{plane}", kept)
-            write_table(folder, f"best_scheme_{plane}", run.best_scheme())
+            write_table(folder, f"best_scheme_{plane}", run.table("best_scheme"))
             for tuning in ("paper", "matched"):
                 map_ = self.results / name / "figures" / f"map_velocity_{tuning}.png"
                 shutil.copy(map_, folder / f"map_{plane}_{tuning}.png")
@@ -217,7 +217,7 @@ class Reproduction:
             run = owtsweep.load(self.results / f"blade_{name}")
             summary = run.summary()
             write_table(folder, f"summary_{name}", summary[summary["measure"].isin(measures)])
-            write_table(folder, f"best_scheme_{name}", run.best_scheme())
+            write_table(folder, f"best_scheme_{name}", run.table("best_scheme"))
             for criterion in ("root", "worst"):
                 map_ = self.results / f"blade_{name}" / "figures" / f"map_{criterion}.png"
                 shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
@@ -234,7 +234,7 @@ class Reproduction:
             self.sweep(run.name, "study=mating", f"plane={plane}")
             run_command("figures", str(run))
             write_table(folder, f"summary_{plane}", owtsweep.load(run).summary())
-            write_table(folder, f"best_scheme_{plane}", owtsweep.load(run).best_scheme())
+            write_table(folder, f"best_scheme_{plane}", owtsweep.load(run).table("best_scheme"))
             for picture in ("chances", "map_wrong"):
                 shutil.copy(run / "figures" / f"{picture}.png", folder / f"{picture}_{plane}.png")
         self.keeper.keep("mating")

@@ -10,13 +10,10 @@ from typing import Any
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parents[1]))  # `benchmarks` stands outside the package
+from benchmarks.parts import PARTS, measure_part
+
 pytestmark = pytest.mark.usefixtures("kernels")
-
-
-@pytest.fixture(autouse=True)
-def _from_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`benchmarks` stands beside `tests`, outside the package."""
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[1]))
 
 
 @pytest.fixture
@@ -135,6 +132,18 @@ def test_a_missing_peer_is_named_and_skipped(monkeypatch: pytest.MonkeyPatch) ->
     assert rows["OSQP"]["seconds"] is None
     assert "osqp" in rows["OSQP"]["note"]
     assert rows["CasADi qrqp"]["agrees"]
+
+
+#: Parts whose smallest size takes more than some 2 s: processes of their own, compiled engines.
+SLOW = {"kernels", "reference", "startup", "study", "expected"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.faults] if n in SLOW else []) for n in PARTS],
+)
+def test_every_part_runs(name: str) -> None:
+    assert measure_part(name, "least")
 
 
 def test_slope_of_a_power() -> None:

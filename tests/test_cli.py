@@ -1,6 +1,7 @@
 """The command line as users and tired users meet it, in process and at small size."""
 
 import json
+import re
 import runpy
 import sys
 from pathlib import Path
@@ -121,6 +122,9 @@ def test_list_names_everything_there_is(capsys):
     shown = capsys.readouterr().out
     for name in ("EKF", "MKF", "HME1", "HME2", "paper", "matched", "translated", "ren2019"):
         assert name in shown
+    entries = [line for line in shown.splitlines() if line.startswith("  ")]
+    assert all(re.match(r"  \S+ +\S", line) for line in entries)  # long names too
+    assert not [line for line in entries if line.endswith((":", ","))]  # no sentence is cut off
 
 
 @pytest.mark.parametrize("place", [0, 2, 5])

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from owtsweep.studies import compose
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -32,6 +34,14 @@ def test_links_lead_somewhere():
         links = re.findall(r"\]\((?!https?:)([^)#]+)\)", document.read_text(encoding="utf-8"))
         for link in links:
             assert (document.parent / link).exists(), f"{document.relative_to(ROOT)}: {link}"
+
+
+def test_every_page_is_linked_from_the_readme_or_from_another():
+    pages = sorted((ROOT / "docs").glob("*.md"))
+    others = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    for page in pages:
+        linking = [other for other in (*others, *pages) if other != page]
+        assert any(f"{page.name}" in other.read_text("utf-8") for other in linking), page.name
 
 
 def read_map(run):
@@ -86,3 +96,11 @@ def test_the_readme_names_the_truth_of_its_maps():
         assert told == (1000.0, 0.02, 1e-4, 100)
         assert config["seed"] == 2019
     assert "records of 1000 s, IMU bias .02 m/s² with a walk of 1e-4 m/s²/√s, 100 records" in README
+
+
+def test_what_the_pages_set_of_a_tower_is_accepted():
+    text = (ROOT / "docs/tower.md").read_text(encoding="utf-8")
+    overrides = re.findall(r"`(sensors\.[^`]*\])`", text)
+    assert overrides
+    for words in overrides:
+        compose(["study=tower", *words.split()])  # refuses heights where no sensor can sit

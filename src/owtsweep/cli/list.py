@@ -34,7 +34,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
                 choices[tree.folder] = _list_choices(name, tree)
         except InputError as error:  # a broken study of another package; list the others
             told = str(error)
-        print(f"  {name:<17}{told}")
+        print(_entry(name, told))
     for line in chain(*choices.values()):
         print(line)
     return DONE
@@ -45,12 +45,16 @@ def _list_choices(study: str, tree: Tree) -> list[str]:
     with blame_package(study):
         schemes: dict[str, str] = getattr(get_study(study), "schemes", dict)()
         lines = [f"{prefix}schemes (schemes=[...]):"] if schemes else []
-        lines += [f"  {name:<17}{purpose}" for name, purpose in schemes.items()]
+        lines += [_entry(name, purpose) for name, purpose in schemes.items()]
         for group in tree.groups():
             lines.append(f"{prefix}{PLURALS.get(group, group + 's')} ({group}=...):")
             for option in tree.options(group):
-                lines.append(f"  {option:<17}{_first_comment(tree, group, option)}")
+                lines.append(_entry(option, _first_comment(tree, group, option)))
     return lines
+
+
+def _entry(name: str, purpose: str) -> str:
+    return f"  {name:<16} {purpose}"
 
 
 def _purpose(study: str) -> str:

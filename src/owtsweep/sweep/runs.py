@@ -313,5 +313,13 @@ class Run:
         return self.table("summary")
 
     def best_scheme(self) -> pd.DataFrame:
-        """Read `best_scheme.csv`: the best scheme in each cell of the grid."""
-        return self.table("best_scheme")
+        """Read `best_scheme.csv`: the best scheme in each cell of the grid.
+
+        The first column is `tuning`, in a run of one tuning too, so that a script serves both. A
+        study without tunings has no such column.
+        """
+        table = self.table("best_scheme")
+        tuning = getattr(self.config, "tuning", None)
+        if isinstance(tuning, str) and not self.tuning:
+            table.insert(0, "tuning", tuning)
+        return table
