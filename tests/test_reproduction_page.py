@@ -65,7 +65,8 @@ def test_the_statements_that_hold_are_listed(run):
 
 def test_the_table_of_statements_has_the_verdicts_of_the_run():
     table = read_fidelity("paper")
-    rows = re.findall(r"\| (F\d+) \|[^|]+\| ((?:not )?reproduced) \|", PAGE)
+    listed = PAGE.split("### x + y, or x alone")[0]
+    rows = re.findall(r"\| (F\d+) \|[^|]+\| ((?:not )?reproduced) \|", listed)
     assert dict(rows) == table.loc[table["kind"] == "statement", "agrees"].to_dict()
     summary = read("paper/summary.csv").query("measure == 'position' and window == 'full'")
     mse = summary.pivot(index=["amplitude", "natural_period"], columns="scheme", values="mean")
@@ -78,6 +79,34 @@ def test_the_table_of_statements_has_the_verdicts_of_the_run():
     require_text(f"by up to {100 * table.reproduced['F8'] - 100:.0f} % |")
     require_text(f"{100 * table.reproduced['F9']:.1f} % of HME2's errors")
     require_text(f"the reverse, by 3 to {100 * table.reproduced['F11'] - 100:.0f} %")
+
+
+def test_what_hangs_on_x_alone():
+    table = read_fidelity("paper")
+    rows = re.findall(r"\| (F\d) \| ([a-z ]+) \| ([a-z ]+) \| \**(yes|no)\**:", PAGE)
+    in_x = {name: table.agrees[f"{name}, x alone"] for name in ("F1", "F2", "F3", "F4", "F5")}
+    assert {name: alone for name, _, alone, _ in rows} == in_x
+    for name, both, alone, hangs in rows:
+        assert both == table.agrees[name]
+        assert hangs == ("no" if both == alone else "yes")
+    for run in ("default", "matched", "matched_on_paper"):
+        agrees = read_fidelity(run).agrees
+        assert all(agrees[f"{name}, x alone"] == agrees[name] for name in in_x)
+    columns = ["reproduced", "ci_low", "ci_high"]
+    four, six, growth = (
+        table.loc[f"boundary {period} s, x alone", columns] for period in ("4", "6", "8 s / 4")
+    )
+    words = "{:.3f} m [{:.3f}, {:.3f}], {:.3f} m [{:.3f}, {:.3f}]".format(*four, *six)
+    told = f"{words}, {{:.2f}} [{{:.2f}}, {{:.2f}}]".format(*growth)
+    require_text(re.sub(r"\b0\.", ".", f"in x alone | | {told} | yes, yes, yes |"))
+    assert table.agrees[["boundary 4 s, x alone", "boundary 6 s, x alone"]].tolist() == ["yes"] * 2
+    second = [100.0 * table.reproduced[name] - 100.0 for name in ("F2", "F2, x alone")]
+    require_text("MKF is second to HME2, by up to {:.1f} % and {:.1f} %".format(*second))
+    corner = read("paper/fidelity_claims.csv").query("claim == 'HME2 is best at (8 s, 0.1 m)'")
+    assert set(corner["decided_at"]) == {"8 s, 0.1 m: HME2 / MKF"}
+    both, alone = corner[["value", "ci_low", "ci_high"]].to_numpy()
+    told = "HME2 / MKF is {:.3f} [{:.3f}, {:.3f}] or {:.3f} [{:.3f}, {:.3f}]".format(*both, *alone)
+    require_text(told.replace("0.9", ".9"))
 
 
 def test_the_numbers_of_the_table_are_those_of_the_run():
@@ -143,20 +172,27 @@ def test_the_search():
     assert best.loc[["paper-structure", "ekf-structure"], "trial"].eq(0).all()
 
 
-def test_the_print_conflicts_with_itself():
+@pytest.mark.parametrize(("axes", "words"), [("xy", "x + y"), ("x", "x alone")])
+def test_the_print_conflicts_with_itself_in_x_and_y_only(axes, words):
     table = read_fidelity("paper").published
-    mse = {
-        (number, scheme): table[f"table {number} {scheme} x"] + table[f"table {number} {scheme} y"]
-        for number in (6, 7, 8)
-        for scheme in ("HME1", "HME2")
-    }
-    floors, motions = [], []
-    for scheme in ("HME1", "HME2"):
-        motion = (mse[8, scheme] - mse[7, scheme]) / (1.0 - 0.2**2)  # at 8 s
-        floors.append(mse[8, scheme] - motion)
-        motions.append((mse[6, scheme] - floors[-1]) / 0.2**2)  # at 4 s
-    boundary = np.sqrt((floors[0] - floors[1]) / (motions[1] - motions[0]))
-    require_text(f"the boundary at 4 s is at {boundary:.2f} m, not".replace("0.", "."))
+    floors, motions = {}, {}
+    for scheme in ("MKF", "HME1", "HME2"):
+        mse = {n: sum(table[f"table {n} {scheme} {axis}"] for axis in axes) for n in (6, 7, 8)}
+        motion = (mse[8] - mse[7]) / (1.0 - 0.2**2)  # at 8 s
+        floors[scheme] = mse[8] - motion
+        motions[scheme] = (mse[6] - floors[scheme]) / 0.2**2  # at 4 s
+    apart = floors["HME1"] - floors["HME2"]
+    boundary = np.sqrt(apart / (motions["HME2"] - motions["HME1"]))
+    told = {"x + y": "at {:.2f} m in x + y, outside", "x alone": "and at {:.2f} m in x alone"}
+    require_text(told[words].format(boundary).replace("0.", "."))
+    assert (0.15 < boundary < 0.6) == (words == "x alone")
+    half = {scheme: floors[scheme] + 0.5**2 * motions[scheme] for scheme in floors}
+    ordered = sorted(half, key=lambda scheme: half[scheme])
+    listed = ", ".join(f"{scheme} {1e3 * half[scheme]:.2f}e-3" for scheme in ordered)
+    require_text(f"{listed} m² in {words}")
+    assert ordered[0] == "MKF"
+    rounding = (0.5 / 0.2) ** 2 * 5e-6 + ((0.5 / 0.2) ** 2 - 1.0) * (1.0 / 0.96) * 5e-6
+    require_text(f"by up to {1e3 * rounding:.2f}e-3 m² per axis".replace("0.", "."))
 
 
 def test_noise_floors_and_motion_terms():

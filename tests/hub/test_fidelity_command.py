@@ -58,7 +58,7 @@ def test_the_command_writes_the_report(tmp_path, monkeypatch, capsys):
         "item,kind,published,reproduced,ci_low,ci_high,ratio,agrees,why"
     )
     assert ",".join(csv["fidelity_numbers"].columns) == (
-        "table,natural_period,amplitude,scheme,measure,published,reproduced,ci_low,ci_high,"
+        "table,natural_period,amplitude,scheme,measure,published,printed,reproduced,ci_low,ci_high,"
         "record_low,record_high,quantile,ratio,log2,missed_by_factor_2,why"
     )
     assert ",".join(csv["consistency"].columns) == (
@@ -66,7 +66,8 @@ def test_the_command_writes_the_report(tmp_path, monkeypatch, capsys):
     )
     counts = csv["fidelity"]["kind"].value_counts()
     assert counts.to_dict() == {
-        "number": 64, "statement": 11, "summary": 8, "boundary": 4, "winner": 4
+        "number": 64, "statement": 11, "summary": 8, "boundary": 4, "winner": 4,
+        "statement, x alone": 5, "boundary, x alone": 4,
     }  # fmt: skip
     agrees = csv["fidelity"].set_index("item")["agrees"]
     assert agrees["table 9 winner"] == agrees["table 9 EKF x"] == MISSING
@@ -78,7 +79,10 @@ def test_the_command_writes_the_report(tmp_path, monkeypatch, capsys):
     assert all((folder / picture).is_file() for picture in pictures)
     assert "What this run lacks" in markdown
     assert "Table 9 EKF" in markdown.split("What this run lacks")[1]
-    for line in ("## Statements", "### F11", "### Table 6", "## Boundary", "mainly the"):
+    for line in (
+        "## Statements", "### F11", "## F1 to F5 in x + y, and in x alone", "### Table 6",
+        "## Boundary", "mainly the", "| EKF | vx | 1.98e-03 (misprinted as 1.98e-02) |",
+    ):  # fmt: skip
         assert line in markdown
 
     html = Sources()

@@ -28,6 +28,7 @@ from owtsweep.verdicts import plots
 from owtsweep.verdicts.consistency import judge_consistency
 from owtsweep.verdicts.inference import REPRODUCED, all_of
 from owtsweep.verdicts.numbers import lies_within_records
+from owtsweep.verdicts.sections import number_table
 
 
 @pytest.fixture(scope="module")
@@ -63,10 +64,21 @@ def test_numbers_by_brute_force(scattered):
 def test_the_misprint_of_table_7_is_judged_as_meant(scattered):
     table = compare_numbers(scattered)
     noted = table[table["why"].str.contains("misprint")]
-    assert noted[["table", "scheme", "measure", "published"]].to_numpy().tolist() == [
-        [7, "EKF", "vx", 1.98e-3]
+    assert noted[["table", "scheme", "measure", "published", "printed"]].to_numpy().tolist() == [
+        [7, "EKF", "vx", 1.98e-3, 1.98e-2]
     ]
     assert "judged at 1.98e-03" in noted["why"].iloc[0]
+
+
+def test_the_misprint_is_marked_wherever_it_is_listed_as_published(scattered):
+    numbers = compare_numbers(scattered)
+    listed = number_table(numbers).rows
+    assert [row for row in listed if "printed" in row[2]] == [
+        next(row for row in listed if row[:3] == ["EKF", "vx", "1.98e-03 (misprinted as 1.98e-02)"])
+    ]
+    table = fidelity_table(scattered, numbers, []).set_index("item")["why"]
+    marked = table.index[table.str.contains("misprint")]
+    assert set(marked) == {"table 7 EKF vx", "EKF velocity / position MSE, table 7"}
 
 
 def test_a_world_that_prints_the_paper_agrees_with_it():

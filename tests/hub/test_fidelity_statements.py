@@ -21,7 +21,7 @@ from fidelity_worlds import (
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
-from owtsweep.studies.hub.fidelity.report import judge_all
+from owtsweep.studies.hub.fidelity.report import judge_all, judge_along_x
 from owtsweep.studies.hub.fidelity.statements import STATEMENTS
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
 from owtsweep.verdicts.inference import (
@@ -136,6 +136,25 @@ def test_cells_and_schemes_that_the_run_lacks_are_named():
     table = fidelity_table(alone, numbers, judged)
     assert set(table.loc[table["kind"].isin(["winner", "statement"]), "agrees"]) == {MISSING}
     assert "not in this run" in table["why"][0]
+
+
+def test_f1_to_f5_are_judged_in_x_alone_too():
+    """In x + y the boundary is at 1.2 m, in x alone at .3 m; F6 and on are judged once."""
+
+    def terms(measure: str, period: float) -> dict[str, Terms]:
+        return hme2_beyond({"x": 0.3}.get(measure, 1.2))
+
+    evidence = world(terms, measures=("position", "velocity", "x"))
+    verdicts = {statement.name: statement.verdict for statement in judge_all(evidence)}
+    along_x = judge_along_x(evidence)
+    assert [statement.name for statement in along_x] == [f"F{i}, x alone" for i in range(1, 6)]
+    in_x = {statement.name: statement.verdict for statement in along_x}
+    assert (verdicts["F3"], in_x["F3, x alone"]) == (NOT_REPRODUCED, REPRODUCED)
+    assert (verdicts["F4"], in_x["F4, x alone"]) == (REPRODUCED, NOT_REPRODUCED)
+    table = fidelity_table(evidence, compare_numbers(evidence), [], along_x).set_index("item")
+    assert table.loc["boundary 4 s, x alone", "reproduced"] == pytest.approx(0.3, rel=1e-3)
+    assert table.loc["boundary 4 s", "reproduced"] == pytest.approx(1.2, rel=1e-3)
+    assert table.loc["F3, x alone", "agrees"] == REPRODUCED
 
 
 def test_a_definition_is_printed_with_each_statement():

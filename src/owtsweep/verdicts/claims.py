@@ -56,8 +56,8 @@ def claim_against_best(
 ) -> Claim:
     """Claim for every cell that a scheme's error is smaller (or larger) than its best rival's.
 
-    A cell is a combination of conditions in the run's grid. In each cell the ratio of the two mean
-    position MSEs is compared with 1. The best rival is found in each cell by `Evidence.best_other`.
+    A cell is a combination of conditions in the run's grid. In each cell the ratio of the two means
+    of the evidence's criterion is compared with 1. The best rival is found in each cell by `Evidence.best_other`.
     The claim's `missing` lists cells without data.
 
     Parameters
@@ -91,7 +91,7 @@ def claim_ratio(
     cells: Sequence[Cell],
     side: Side,
     *,
-    measure: str = "position",
+    measure: str = "",
 ) -> Claim:
     """Claim for every cell that one scheme's error is smaller (or larger) than a second scheme's.
 
@@ -111,12 +111,13 @@ def claim_ratio(
     side
         "below" to claim that the numerator is smaller, "above" to claim that it is larger.
     measure
-        The kind of error, e.g. "position" for the position MSE.
+        The kind of error, e.g. "velocity" for the velocity MSE; "" for the evidence's criterion.
     """
     first, second = schemes
 
     def decide(cell: Cell) -> Decision | None:
-        ratio = (first, cell, measure), (second, cell, measure)
+        kind = measure or evidence.criterion
+        ratio = (first, cell, kind), (second, cell, kind)
         return evidence.compare(f"{cell}: {first} / {second}", ratio, 1.0, side)
 
     return gather(text, [(str(cell), decide(cell)) for cell in cells])

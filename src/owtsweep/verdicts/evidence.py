@@ -43,6 +43,8 @@ class Evidence:
         The schemes that the publication compares.
     window
         The part of each record over which errors are averaged, e.g. "full" or "settled".
+    criterion
+        The measure by which schemes are ranked.
     """
 
     rows: pd.DataFrame
@@ -51,6 +53,7 @@ class Evidence:
     schemes: tuple[str, ...]
     rivals: tuple[str, ...]
     window: str
+    criterion: str = "position"
 
     @cached_property
     def finished(self) -> pd.DataFrame:
@@ -107,12 +110,12 @@ class Evidence:
         return list(shared.to_numpy().T) if len(shared) else None
 
     def paired(self, schemes: Sequence[str], cell: Cell) -> dict[str, Array] | None:
-        """Return the position MSE of some schemes in a cell: scheme -> values, shape (replicates,).
+        """Return what ranks some schemes in a cell: scheme -> values, shape (replicates,).
 
-        A cell holds one number per condition. Only replicates that all of these schemes finished
+        These are the values of the measure `criterion`, as a rule the position MSE. A cell holds one number per condition. Only replicates that all of these schemes finished
         are kept. Returns None if there are no such replicates.
         """
-        values = self.common([(scheme, cell, "position") for scheme in schemes])
+        values = self.common([(scheme, cell, self.criterion) for scheme in schemes])
         return None if values is None else dict(zip(schemes, values, strict=True))
 
     def samples(self, scheme: str, cell: Cell, measure: str) -> Array | None:
@@ -149,7 +152,7 @@ class Evidence:
         return None if values is None else mean_ratio(label, values[0], values[1], threshold, side)
 
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
-        """Find the best rival of a scheme in a cell: the rival with the least mean position MSE.
+        """Find the best rival of a scheme in a cell: that with the least mean of `criterion`.
 
         The rivals are the schemes that the publication compares. Two schemes coincide if they agree
         in every replicate. A rival that coincides with `scheme` is left out. If the best rivals
@@ -158,8 +161,8 @@ class Evidence:
         Returns
         -------
         tuple or None
-            Name of the rival, position MSE of `scheme`, and position MSE of the rival; each MSE has
-            the shape (replicates,). None if the cell lacks one of the rivals, or if every rival
+            Name of the rival, the values of `scheme`, and those of the rival, each of the shape
+            (replicates,). None if the cell lacks one of the rivals, or if every rival
             coincides with `scheme`.
         """
         paired = self.paired(self.rivals, cell)

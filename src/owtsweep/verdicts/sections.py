@@ -83,8 +83,8 @@ def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Bloc
 def number_table(numbers: pd.DataFrame) -> TextTable:
     """Make a table of the published numbers beside the run's numbers, one row per published number.
 
-    `numbers` has the columns scheme, measure, published, and the keys of `numbers.compare_number`'s
-    result.
+    `numbers` has the columns scheme, measure, published, printed, and the keys of
+    `numbers.compare_number`'s result.
     """
     rows = []
     each: Any = numbers.itertuples()
@@ -97,7 +97,7 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
                 f"{row.quantile:.2f}",
                 format_ratio(row.ratio),
             ]
-        rows.append([row.scheme, row.measure, f"{row.published:.2e}", *of_run, agrees])
+        rows.append([row.scheme, row.measure, format_published(row), *of_run, agrees])
     return TextTable(["scheme", "measure", *NUMBER_COLUMNS, "agrees"], rows, NUMBER_COLUMNS)
 
 
@@ -168,6 +168,15 @@ def missing_section(numbers: pd.DataFrame, judged: Sequence[JudgedStatement]) ->
         Paragraph("Conditions and schemes that the paper's results need and this run has not:"),
         Bullets(items),
     ]
+
+
+def format_published(row: Any) -> str:
+    """Format a published number; where it is a corrected misprint, with what is printed.
+
+    The attributes of `row` are `published` (the number that is judged) and `printed`.
+    """
+    mark = "" if row.printed == row.published else f" (misprinted as {row.printed:.2e})"
+    return f"{row.published:.2e}{mark}"
 
 
 def format_value(value: float) -> str:

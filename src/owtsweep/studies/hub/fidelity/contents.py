@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.figures.style import describe_window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
+from owtsweep.studies.hub.fidelity.evidence import Boundary, Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
 from owtsweep.verdicts import sections
 from owtsweep.verdicts.numbers import lies_within_records
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
 from owtsweep.verdicts.sections import format_interval, format_value
-from owtsweep.verdicts.statements import JudgedStatement
+from owtsweep.verdicts.statements import JudgedStatement, explain
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,6 +35,7 @@ def document(
     evidence: HubEvidence,
     tables: Mapping[str, pd.DataFrame],
     judged: Sequence[JudgedStatement],
+    along_x: Sequence[JudgedStatement],
     pictures: Mapping[str, Path],
 ) -> list[Block]:
     """Write the whole report on one run, as blocks (headings, paragraphs, tables) of a page.
@@ -49,6 +50,8 @@ def document(
         File name without suffix -> table: fidelity, fidelity_numbers and consistency.
     judged
         The statements F1 to F11 of Ren et al. (2019), with the verdicts on them.
+    along_x
+        The first of these statements, judged in x alone.
     pictures
         Figure name -> PNG file: published_against_reproduced, ratios and boundaries.
     """
@@ -58,18 +61,19 @@ def document(
         Paragraph(
             f"{config.describe_origin()}. Judged: the "
             f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
-            "Position is x + y, velocity vx + vy. Brackets are 95 % intervals: of means, t "
+            "Position is x + y (F1 to F5 also: x alone), velocity vx + vy. Brackets are 95 % intervals: of means, t "
             "intervals over the records; of ratios of means, paired over the records (Fieller); "
             "of boundaries, a bootstrap over the records. A claim about many cells is tested in "
             "all of them with Holm's correction."
         ),
-        *_summary(tables["fidelity"], numbers, judged),
+        *_summary(tables["fidelity"], numbers, judged, along_x),
         *sections.statement_section(judged, DEFINITIONS),
+        *_x_section(evidence, judged, along_x),
         *_number_section(evidence, numbers, pictures),
         Heading("Boundary between HME1 and HME2"),
         Picture(
             pictures["boundaries"],
-            "Amplitude at which the mean position MSE of HME1 and HME2 is equal.",
+            "Amplitude at which the mean position MSE, x + y, of HME1 and HME2 is equal.",
         ),
         *sections.consistency_section(tables["consistency"], evidence.schemes, FREEDOM),
         *sections.missing_section(numbers, judged),
@@ -77,7 +81,10 @@ def document(
 
 
 def _summary(
-    table: pd.DataFrame, numbers: pd.DataFrame, judged: Sequence[JudgedStatement]
+    table: pd.DataFrame,
+    numbers: pd.DataFrame,
+    judged: Sequence[JudgedStatement],
+    along_x: Sequence[JudgedStatement],
 ) -> list[Block]:
     present = numbers.dropna(subset="reproduced")
     inside = sum(lies_within_records(row) == "yes" for row in present.itertuples())
@@ -93,6 +100,8 @@ def _summary(
         Bullets(
             [
                 f"Statements F1-F11: {sections.count_verdicts(judged)}.",
+                f"F1-F5 in x alone: {sections.count_verdicts(along_x)}; "
+                f"{_name_differing(judged, along_x)}.",
                 f"Numbers of tables 6-9: {len(present)} of {len(numbers)} in this run; "
                 f"{inside} lie within the central 95 % of its single records, {missed} are missed "
                 "by more than a factor of 2 in the mean.",
@@ -107,6 +116,49 @@ def _summary(
     ]
 
 
+def _name_differing(judged: Sequence[JudgedStatement], along_x: Sequence[JudgedStatement]) -> str:
+    """Say which statements have one verdict in x + y and another in x alone."""
+    pairs = zip(judged, along_x, strict=False)
+    names = [both.name for both, alone in pairs if both.verdict != alone.verdict]
+    return f"other than in x + y: {', '.join(names)}" if names else "all as in x + y"
+
+
+def _x_section(
+    evidence: HubEvidence, judged: Sequence[JudgedStatement], along_x: Sequence[JudgedStatement]
+) -> list[Block]:
+    """Set the verdicts, claims and boundaries in x alone beside those in x + y."""
+    sides = ["x + y", "x alone"]
+    verdicts, claims = [], []
+    for both, alone in zip(judged, along_x, strict=False):
+        hangs = "no" if both.verdict == alone.verdict else "yes"
+        verdicts.append([both.name, both.verdict, alone.verdict, hangs])
+        for first, second in zip(both.claims, alone.claims, strict=True):
+            claims.append([both.name, first.text, explain(first), explain(second)])
+    in_x = evidence.along_x.boundaries
+    boundaries = [
+        [f"{period:g} s", _describe_boundary(value), _describe_boundary(in_x[period])]
+        for period, value in evidence.boundaries.items()
+        if period in in_x
+    ]
+    return [
+        Heading("F1 to F5 in x + y, and in x alone"),
+        Paragraph(
+            "The paper does not say whether its figures 15 to 18 judge x + y or x alone. Here the "
+            "MSE of x takes the place of the position MSE in the same tests. This reading was "
+            "added after the runs were known."
+        ),
+        TextTable(["", *sides, "hangs on the choice?"], verdicts),
+        TextTable(["", "claim", *sides], claims),
+        TextTable(["boundary (m) at", *sides], boundaries, sides),
+    ]
+
+
+def _describe_boundary(boundary: Boundary) -> str:
+    if boundary.wins:
+        return "none" if boundary.wins == "neither" else f"none: {boundary.wins} is better"
+    return f"{boundary.value:.3g} [{boundary.low:.3g}, {boundary.high:.3g}]"
+
+
 def _number_section(
     evidence: HubEvidence, numbers: pd.DataFrame, pictures: Mapping[str, Path]
 ) -> list[Block]:
@@ -116,6 +168,11 @@ def _number_section(
     more than a factor of 2. `numbers` is the result of `numbers.compare_numbers`; `pictures` maps
     figure names to PNG files.
     """
+    corrected: Any = numbers[numbers["printed"] != numbers["published"]].itertuples()
+    misprints = "".join(
+        f" Table {row.table}, {row.scheme} {row.measure}: {sections.format_published(row)}."
+        for row in corrected
+    )
     blocks: list[Block] = [
         Heading("Numbers of tables 6-9"),
         Paragraph(
@@ -125,11 +182,12 @@ def _number_section(
         ),
         Picture(
             pictures["published_against_reproduced"],
-            "Published against reproduced MSE; bars hold 95 % of single records.",
+            f"Published against reproduced MSE; bars hold 95 % of single records.{misprints}",
         ),
         Picture(
             pictures["ratios"],
-            "Reproduced over published MSE, table by table; bars hold 95 % of single records.",
+            "Reproduced over published MSE, table by table; bars hold 95 % of single records."
+            f"{misprints}",
         ),
     ]
     for number, cell in TABLE_CELLS.items():
@@ -145,7 +203,8 @@ def _number_section(
         cell = Cell(row.natural_period, row.amplitude)
         why = reason(evidence, row.scheme, cell, row.measure, row.published)
         name = f"Table {row.table}, {row.scheme} {row.measure}"
-        items.append(f"{name}, {sections.format_ratio(row.ratio)} times the print: {why}.")
+        told = f"{sections.format_ratio(row.ratio)} times {sections.format_published(row)}"
+        items.append(f"{name}, {told}: {why}.")
     if not items:
         return [*blocks, Paragraph("None.")]
     explanation = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -44,7 +44,7 @@ def cells(
 
 @dataclass(frozen=True)
 class Boundary(Estimate):
-    """The boundary: the amplitude (m) below which HME2 has the smaller position MSE, HME1 above.
+    """The boundary: the amplitude (m) below which HME2 has the smaller MSE, HME1 above.
 
     The 95 % interval is a bootstrap over the replicates. If there is a boundary, `wins` is "". If
     there is no boundary, the amplitude is NaN, and `wins` names the scheme that is better at every
@@ -69,14 +69,19 @@ class HubEvidence(Evidence):
     history_errors: HistoryErrors | None = None
 
     @cached_property
+    def along_x(self) -> HubEvidence:
+        """The same results, with schemes ranked by the MSE of x alone instead of x + y."""
+        return replace(self, criterion="x")
+
+    @cached_property
     def boundaries(self) -> dict[float, Boundary]:
-        """Natural period (s) -> amplitude at which HME1 and HME2 have equal position MSE.
+        """Natural period (s) -> amplitude at which HME1 and HME2 have equal MSE (`criterion`).
 
         The dict is empty if the run lacks one of the two schemes, or was not run with
         evaluation=superposed.
         """
         try:
-            table = find_boundary(self.rows, CONDITIONS, BOUNDARY, "position", self.window)
+            table = find_boundary(self.rows, CONDITIONS, BOUNDARY, self.criterion, self.window)
         except InputError:  # a scheme is missing, or cases run directly: they have no products
             return {}
         boundaries = {}
@@ -96,14 +101,14 @@ class HubEvidence(Evidence):
     def growth(self) -> Estimate | None:
         """The boundary at a natural period of 8 s, divided by the boundary at 4 s.
 
-        The boundary is the amplitude at which HME1 and HME2 have equal position MSE. The ratio is
+        The boundary is the amplitude at which HME1 and HME2 have equal MSE. The ratio is
         NaN if one of the two boundaries does not exist. The ratio is None if the run lacks one of
         these periods or schemes, or was not run with evaluation=superposed.
         """
         periods = (8.0,), (4.0,)
         try:
             ratio = find_boundary_ratio(
-                self.rows, CONDITIONS, periods, BOUNDARY, "position", self.window
+                self.rows, CONDITIONS, periods, BOUNDARY, self.criterion, self.window
             )
         except InputError:
             return None

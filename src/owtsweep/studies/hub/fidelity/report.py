@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +17,12 @@ from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
 from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
 from owtsweep.studies.hub.fidelity.plots import draw_boundaries
-from owtsweep.studies.hub.fidelity.statements import STATEMENTS, TABLE_CELLS
+from owtsweep.studies.hub.fidelity.statements import (
+    OF_FIGURES,
+    STATEMENTS,
+    TABLE_CELLS,
+    X_ALONE,
+)
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
 from owtsweep.verdicts import plots, report
 from owtsweep.verdicts.consistency import judge_consistency
@@ -39,6 +45,13 @@ def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
     """Judge the statements F1 to F11 of Ren et al. (2019) by the results of a run."""
     facts = published.facts()
     return judge(dict(zip(facts["id"], facts["statement"], strict=True)), STATEMENTS, evidence)
+
+
+def judge_along_x(evidence: HubEvidence) -> list[JudgedStatement]:
+    """Judge F1 to F5, which are on figures 15 to 18 of Ren et al. (2019), in x alone."""
+    facts = published.facts().set_index("id")["statement"]
+    judged = judge({name: facts[name] for name in OF_FIGURES}, STATEMENTS, evidence.along_x)
+    return [replace(statement, name=f"{statement.name}{X_ALONE}") for statement in judged]
 
 
 def write_report(
@@ -77,10 +90,11 @@ def write_report(
     )
     tell_step("published numbers and statements")
     numbers, judged = compare_numbers(evidence), judge_all(evidence)
+    along_x = judge_along_x(evidence)
     tables = {
-        "fidelity": fidelity_table(evidence, numbers, judged),
+        "fidelity": fidelity_table(evidence, numbers, judged, along_x),
         "fidelity_numbers": numbers,
-        "fidelity_claims": tabulate_claims(judged),
+        "fidelity_claims": tabulate_claims([*judged, *along_x]),
         "consistency": judge_consistency(evidence, FREEDOM),
     }
     name, amplitudes = metadata["folder"], config.grid.amplitude
@@ -93,6 +107,6 @@ def write_report(
             "ratios": lambda: plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
             "boundaries": lambda: draw_boundaries(evidence.boundaries, amplitudes),
         },
-        contents=partial(document, name, config, evidence, tables, judged),
+        contents=partial(document, name, config, evidence, tables, judged, along_x),
         metadata=metadata,
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.studies.hub.fidelity import boundaries
 from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
-from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS, X_ALONE
 from owtsweep.verdicts import summary
 from owtsweep.verdicts.evidence import find_best
 from owtsweep.verdicts.inference import Claim, Estimate, all_of, mean_ratio
@@ -29,7 +29,10 @@ NO_BOUNDARY = "period, scheme or superposed cases not in this run"
 
 
 def fidelity_table(
-    evidence: HubEvidence, numbers: pd.DataFrame, judged: Sequence[JudgedStatement]
+    evidence: HubEvidence,
+    numbers: pd.DataFrame,
+    judged: Sequence[JudgedStatement],
+    along_x: Sequence[JudgedStatement] = (),
 ) -> pd.DataFrame:
     """Make the table fidelity.csv, which compares a run with Ren et al. (2019).
 
@@ -41,6 +44,8 @@ def fidelity_table(
         The result of `numbers.compare_numbers`.
     judged
         The paper's statements F1 to F11 with their verdicts.
+    along_x
+        The statements that are judged in x alone too, with these verdicts.
 
     Returns
     -------
@@ -50,8 +55,9 @@ def fidelity_table(
         `published` is the threshold of the decision that settles the verdict, and `agrees` is the
         verdict. "boundary": the amplitude (m) at which HME1 and HME2 are equally good. "winner":
         the position MSE of a table's published winner divided by that of the best other scheme.
-        "summary": a number on a whole table. Except for statements, `agrees` is yes, no, undecided
-        or missing, or empty if nothing is published.
+        "summary": a number on a whole table. A kind that ends with "x alone" has the MSE of x in
+        place of x + y. Except for statements, `agrees` is yes, no, undecided or missing, or empty
+        if nothing is published.
     """
     tables: Any = numbers.groupby("table")
     return summary.make_table(
@@ -63,8 +69,16 @@ def fidelity_table(
             *(_winner(evidence, number, table) for number, table in tables),
             *summary.distance_rows(numbers, GROUPS),
             *(_ekf_ratio(evidence, number, table) for number, table in tables),
+            *(_in_x(summary.statement_row(statement)) for statement in along_x),
+            *(_in_x(_boundary(evidence.along_x, period)) for period in (4.0, 6.0, 8.0)),
+            _in_x(_growth(evidence.along_x)),
         ]
     )
+
+
+def _in_x(row: Item) -> Item:
+    name = row.item.removesuffix(X_ALONE)
+    return replace(row, item=f"{name}{X_ALONE}", kind=f"{row.kind}{X_ALONE}")
 
 
 def _boundary(evidence: HubEvidence, period: float) -> Item:
@@ -134,6 +148,8 @@ def _ekf_ratio(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
     value = table[table["scheme"] == "EKF"].set_index("measure")["published"]
     published = float((value["vx"] + value["vy"]) / (value["x"] + value["y"]))
     why = f"at {cell}, in s^-2; agreement: within {low:g} to {high:g}"
+    if (table["printed"] != table["published"]).any():
+        why += "; a misprint of the table is corrected"
     row = Item(f"EKF velocity / position MSE, table {number}", "summary", published, why=why)
     values = evidence.common([("EKF", cell, "velocity"), ("EKF", cell, "position")])
     if values is None:
