@@ -57,8 +57,8 @@ def claim_against_best(
     """Claim for every cell that a scheme's error is smaller (or larger) than its best rival's.
 
     A cell is a combination of conditions in the run's grid. In each cell the ratio of the two means
-    of the evidence's criterion is compared with 1. The best rival is found in each cell by `Evidence.best_other`.
-    The claim's `missing` lists cells without data.
+    of the evidence's criterion is compared with 1. The best rival is found in each cell by
+    `Evidence.best_other`. The claim's `missing` lists cells without data.
 
     Parameters
     ----------

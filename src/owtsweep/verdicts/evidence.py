@@ -112,8 +112,9 @@ class Evidence:
     def paired(self, schemes: Sequence[str], cell: Cell) -> dict[str, Array] | None:
         """Return what ranks some schemes in a cell: scheme -> values, shape (replicates,).
 
-        These are the values of the measure `criterion`, as a rule the position MSE. A cell holds one number per condition. Only replicates that all of these schemes finished
-        are kept. Returns None if there are no such replicates.
+        These are the values of the measure `criterion`, as a rule the position MSE. A cell holds
+        one number per condition. Only replicates that all of these schemes finished are kept.
+        Returns None if there are no such replicates.
         """
         values = self.common([(scheme, cell, self.criterion) for scheme in schemes])
         return None if values is None else dict(zip(schemes, values, strict=True))

@@ -61,8 +61,9 @@ def document(
         Paragraph(
             f"{config.describe_origin()}. Judged: the "
             f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
-            "Position is x + y (F1 to F5 also: x alone), velocity vx + vy. Brackets are 95 % intervals: of means, t "
-            "intervals over the records; of ratios of means, paired over the records (Fieller); "
+            "Position is x + y (F1 to F5 also: x alone), velocity vx + vy. Brackets are 95 % "
+            "intervals: of means, t intervals over the records; of ratios of means, paired over "
+            "the records (Fieller); "
             "of boundaries, a bootstrap over the records. A claim about many cells is tested in "
             "all of them with Holm's correction."
         ),

@@ -21,10 +21,11 @@ def compare_numbers(evidence: HubEvidence) -> pd.DataFrame:
     DataFrame
         One row per published number, in the order of the paper. Columns table, natural_period (s),
         amplitude (m), scheme, measure, published, printed, the keys of
-        `verdicts.numbers.compare_number`, why. The numbers are MSEs, of x and y in m^2, of vx and vy in m^2/s^2. `why` says where the
-        published number lies among the run's records. `why` also gives the cause if the run misses
-        the number by more than a factor of 2. If the run lacks the condition or the scheme, the
-        run's values are NaN and `why` says "not in this run". `published` is `printed`, but for
+        `verdicts.numbers.compare_number`, why. The numbers are MSEs, of x and y in m^2, of vx and
+        vy in m^2/s^2. `why` says where the published number lies among the run's records. `why`
+        also gives the cause if the run misses the number by more than a factor of 2. If the run
+        lacks the condition or the scheme, the run's values are NaN and `why` says "not in this
+        run". `published` is `printed`, but for
         EKF's v_x in Table 7: it is judged at 1.98e-3, not at the printed 1.98e-2, which must be a
         misprint.
     """
