@@ -35,6 +35,7 @@ KEPT = {
         "choices.csv",
         "checked.csv",
         "model_errors.csv",
+        "declared_noise.csv",
         "wave_yaw.csv",
         "fidelity_claims.csv",
         "table_3.csv",
