@@ -24,7 +24,7 @@ from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies.blade import measures as blade_measures
 from owtsweep.studies.floater import measures as floater_measures
-from owtsweep.studies.hub.figures import two_maps
+from owtsweep.studies.hub.figures import TIME_HISTORIES, two_maps
 from owtsweep.studies.registry import get_study
 from owtsweep.studies.tower.measures import CRITERIA
 
@@ -132,6 +132,8 @@ class Reproduction:
         self.report("plant_seas")
         for name in ("figure_03_record", "figure_04_spectrum"):
             shutil.copy(seas / "figures" / f"{name}.png", folder)
+        for name in TIME_HISTORIES:  # figures 9 to 14, in the sea of their captions
+            shutil.copy(seas / "figures" / f"{name}_paper.png", folder / f"{name}.png")
         for tuning in ("paper", "matched"):
             claims = seas / "fidelity" / tuning / "fidelity_claims.csv"
             shutil.copy(claims, folder / f"fidelity_claims_{tuning}.csv")
@@ -142,7 +144,7 @@ class Reproduction:
         self.keeper.keep_file(self.results / "tilt" / "tilt_cost.png", Path("docs/images"))
 
     def make_better(self) -> None:
-        """Set the schemes beside the bounds of their errors; run SKFA in seas that move.
+        """Set the schemes beside the bounds of their errors; run SKFA and SWITCH in seas that move.
 
         Twenty records per cell at most: SKF and SKFA run each amplitude by itself.
         """
@@ -151,6 +153,7 @@ class Reproduction:
         words = [f"results={self.results}", "name=better_run"]
         run_script("better.py", folder, replicates, *words)
         run_script("moving_sea.py", folder)
+        run_script("switching.py", folder, f"results={self.results}")
         self.keeper.keep("better")
 
     def make_tower(self) -> None:
@@ -175,6 +178,7 @@ class Reproduction:
         run_script("tower/placement.py", folder)
         run_script("tower/model_errors.py", folder)
         run_script("tower/wave_yaw.py", folder)
+        run_script("tower/declared_noise.py", folder)
         run_script("tower/fidelity.py", folder)
         self.keeper.keep("tower")
 

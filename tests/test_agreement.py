@@ -90,3 +90,22 @@ def test_what_differs_is_listed_and_copied_if_asked(copies, monkeypatch, tmp_pat
     keeper.keep("mating")
     assert keeper.differing == ["mating/summary_a.csv"]
     assert (kept / "summary_a.csv").read_text() == f"mean\n{'2.0' if copies else '1.0'}\n"
+
+
+def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch):
+    """The run of the plant has the sea, `make reproduce` copies the figures, the docs show them."""
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    import reproduce
+
+    from owtsweep.studies import compose
+    from owtsweep.studies.hub.figures import TIME_HISTORIES
+    from owtsweep.studies.hub.histories import choose_sea
+
+    overrides = [*reproduce.PLANT["plant_seas"], "tuning=paper"]
+    sea = choose_sea(compose(overrides))
+    assert (sea["hs"], sea["tp"]) == (2.0, 6.0)
+    page = (ROOT / "docs" / "plant.md").read_text("utf-8")
+    for name in TIME_HISTORIES:
+        picture = f"results/reference/plant/{name}.png"
+        assert (ROOT / picture).is_file()
+        assert f"](../{picture})" in page
