@@ -96,7 +96,6 @@ def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch):
     """The run of the plant has the sea, `make reproduce` copies the figures, the docs show them."""
     monkeypatch.syspath_prepend(str(ROOT / "experiments"))
     import reproduce
-
     from owtsweep.studies import compose
     from owtsweep.studies.hub.figures import TIME_HISTORIES
     from owtsweep.studies.hub.histories import choose_sea

@@ -95,3 +95,67 @@ def test_seas_that_move() -> None:
         told = find(rf"\| {words} \| {number} \| {number} \| {number} \|\n")
         seas = ["two peaks", "moving period", "growing"]
         assert told == pytest.approx([ratio[sea, amplitude] for sea in seas], abs=0.006)
+
+
+@pytest.fixture(scope="module")
+def switching() -> pd.DataFrame:
+    return pd.read_csv(TABLES / "switching.csv")
+
+
+def find_ratios(table: pd.DataFrame, run: str) -> pd.Series[float]:
+    """Return SWITCH's position error over the lesser of its two, by period and amplitude."""
+    part = table[(table["run"] == run) & (table["measure"] == "position")]
+    wide = part.pivot(index=["natural_period", "amplitude"], columns="scheme", values="mse")
+    return wide["SWITCH"] / wide.drop(columns=["SWITCH", "HME1 - SWITCH"]).min(axis=1)
+
+
+def test_switch_in_a_sea_that_grows(switching: pd.DataFrame) -> None:
+    at = switching.set_index(["run", "measure", "scheme"])[["mse", "ci_low", "ci_high"]].sort_index()
+    number = r"\**([\d.e-]+)\**"
+    for scheme in ("HME1", "HME2", "SWITCH"):
+        told = find(rf"\| {scheme} \| {number} \[([\d.e-]+), ([\d.e-]+)\] \| {number} \|")
+        position, velocity = (at.loc["growing", what, scheme] for what in ("position", "velocity"))
+        assert told == pytest.approx([*position, velocity["mse"]], rel=0.016)
+    told = find(rf"better than HME1 by {number} m² \[{number}, {number}\], in pairs")
+    assert told == pytest.approx(at.loc["growing", "position", "HME1 - SWITCH"].tolist(), rel=0.05)
+    run = at.loc["growing_matched", "position"]
+    told = find(
+        rf"{number} in the growing and falling sea, HME1 {number} \(the difference is "
+        rf"{number} \[{number}, {number}\]\), MKF {number}\."
+    )
+    gain = run.loc["HME1 - SWITCH"].tolist()
+    means = run["mse"]
+    assert told == pytest.approx([means["SWITCH"], means["HME1"], *gain, means["MKF"]], rel=0.006)
+    assert set(switching["records"]) == {4}
+
+
+def test_switch_in_seas_that_do_not_move(switching: pd.DataFrame) -> None:
+    ratio = find_ratios(switching, "steady")
+    calm = ratio[ratio.index.get_level_values("amplitude") < 3.0]
+    assert calm.to_numpy() == pytest.approx(1.0, abs=5e-4)
+    assert find(r"never worse than (1\.\d+) times") == [round(ratio.max(), 2)]
+    near = ratio.xs(3.0, level="amplitude")
+    assert find(r"it has (1\.\d+), (1\.\d+), (1\.\d+) and (1\.\d+) times the lesser") == (
+        near.round(3).tolist()
+    )
+    for run, pattern in (
+        ("memory_15", r"15 s: ([\d.]+) at 4 s"),
+        ("hysteresis_1.5", r"1\.5: (1\.\d+)"),
+    ):
+        assert find(pattern) == [round(find_ratios(switching, run).iloc[0], 2)]
+    matched = find_ratios(switching, "steady_matched")
+    assert matched.xs(0.1, level="amplitude").to_numpy() == pytest.approx(1.0, abs=5e-4)
+    (most,) = find(r"at 0\.5 m it has at most ([\d.]+) times HME1's error")
+    assert round(matched.xs(0.5, level="amplitude").max(), 3) == most
+    at_tenth = switching.query(
+        "run == 'steady_matched' and amplitude == 0.1 and measure == 'position'"
+    )
+    means = at_tenth.groupby("scheme")["mse"].mean()
+    told = find(r"(2\.\de-3) in place of HME1's (2\.\de-3)")
+    assert told == pytest.approx([means["SWITCH"], means["HME1"]], abs=0.05e-3)
+
+
+def test_the_boundary_that_switch_computes() -> None:
+    table = pd.read_csv(TABLES / "switching_boundary.csv").query("tuning == 'paper'")
+    told = find(r"([\d.]+), ([\d.]+), ([\d.]+), ([\d.]+) m at 3, 4, 6, 8 s")
+    assert told == table["boundary"].round(1).tolist()

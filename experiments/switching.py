@@ -1,0 +1,164 @@
+"""What SWITCH gains in a sea that grows and falls, and what it costs in seas that do not.
+
+    python experiments/switching.py [FOLDER] [NAME=VALUE ...]
+
+Sweeps SWITCH and its two schemes (below results/, names switching_...), 4 records of 2000 s per
+cell, sensors=strong_bias, seed 7, errors from 120 s on. Writes into FOLDER (default:
+results/better):
+
+- switching.csv: run, tuning, natural_period (s), amplitude (m), scheme, measure, mse (m^2 or
+  (m/s)^2), ci_low, ci_high (95 %, t over the records), records. The scheme "HME1 - SWITCH" is the
+  difference of the two, in pairs of records;
+- switching_boundary.csv: tuning, below, above, natural_period (s), boundary (m), as computed
+  without records;
+- switching.png and switching.svg.
+
+Further arguments are overrides of all runs, e.g. results=elsewhere.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import owtsweep
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
+from owtsweep.io.tables import write_table
+from owtsweep.statistics.student import t_quantile
+from owtsweep.studies import compose
+from owtsweep.studies.hub.conditions import make_cube
+from owtsweep.studies.hub.switching.boundary import compute_boundary
+
+BASE = [
+    "baselines=[]", "sensors=strong_bias", "seed=7", "record.duration=2000",
+    "measures.settling_time=120", "measures.window=settled", "grid.replicates=4",
+]  # fmt: skip
+#: Tuning -> its overrides, and the scheme below the boundary.
+TUNINGS = {
+    "paper": (["tuning=paper", "schemes=[HME1,HME2,SWITCH]"], "HME2"),
+    "matched": (["tuning=matched", "schemes=[HME1,MKF,SWITCH]", "switch.below=MKF"], "MKF"),
+}
+GROWS = [
+    "grid.natural_period=[4]", "grid.amplitude=[1]",
+    "motion.envelope=[[0,0.1],[1000,10],[2000,0.1]]",
+]  # fmt: skip
+PERIODS = (3.0, 4.0, 6.0, 8.0)
+STEADY = f"grid.natural_period={[*PERIODS]}".replace(" ", "")
+AT_BOUNDARY = ["grid.natural_period=[4]", "grid.amplitude=[3]"]
+#: Run -> its tuning and overrides.
+RUNS = {
+    "growing": ("paper", GROWS),
+    "steady": ("paper", [STEADY, "grid.amplitude=[0.1,0.5,1,3]"]),
+    "memory_15": ("paper", [*AT_BOUNDARY, "switch.memory=15"]),
+    "hysteresis_1.5": ("paper", [*AT_BOUNDARY, "switch.hysteresis=1.5"]),
+    "growing_matched": ("matched", GROWS),
+    "steady_matched": ("matched", [STEADY, "grid.amplitude=[0.1,0.5]"]),
+}
+KEYS = ["run", "tuning", "natural_period", "amplitude", "scheme", "measure"]
+
+
+def average(values):
+    """Return mean, both ends of its 95 % interval, and number of values."""
+    mean, count = float(np.mean(values)), len(values)
+    half = float(t_quantile(count - 1)) * np.std(values, ddof=1) / np.sqrt(count)
+    return mean, mean - half, mean + half, count
+
+
+def run_one(name, overrides):
+    """Run one sweep; return rows of switching.csv."""
+    tuning, words = RUNS[name]
+    run = owtsweep.run([*BASE, *TUNINGS[tuning][0], *words, f"name=switching_{name}", *overrides])
+    cases = run.cases()
+    table = make_cube(run.config, cases[cases["window"] == "settled"]).to_table()
+    table = table[table["measure"].isin(["position", "velocity"])]
+    cells = ["natural_period", "amplitude", "measure"]
+    rows = []
+    for cell, part in table.groupby(cells):
+        period, amplitude, measure = cell
+        wide = part.pivot(index="replicate", columns="scheme", values="value")
+        wide["HME1 - SWITCH"] = wide["HME1"] - wide["SWITCH"]
+        for scheme, values in wide.items():
+            key = (name, tuning, period, amplitude, scheme, measure)
+            rows.append((*key, *average(values.to_numpy())))
+    return rows
+
+
+def tabulate_boundaries():
+    """Return the boundaries that SWITCH computes for itself, without records."""
+    rows = []
+    for tuning, (words, below) in TUNINGS.items():
+        config = compose([*BASE, *words])
+        edge = compute_boundary(config, below, "HME1", config.switch.crest)
+        rows += [(tuning, below, "HME1", period, edge.amplitude(period)) for period in PERIODS]
+    columns = ["tuning", "below", "above", "natural_period", "boundary"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def draw(table):
+    """Draw the errors in the sea that grows and falls, and what SWITCH costs in steady seas."""
+    figure = style.new_figure(10.0, 4.4)
+    left, right = figure.subplots(1, 2)
+    position = table[table["measure"] == "position"]
+    schemes = ["HME1", "HME2", "MKF", "SWITCH"]
+    labels = []
+    for run in ("growing", "growing_matched"):
+        part = position[position["run"] == run].set_index("scheme")
+        for name in [name for name in schemes if name in part.index]:
+            row, look, place = part.loc[name], style_of(name, schemes), len(labels)
+            left.plot(place, row["mse"], look.marker, color=look.color, markersize=7)
+            left.vlines(place, row["ci_low"], row["ci_high"], color=look.color)
+            labels.append(f"{name}\n{row['tuning']}")
+    left.set_xticks(range(len(labels)), labels)
+    left.set(xlim=(-0.5, len(labels) - 0.5), yscale="log")
+    left.set_ylabel("MSE of the position, x + y (m²)")
+    left.set_title("4 s, growing from .1 to 10 m and back", loc="left")
+    for run, line in (("steady", "-"), ("steady_matched", "--")):
+        ratio = find_ratio(position[position["run"] == run])
+        tuning = RUNS[run][0]
+        for number, (period, part) in enumerate(ratio.groupby(level="natural_period")):
+            at = part.droplevel("natural_period")
+            right.plot(
+                at.index, at, f"o{line}", color=f"C{number}", markersize=4,
+                label=f"{tuning}, {period:g} s",
+            )  # fmt: skip
+    right.set(
+        xscale="log", xlabel="motion amplitude (m)", ylabel="SWITCH over the better of its two"
+    )
+    right.set_xticks([0.1, 0.5, 1.0, 3.0], ["0.1", "0.5", "1", "3"])
+    right.minorticks_off()
+    right.set_title("Seas that neither grow nor fall", loc="left")
+    right.legend(fontsize=8)
+    figure.suptitle(
+        "SWITCH: HME2 (paper) or MKF (matched) below the boundary, HME1 above\n"
+        "Settled part of 4 records of 2000 s, sensors strong_bias, seed 7; 95 % intervals",
+        x=0.01, ha="left", fontsize=10,
+    )  # fmt: skip
+    return figure
+
+
+def find_ratio(rows):
+    """Return SWITCH's error over the lesser of its two schemes', by period and amplitude."""
+    wide = rows.pivot(index=["natural_period", "amplitude"], columns="scheme", values="mse")
+    others = wide.drop(columns=["SWITCH", "HME1 - SWITCH"])
+    return wide["SWITCH"] / others.min(axis=1)
+
+
+def main(folder, overrides):
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = [row for name in RUNS for row in run_one(name, overrides)]
+    table = pd.DataFrame(rows, columns=[*KEYS, "mse", "ci_low", "ci_high", "records"])
+    print(write_table(folder, "switching", table))
+    print(write_table(folder, "switching_boundary", tabulate_boundaries()))
+    with style.context():
+        for file in style.save(draw(table), folder, "switching", None):
+            print(file)
+
+
+if __name__ == "__main__":
+    given = [word for word in sys.argv[1:] if "=" not in word]
+    main(
+        Path(given[0] if given else "results/better"),
+        [word for word in sys.argv[1:] if "=" in word],
+    )
