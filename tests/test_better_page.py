@@ -110,7 +110,8 @@ def find_ratios(table: pd.DataFrame, run: str) -> pd.Series[float]:
 
 
 def test_switch_in_a_sea_that_grows(switching: pd.DataFrame) -> None:
-    at = switching.set_index(["run", "measure", "scheme"])[["mse", "ci_low", "ci_high"]].sort_index()
+    keys = ["run", "measure", "scheme"]
+    at = switching.set_index(keys)[["mse", "ci_low", "ci_high"]].sort_index()
     number = r"\**([\d.e-]+)\**"
     for scheme in ("HME1", "HME2", "SWITCH"):
         told = find(rf"\| {scheme} \| {number} \[([\d.e-]+), ([\d.e-]+)\] \| {number} \|")

@@ -95,6 +95,7 @@ def test_each_script_draws_its_figure(capsys, monkeypatch):
             "plant_spectrum.py",
             "plant_tilt.py",
             "reproduce.py",
+            "switching.py",
             "tilt.py",
             "two_maps.py",
         )
