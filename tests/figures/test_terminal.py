@@ -73,6 +73,19 @@ def test_nothing_is_cut_at_any_width(width, schemes):
     assert "-noresult" in whole
 
 
+def test_a_long_name_leaves_the_short_ones():
+    schemes = ["A", "MKF", "my_scheme_of_the_last_fix", "HME2"]
+    text = show(make_best(schemes), schemes, width=80, color_system=None)
+    body, legend = text.split("cells won")
+    assert set(re.findall(r"[A-Z]\w*", body.split("\n", 1)[1])) == {"A", "MKF", "B", "HME2"}
+    assert "B = my_scheme_of_the_last_fix 4" in legend
+
+
+def test_a_long_name_that_wins_nowhere_widens_no_cell():
+    same = show(make_best(), width=80, color_system=None)
+    assert show(make_best(), [*SCHEMES, LONG[0]], width=80, color_system=None) == same
+
+
 @pytest.mark.parametrize("across", [True, False])
 def test_long_categories_are_folded(across):
     kinds, periods = ["very dense sand over stiff clay", "rock", "silt"], [3.0, 4.0]

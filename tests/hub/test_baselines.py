@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
-from owtsweep.studies.hub import HubStudy, batch, estimates, planning, winners
+from owtsweep.studies.hub import HubStudy, batch, estimates, figures, planning, winners
 from owtsweep.studies.hub.expected import cache, drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import maps_by_tuning, mse_over_amplitude
@@ -232,18 +233,41 @@ def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
     assert legend[-2:] == ["NONE", "HOLD"]
 
 
-def test_a_baseline_that_is_not_told_apart_is_the_next_best(tmp_path: Path) -> None:
+def test_a_baseline_of_less_error_is_named_and_hatched(tmp_path: Path) -> None:
     run, tables = crowned(tmp_path)
     best = tables["best_scheme"].assign(baseline_wins=False)
     table, names, notes = winners.find_winners(run.config, best, "position", "full")
     small = table[table["amplitude"] == 0.05].iloc[0]
     before = best[(best["amplitude"] == 0.05) & (best["criterion"] == "position")].iloc[0]
-    assert (small["best"], small["runner_up"]) == (before["best"], "NONE")
-    assert small["mse_runner_up"] == before["mse_baseline"] < small["mse_best"]
-    assert (names, notes) == (["MKF", "HME1"], [f"NONE: {winners.TIED}."])
+    assert (small["best"], small["runner_up"]) == ("NONE", before["best"])
+    assert small["mse_best"] == before["mse_baseline"] < small["mse_runner_up"]
     assert not small["distinguishable"]
-    percent = 100.0 * (small["mse_runner_up"] / small["mse_best"] - 1.0)
-    assert best_scheme_map._describe_runner_up(small.to_dict()) == f"NONE {percent:+.0f} %"
+    assert names == ["MKF", "HME1", "NONE"]
+    assert notes == [f"NONE: an estimate of zero {winners.UNDECIDED}."]
+    assert best_scheme_map._describe_runner_up(small.to_dict()).startswith(f"{before['best']} +")
+    shown = render(run, tables | {"best_scheme": best})
+    assert re.search(r"0\.05 m +NONE +~", shown)
+    assert "NONE in 1" in shown
+    assert "beats every scheme" not in shown
+    figure = figures.draw_cells(
+        run.config, {"best_scheme": best}, run.cases(), "position", [], replicates=6
+    )
+    assert "NONE" in [text.get_text() for text in figure.axes[0].texts]
+
+
+def test_an_answer_names_its_window_and_the_other(tmp_path: Path) -> None:
+    run, tables = crowned(tmp_path)
+    told = winners.OTHER_WINDOW["full"]
+    assert told in " ".join(render(run, tables).split())
+    figure = figures.draw_cells(run.config, tables, run.cases(), "position", [])
+    texts = " ".join(text.get_text() for text in figure.findobj(Text))
+    assert told in " ".join(texts.split())
+
+
+def render(run, tables) -> str:
+    console = Console(width=80, file=io.StringIO(), color_system=None)
+    console.print(run.engine.terminal(run.config, tables))
+    return console.file.getvalue()  # type: ignore[attr-defined]
 
 
 def test_baselines_belong_to_every_tuning_and_are_in_both_maps(tmp_path: Path) -> None:

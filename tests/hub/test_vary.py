@@ -26,8 +26,9 @@ from owtsweep.studies.hub.tuning.bound import kalman_bounds
 from owtsweep.studies.hub.tuning.judging import errors_on_records
 from owtsweep.studies.hub.varying.errors import Errors, compute
 from owtsweep.studies.hub.varying.facts import list_common_facts
-from owtsweep.studies.hub.varying.sentences import answer_each
+from owtsweep.studies.hub.varying.sentences import answer_each, find_best
 from owtsweep.studies.hub.varying.varied import VariedErrors
+from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 RATE = Condition("value", "sensors.gnss.rate", "Hz", "log")
 #: Two schemes and a baseline on short records, at one motion.
@@ -57,6 +58,7 @@ def test_table_figure_and_answer(tmp_path: Path, capsys: pytest.CaptureFixture[s
     (folder,) = tmp_path.iterdir()
     names = {path.name for path in folder.iterdir()}
     assert names == {"vary.csv", "vary.png", "vary.svg", "configurations.yaml"}
+    assert OTHER_WINDOW["settled"] in out
     table = pd.read_csv(folder / "vary.csv")
     assert list(table["value"].unique()) == [1.0, 4.0]
     assert list(table["scheme"].unique()) == ["MKF", "HME1", "NONE"]
@@ -151,6 +153,21 @@ def test_a_terminal_of_80_columns_cuts_no_number() -> None:
     assert "…" not in told
     for number in np.sqrt(mse).flat:
         assert f" {number:.3g} " in told
+
+
+def test_best_is_a_baseline_where_it_has_less_error() -> None:
+    rms = np.array([[0.2, 0.1, 0.3], [0.4, 0.2, 0.25], [0.15, 0.15, 0.5]])
+    errors = Errors(
+        along=RATE, values=(1.0, 2.0, 5.0), schemes=("A", "B"), baselines=("NONE",),
+        motions=((4.0, 0.5),), criterion="position", mse={"position": rms[:, :, None] ** 2},
+        bounds={"position": np.ones(3)}, facts=(), notes=(),
+    )  # fmt: skip
+    assert find_best(errors, errors.names) == [[("NONE",), ("A",), ("B",)]]
+    assert find_best(errors, errors.schemes) == [[("A",), ("A",), ("B",)]]
+    console = Console(width=100, record=True, file=io.StringIO())
+    console.print(VariedErrors(errors).answer())
+    rows = [line.split() for line in console.export_text().splitlines()]
+    assert [row[-1] for row in rows if row[:1] in (["1"], ["2"], ["5"])] == ["NONE", "A", "B"]
 
 
 def test_the_sentences_say_what_the_numbers_are() -> None:

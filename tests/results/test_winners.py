@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from owtsweep.results.winners import tell_winners
+from owtsweep.results.winners import tell_beaten, tell_winners
 
 
 def make_cells(*rows: tuple[str, bool, str, bool]) -> pd.DataFrame:
@@ -48,3 +48,20 @@ def test_each_cell_is_counted_once(cells: list[tuple[str, bool, str, bool]], tol
 def test_a_table_without_baselines_is_told() -> None:
     cells = pd.DataFrame({"best": ["MKF", "MKF"], "distinguishable": [True, True]})
     assert tell_winners(cells) == "MKF is best in 2 of 2 cells."
+
+
+def test_a_scheme_that_is_best_nowhere_is_told_with_its_error() -> None:
+    place = {"tp": [4.0, 8.0], "window": "full"}
+    cells = pd.DataFrame(place | {"criterion": "position", "mse_best": [0.5, 1.0]})
+    own = pd.DataFrame(place | {"scheme": "mine", "measure": "position", "mean": [1.0, 12.0]})
+    others = [
+        own.assign(measure="velocity", mean=99.0),
+        own.assign(window="settled", mean=99.0),
+        own.assign(scheme="MKF", mean=99.0),
+    ]
+    summary = pd.concat([own, *others])
+    assert tell_beaten("mine", cells, summary, ["tp"], "m²") == (
+        "mine is best in no cell: its MSE is 1 to 12 m², 2 to 12 times the least one."
+    )
+    failed = tell_beaten("gone", cells, summary, ["tp"], "m²")
+    assert failed == "gone is best in no cell: it has no result."

@@ -268,7 +268,7 @@ def _describe_runner_up(row: dict[Any, Any]) -> str:
     """Return the next best scheme of a cell and by how much its MSE is larger, e.g. "HME1 +12 %".
 
     `row` is the row of the cell in best_scheme.csv. Return "" if there is no next best scheme, or
-    if the MSE of the best scheme is not positive. A percentage is negative only for a baseline.
+    if the MSE of the best scheme is not positive.
     """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""

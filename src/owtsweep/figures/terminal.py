@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 from string import ascii_uppercase
 from typing import Any
 
@@ -28,7 +29,7 @@ from owtsweep.results.conditions import Condition
 #: Mark after a scheme's name in cells where the data do not distinguish it from the next best.
 MARK = "~"
 NO_RESULT = "-"
-#: If a scheme's name is longer, letters stand in the cells.
+#: If a scheme's name is longer, a letter stands for it in the cells.
 LONGEST_NAME = 10
 #: What `Console.color_system` says of a terminal -> whether the map shows the margin by shades.
 #: With 256 colours, pale shades of two schemes become one colour, so there all cells are full. The
@@ -77,7 +78,8 @@ def grid(
     parts: list[RenderableType] = [
         Text(f"Best scheme by {criterion} {score}, {window} record", style="bold")
     ]
-    signs = _choose_signs(schemes)
+    winners = set(shown["best"])
+    signs = _choose_signs([name for name in schemes if name in winners])
     further = conditions[2:]
     names = [condition.name for condition in further]
     groups: Any = shown.groupby(names, sort=False) if names else [((), shown)]
@@ -96,11 +98,10 @@ def grid(
 
 
 def _choose_signs(schemes: Sequence[str]) -> dict[str, str]:
-    """Return scheme -> what stands for it in a cell: its name, or letters if a name is long."""
-    if max(map(cell_len, schemes)) <= LONGEST_NAME:
-        return {name: name for name in schemes}
-    letters = (f"{ascii_uppercase[n % 26]}{n // 26 or ''}" for n in range(len(schemes)))
-    return dict(zip(schemes, letters, strict=True))
+    """Return scheme -> what stands for it in a cell: its name, or a letter if the name is long."""
+    every = (f"{ascii_uppercase[n % 26]}{n // 26 or ''}" for n in count())
+    letters = (letter for letter in every if letter not in schemes)
+    return {name: name if cell_len(name) <= LONGEST_NAME else next(letters) for name in schemes}
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ class _Map:
     schemes
         All schemes compared.
     signs
-        Scheme -> what stands for it in a cell.
+        Scheme that is best in some cell -> what stands for it there.
     plane
         The axes of the map.
     """

@@ -1,7 +1,8 @@
-"""Tells a best-scheme map in one sentence."""
+"""Tells a best-scheme map in sentences."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -31,6 +32,37 @@ def tell_winners(cells: pd.DataFrame) -> str:
     if ties:
         sentence += f"; in {ties} the next best cannot be told apart from the best"
     return f"{sentence}."
+
+
+def tell_beaten(
+    name: str, cells: pd.DataFrame, summary: pd.DataFrame, conditions: Sequence[str], unit: str
+) -> str:
+    """Return in one sentence what error a scheme has that is best in no cell.
+
+    Parameters
+    ----------
+    name
+        The scheme.
+    cells
+        Rows of best_scheme.csv with one criterion and one window: one row per cell.
+    summary
+        The run's table summary.csv.
+    conditions
+        The names of the conditions.
+    unit
+        The unit of the criterion's MSE.
+    """
+    keys = [*conditions, "window"]
+    own = summary[(summary["scheme"] == name) & (summary["measure"] == cells["criterion"].iloc[0])]
+    both = cells[[*keys, "mse_best"]].merge(own, on=keys)
+    if both.empty:
+        return f"{name} is best in no cell: it has no result."
+    error, ratio = both["mean"], both["mean"] / both["mse_best"]
+    most = f"{ratio.max():.3g}" if ratio.max() < 1e3 else f"{ratio.max():.0f}"
+    return (
+        f"{name} is best in no cell: its MSE is {error.min():.3g} to {error.max():.3g} {unit}, "
+        f"{ratio.min():.3g} to {most} times the least one."
+    )
 
 
 def _count(names: pd.Series[str]) -> list[tuple[str, int]]:

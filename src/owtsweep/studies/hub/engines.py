@@ -10,10 +10,19 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
-from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import baseline_names, blocks, criteria, figures, planning, prediction
+from owtsweep.results.winners import tell_beaten, tell_winners
+from owtsweep.studies.hub import (
+    baseline_names,
+    blocks,
+    criteria,
+    figures,
+    planning,
+    prediction,
+    scheme_names,
+)
 from owtsweep.studies.hub.conditions import (
     NATURAL_PERIOD,
+    get_conditions,
     get_map_conditions,
     list_maps,
     make_cube,
@@ -27,9 +36,9 @@ from owtsweep.studies.hub.plant import (
     is_plant,
     list_breaking,
 )
-from owtsweep.studies.hub.schemes import list_entries, resolve_all
+from owtsweep.studies.hub.schemes import REGISTERED, list_entries, resolve_all
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
-from owtsweep.studies.hub.winners import find_winners
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 from owtsweep.sweep.study import Square
 
 if TYPE_CHECKING:
@@ -77,6 +86,8 @@ class _Engine:
         conditions = get_map_conditions(config)
         shown = grid(table, names, conditions, criterion, window, notes=notes)
         told = [Text(tell_winners(table))] if len(table) else []
+        told += [Text(line) for line in _tell_beaten(config, table, tables["summary"])]
+        told.append(Text(OTHER_WINDOW[window]))
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         if is_plant(config):
             origin.insert(1, describe_plant(config))
@@ -209,6 +220,18 @@ class ExpectedEngine(_Engine):
         from owtsweep.studies.hub.compiling import compile_kernels
 
         compile_kernels("gains", "expected", vectors=config.compute.vectors, cores=workers)
+
+
+def _tell_beaten(config: HubConfig, cells: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
+    """Return a sentence on each scheme that is best nowhere and is not one of the paper's."""
+    unit = "m²/s²" if config.measures.criterion == "velocity" else "m²"
+    conditions = [condition.name for condition in get_conditions(config)]
+    named = {*REGISTERED, *cells["best"]}
+    return [
+        tell_beaten(name, cells, summary, conditions, unit)
+        for name in scheme_names(config)
+        if name not in named and len(cells)
+    ]
 
 
 def _add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:

@@ -44,15 +44,16 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.tilt_cost import believe
     from owtsweep.studies.hub.tuning.following import follow_sensors
+    from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 __all__ = [
-    "BASELINES", "INSTEAD", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid",
-    "HubConfig", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude",
-    "backend", "believe", "bias_of", "chain_for_runs", "chunks", "compare", "compile_kernels",
-    "error_spectrum", "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
-    "has_acceleration", "lag_of", "look_constant", "make_lanes", "make_sensors", "noise_floor",
-    "require_scheme", "resolve_all", "scheme_content", "scheme_products", "score",
-    "simulate_bias", "state_chunks", "trajectories",
+    "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum",
+    "ForceNoise", "Grid", "HubConfig", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme",
+    "Sensors", "at_amplitude", "backend", "believe", "bias_of", "chain_for_runs", "chunks",
+    "compare", "compile_kernels", "error_spectrum", "expected_mse", "explain_anew", "fix_count",
+    "fix_noise", "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_lanes",
+    "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
+    "scheme_products", "score", "simulate_bias", "state_chunks", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
@@ -76,6 +77,7 @@ _HOMES = {
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "tilt_cost": ["believe"],
     "tuning.following": ["follow_sensors"],
+    "winners": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.
 _OTHER_NAMES = {"make_sensors": "sensors", "require_scheme": "check_scheme"}

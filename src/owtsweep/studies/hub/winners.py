@@ -1,4 +1,4 @@
-"""Finds what a map names in each cell: the best scheme, or a baseline that beats every scheme."""
+"""Finds what a map names in each cell: the best scheme, or a baseline that has less error."""
 
 from __future__ import annotations
 
@@ -21,11 +21,17 @@ ESTIMATES = {
     "DELTA": "a straight line through the last two fixes",
 }
 
-#: What a map says of baselines that have the least error in some cells, but do not win there.
-TIED = (
-    "the runner-up in some cells, with less error than the best scheme, but so little less that "
-    "the two cannot be told apart"
+#: What a map says of a baseline that has the least error in some cells, but beats no scheme there.
+UNDECIDED = (
+    "has the least error in some cells, but the data do not tell it and the best scheme apart there"
 )
+#: Window -> what an answer that judges it says of the other one.
+OTHER_WINDOW = {
+    "full": "Judged: the full record, with its start. Over the settled part alone, as `vary` and "
+    "`replay` judge (measures.window=settled), another may be best.",
+    "settled": "Judged: the settled part of a record. Over the full record, as `sweep` judges by "
+    "default (measures.window=full), another may be best.",
+}
 
 
 class Winners(NamedTuple):
@@ -34,15 +40,14 @@ class Winners(NamedTuple):
     Attributes
     ----------
     table
-        Rows of the table best_scheme, one per cell. Where a baseline beats every scheme, the
-        baseline is in the place of the best scheme, and the best scheme in that of the runner-up.
-        Where a baseline has the least error, but cannot be told apart from the best scheme, the
-        baseline is in the place of the runner-up.
+        Rows of the table best_scheme, one per cell. Where a baseline has less error than every
+        scheme, the baseline is in the place of the best scheme, and the best scheme in that of the
+        runner-up; `distinguishable` then says whether the baseline beats that scheme.
     names
-        The schemes, and those baselines that beat every scheme in some cell.
+        The schemes, and those baselines that have the least error in some cell.
     notes
-        A sentence on each baseline that beats every scheme in some cell, and one on each that
-        cannot be told apart from the best scheme in some cell.
+        A sentence on each baseline that beats every scheme in some cell, and one on each that has
+        the least error in some cell where the data do not show that.
     """
 
     table: pd.DataFrame
@@ -51,7 +56,7 @@ class Winners(NamedTuple):
 
 
 def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: str) -> Winners:
-    """Find what a map shows in each cell: the best scheme, or a baseline that beats every scheme.
+    """Find what a map shows in each cell: the best scheme, or a baseline that has less error.
 
     Parameters
     ----------
@@ -68,36 +73,27 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
     table = best[(best["criterion"] == criterion) & (best["window"] == window)].copy()
     if "baseline_wins" not in table:
         return Winners(table, names, [])
-    wins = table["baseline_wins"].to_numpy(dtype=bool)
-    won = table[wins]
+    leads = (table["mse_baseline"] < table["mse_best"]).to_numpy()
+    led = table[leads]
+    wins = led["baseline_wins"].to_numpy(dtype=bool)
     changed: dict[str, Any] = {
-        "best": won["baseline"],
-        "mse_best": won["mse_baseline"],
-        "runner_up": won["best"],
-        "mse_runner_up": won["mse_best"],
-        "difference": won["mse_best"] - won["mse_baseline"],
+        "best": led["baseline"],
+        "mse_best": led["mse_baseline"],
+        "runner_up": led["best"],
+        "mse_runner_up": led["mse_best"],
+        "difference": led["mse_best"] - led["mse_baseline"],
         "ci_low": np.nan,
         "ci_high": np.nan,
-        "distinguishable": True,
+        "distinguishable": wins,
     }
     for name, values in changed.items():
-        table.loc[wins, name] = values
-    tied = ~wins & (table["mse_baseline"] < table["mse_best"]).to_numpy()
-    close = table[tied]
-    changed = {
-        "runner_up": close["baseline"],
-        "mse_runner_up": close["mse_baseline"],
-        "difference": close["mse_baseline"] - close["mse_best"],
-        "ci_low": np.nan,
-        "ci_high": np.nan,
-        "distinguishable": False,
-    }
-    for name, values in changed.items():
-        table.loc[tied, name] = values
-    runners_up = [name for name in baseline_names(config) if (close["baseline"] == name).any()]
-    notes = [f"{name}: {TIED}." for name in runners_up]
-    winning = [name for name in baseline_names(config) if (won["baseline"] == name).any()]
-    return Winners(table, names + winning, explain(winning) + notes)
+        table.loc[leads, name] = values
+    winning, undecided, leading = (
+        [name for name in baseline_names(config) if (cells["baseline"] == name).any()]
+        for cells in (led[wins], led[~wins], led)
+    )
+    told = [f"{name}: {ESTIMATES[name]} {UNDECIDED}." for name in undecided]
+    return Winners(table, names + leading, explain(winning) + told)
 
 
 def explain(baselines: list[str]) -> list[str]:

@@ -23,6 +23,7 @@ from owtsweep.studies.replay.terminal import (
     list_fit_warnings,
     make_error_cells,
     make_sentences,
+    tell_windows,
 )
 from owtsweep.studies.replay.tilting import describe_tilt
 
@@ -69,6 +70,7 @@ def write(
     parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
         "- none: no scheme ran"
     ]
+    parts += [f"- {line}" for line in tell_windows(tables["advice"])]
     if len(config.grid.files) == 1:
         record = load_record(config, config.grid.files[0])
         parts += ["", *_describe_one(config, tables, record)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.studies.hub.public import OTHER_WINDOW
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.identification.rows import ESTIMATED
@@ -59,6 +60,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     else:
         parts += [Text(line) for line in count_doubted(tables)]
         parts.append(Text(_count_advice(tables["advice"])))
+    parts += [Text(line) for line in tell_windows(tables["advice"])]
     if len(config.grid.files) > 1:
         parts += [Text(line) for line in list_left_out(tables["refused"])]
     return Group(*parts)
@@ -104,6 +106,19 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
         (f"{row['file']}: " if many else "") + write_sentence(row)
         for row in clean.to_dict("records")
     ]
+
+
+def tell_windows(advised: pd.DataFrame) -> list[str]:
+    """Return sentences on the part of a record that the advice judges, and on the other part.
+
+    `advised` is the run's table of advice.
+    """
+    of_map = advised["source"] == "map"
+    windows = list(dict.fromkeys(advised.loc[~of_map, "window"]))
+    told = [OTHER_WINDOW[window] for window in windows or dict.fromkeys(advised["window"])]
+    if of_map.any() and "full" in windows:
+        told.append("The expected map judges the settled part.")
+    return told
 
 
 def list_spectrum_notes(config: ReplayConfig) -> list[str]:

@@ -122,5 +122,5 @@ def draw_map(
         "noise without any record.",
         coinciding=same,
         baselines=beside.schemes,
-        notes=winners.explain(won),
+        notes=[*winners.explain(won), winners.OTHER_WINDOW[window]],
     )

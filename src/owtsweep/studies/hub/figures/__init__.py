@@ -19,7 +19,7 @@ from owtsweep.studies.hub.conditions import (
     select,
 )
 from owtsweep.studies.hub.origin import describe_one_record, describe_origin
-from owtsweep.studies.hub.winners import find_winners
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -193,7 +193,7 @@ def draw_cells(
         coinciding=coinciding,
         replicates=replicates,
         failures=int((rows["status"] == FAILED).sum()),
-        notes=notes,
+        notes=[*notes, OTHER_WINDOW[window]],
     )
 
 

@@ -24,7 +24,7 @@ from owtsweep.results.winners import tell_winners
 from owtsweep.studies.hub import baseline_names, scheme_names
 from owtsweep.studies.hub.conditions import describe_values, get_map_conditions, select
 from owtsweep.studies.hub.origin import describe_origin
-from owtsweep.studies.hub.winners import find_winners
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 
 if TYPE_CHECKING:
     from owtsweep.results.conditions import Value
@@ -125,7 +125,7 @@ def draw(
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
     outlined = [region.text] if region is not None else []
-    style.footnote(figure, " ".join([*outlined, EXPLANATION, *notes]))
+    style.footnote(figure, " ".join([*outlined, EXPLANATION, *notes, OTHER_WINDOW[window]]))
     return figure
 
 

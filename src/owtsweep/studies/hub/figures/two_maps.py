@@ -28,7 +28,7 @@ from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
-from owtsweep.studies.hub.winners import find_winners
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
@@ -197,16 +197,15 @@ def _differences(configs: Sequence[HubConfig]) -> list[str]:
 
 
 def _explanations(configs: Sequence[HubConfig]) -> list[str]:
-    scale = transient = ""
+    scale = ""
     if all(config.normalise == "peak" for config in configs):
         scale = "; there the amplitude is the largest displacement, some 3 to 4 times the rms"
-    if all(config.measures.window == "full" for config in configs):
-        transient = " The maps judge the full record, with its transient."
     return [
         f"Boundary: amplitude at which the mean MSE of {LOWER} and {UPPER} is equal, with its 95 %"
         " interval (bootstrap over the records); between two rows it is placed logarithmically.",
         "Hatched: best and runner-up cannot be told apart.",
         error_spectra.EXPLANATION,
         "So a boundary in the maps is where the square of the amplitude times the difference of two"
-        f" curves makes up for the difference of their bars{scale}.{transient}",
+        f" curves makes up for the difference of their bars{scale}.",
+        *dict.fromkeys(OTHER_WINDOW[config.measures.window] for config in configs),
     ]

@@ -78,7 +78,8 @@ def _every(errors: Errors) -> int:
 
 def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
     """Draw the errors over numbers: a line for each scheme and baseline, and for the bound."""
-    place, best = [float(value) for value in errors.values], find_best(errors)[number]
+    place = [float(value) for value in errors.values]
+    best = find_best(errors, errors.schemes)[number]
     for name, rms in zip(errors.names, errors.rms()[:, :, number], strict=True):
         if name in errors.baselines:
             look = style_of(name, errors.baselines)

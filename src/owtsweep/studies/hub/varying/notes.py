@@ -11,6 +11,7 @@ from owtsweep.results.conditions import Condition, Value
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.tuning.rules import RECORDED
+from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 BOUND = (
     "The Kalman bound is the least error of an estimator that assumes nothing about the motion; an "
@@ -21,7 +22,7 @@ BOUND = (
 def list_notes(
     along: Condition, configs: Mapping[Value, HubConfig], schemes: Sequence[str], mse: Array
 ) -> tuple[str, ...]:
-    """Return sentences on schemes that coincide, on HME2's numbers, and on the bound.
+    """Return sentences on coinciding schemes, HME2's numbers, the bound and the window.
 
     `mse` are the MSE of `schemes`, shape (schemes, values, motions).
     """
@@ -35,7 +36,7 @@ def list_notes(
             f"At {places}, HME2 has the numbers that tuning=matched keeps for the paper's sensors; "
             "elsewhere its numbers follow a rule (docs/tuning.md)."
         )
-    return (*told, BOUND)
+    return (*told, BOUND, OTHER_WINDOW["settled"])
 
 
 def _has_recorded_numbers(config: HubConfig) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import compress
 
 import numpy as np
 
@@ -31,16 +32,17 @@ def describe_motion(period: float, amplitude: float) -> str:
     return f"natural period {period:g} s, amplitude {amplitude:g} m"
 
 
-def find_best(errors: Errors) -> list[list[tuple[str, ...]]]:
-    """Return the names of the best schemes at each motion and, in there, each value.
+def find_best(errors: Errors, names: Sequence[str]) -> list[list[tuple[str, ...]]]:
+    """Return which of `names` have the least error at each motion and, in there, each value.
 
-    They are several where the expected errors, which are accurate to `RESOLUTION`, cannot tell the
-    schemes apart.
+    They are several where the expected errors, which are accurate to `RESOLUTION`, cannot tell them
+    apart. `names` are `errors.schemes`, or `errors.names`, which has the baselines too.
     """
-    mse = errors.mse[errors.criterion][: len(errors.schemes)]
+    mse = errors.mse[errors.criterion][: len(names)]
     best = mse <= (1.0 + RESOLUTION) * mse.min(axis=0)
-    names = np.array(errors.schemes, dtype=object)
-    return [[tuple(names[at]) for at in at_values.T] for at_values in np.moveaxis(best, 2, 0)]
+    return [
+        [tuple(compress(names, at)) for at in at_values.T] for at_values in np.moveaxis(best, 2, 0)
+    ]
 
 
 def list_names(names: Sequence[str]) -> str:
@@ -52,7 +54,7 @@ def answer_each(errors: Errors) -> Iterator[str]:
     """Yield for each motion the sentences on the best scheme, the bound and the baselines."""
     least = errors.rms()[: len(errors.schemes)].min(axis=0)
     for number, motion in enumerate(errors.motions):
-        best = [list_names(names) for names in find_best(errors)[number]]
+        best = [list_names(names) for names in find_best(errors, errors.schemes)[number]]
         parts = [_follow_best(errors, best, least[:, number])]
         parts += _name_baselines(errors, number)
         start = f"At {describe_motion(*motion)}: " if len(errors.motions) > 1 else ""

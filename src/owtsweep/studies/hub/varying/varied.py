@@ -57,7 +57,7 @@ class VariedErrors:
         from rich.table import Table
         from rich.text import Text
 
-        errors, best = self.errors, find_best(self.errors)[number]
+        errors, best = self.errors, find_best(self.errors, self.errors.names)[number]
         table = Table(
             title=Text(
                 f"Settled {describe_error(errors)} over {errors.along.title}; "

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.studies.hub.public import BASELINES
+from owtsweep.studies.hub.public import BASELINES, OTHER_WINDOW
 from owtsweep.studies.replay.choosing import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import as_plain
@@ -92,7 +92,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             f"Second line: the runner-up, and by how much its MSE is larger."
             f" Hatched: it is larger by less than {100.0 * LEAST_MARGIN:g} %, or the paired"
             " interval (95 %) of the difference holds zero."
-            " NONE!, HOLD!, DELTA!: no scheme is better than this baseline.",
+            " NONE!, HOLD!, DELTA!: no scheme is better than this baseline."
+            f" {' '.join(dict.fromkeys(OTHER_WINDOW[name] for name in shown['window']))}",
         )
     return figure
 
