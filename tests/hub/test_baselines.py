@@ -264,6 +264,21 @@ def test_an_answer_names_its_window_and_the_other(tmp_path: Path) -> None:
     assert told in " ".join(texts.split())
 
 
+def test_a_scheme_of_a_user_that_is_best_nowhere_gets_a_line(tmp_path: Path) -> None:
+    name = "hold_the_last_fix_of_the_receiver"
+    run = owtsweep.run([
+        *SMALL, "baselines=[]", "grid.replicates=2", f"results={tmp_path}", "tuning=matched",
+        f"schemes=[MKF,HME1,{{_target_: user_schemes.HoldLastFix, name: {name}}}]",
+    ])  # fmt: skip
+    tables = {"best_scheme": run.best_scheme(), "summary": run.summary()}
+    shown = " ".join(render(run, tables).split())
+    means = tables["summary"].query("scheme == @name and measure == 'position'")
+    mean = means[means["window"] == "full"]["mean"]
+    told = f"{name} is best in no cell: its MSE is {mean.min():.3g} to {mean.max():.3g} m²"
+    assert told in shown
+    assert "A = " not in shown
+
+
 def render(run, tables) -> str:
     console = Console(width=80, file=io.StringIO(), color_system=None)
     console.print(run.engine.terminal(run.config, tables))

@@ -13,6 +13,7 @@ from replay_tools import motion_file, sensor_file
 
 import owtsweep
 from owtsweep.cli import main
+from owtsweep.studies.hub.public import OTHER_WINDOW
 from owtsweep.studies.replay import facts
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.running import configure, execute, expand
@@ -33,6 +34,7 @@ def test_outputs(capsys):
     out, err = capsys.readouterr()
     assert "HME1" in out
     assert "by this record's own errors" in out
+    assert OTHER_WINDOW["settled"] in " ".join(out.split())
     assert "note: motion kept up to 5 Hz" in err
     (run,) = Path("results").iterdir()
     assert run.name.startswith("replay-tower-")
@@ -59,6 +61,7 @@ def test_outputs(capsys):
     one = pd.read_csv(run / "estimates" / "HME1.csv")
     assert np.array_equal(one.x, own.x)
     report = (run / "report.md").read_text()
+    assert f"- {OTHER_WINDOW['settled']}" in report
     for link in ("position_zoom", "velocity_zoom", "spectrum", "place_in_map", "bias"):
         assert f"](figures/{link}.png)" in report
         assert (run / f"figures/{link}.png").stat().st_size > 10_000

@@ -42,6 +42,8 @@ class Aspects:
         the run's numbers: tuning, truth, records per cell and seed. It is shown in titles.
     score
         What the number is called by which schemes are judged.
+    beside
+        Names of the run's baselines, which a comparison leaves out.
     best_of
         For a run with expected values instead of records: a function that makes the table of best
         schemes. The arguments of the function are the run's rows, the values of the conditions
@@ -58,6 +60,7 @@ class Aspects:
     boundary: tuple[str, str] | None = None
     origin: Mapping[str, str] = field(default_factory=dict)
     score: str = "MSE"
+    beside: Sequence[str] = ()
     best_of: Callable[[pd.DataFrame, Grid, Sequence[str], str], pd.DataFrame] | None = None
 
     @property

@@ -68,6 +68,12 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
             f"engine={without} has no records: n is 0, nothing has an interval, and no change is "
             "called established"
         )
+    beside = list(dict.fromkeys(name for a in aspects for name in a.beside))
+    if beside:
+        notes.append(
+            f"{', '.join(beside)} take no part: best is the best of the schemes, also where a "
+            "baseline has less error"
+        )
     grid: dict[str, list[Value]] = {}
     for name in first.names:
         axes = [set(a.grid[name]) for a in aspects]

@@ -168,6 +168,10 @@ def _explain(shared: Aspects, plane: Plane, *, hatched: bool, line: bool) -> str
             "Hatched: the data do not tell best and runner-up apart (paired difference, 95 %,"
             " Holm's correction over the cells of one map)."
         )
+    if shared.beside:
+        parts.append(
+            "Best of the schemes, also where a baseline has less error: baselines take no part."
+        )
     if line and shared.boundary and plane.upwards:
         how = "logarithmically" if plane.upwards.scale == "log" else "linearly"
         parts.append(

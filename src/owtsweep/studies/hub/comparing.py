@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Candidate
-from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub import baseline_names, scheme_names
 from owtsweep.studies.hub.conditions import BOUNDARY, get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
@@ -41,6 +41,7 @@ def describe_run(run: Candidate) -> Aspects:
         pairing=pairing,
         boundary=None if is_plant(config) else BOUNDARY,
         origin=list_origin(config),
+        beside=baseline_names(config),
         best_of=None
         if samples
         else lambda rows, grid, schemes, criterion: answers.best_scheme(

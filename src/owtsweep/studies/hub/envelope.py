@@ -52,7 +52,7 @@ def compute_envelope(config: HubConfig, structure: Structure) -> pd.DataFrame:
 
 
 def find_best(config: HubConfig, best: pd.DataFrame, points: pd.DataFrame) -> list[str]:
-    """Return what a run's map names at each point: a scheme, or a baseline that beats all schemes.
+    """Return what a run's map names at each point: a scheme, or a baseline that has less error.
 
     A point belongs to the cell whose centre is nearest, with amplitudes on a logarithmic scale.
 
