@@ -120,3 +120,14 @@ def test_another_seed_is_not_paired(tmp_path):
     )
     assert any(note.startswith("seed differs between runs") for note in findings.notes)
     assert not findings.tables["scheme_changes"]["paired"].any()
+
+
+def test_baselines_take_no_part_and_the_comparison_says_so(tmp_path):
+    rows = [make_rows((NOISE,))] * 2
+    findings = compare_runs(tmp_path, rows, lambda run: aspects((NOISE,), beside=["NONE"]))
+    assert any(
+        note.startswith("baselines (NONE) take no part: best is the best")
+        for note in findings.notes
+    )
+    without = compare_runs(tmp_path, rows, lambda run: aspects((NOISE,)))
+    assert not any("take no part" in note for note in without.notes)

@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.text import Text
 from rich.console import Console
@@ -265,23 +266,25 @@ def test_an_answer_names_its_window_and_the_other(tmp_path: Path) -> None:
 
 
 def test_a_scheme_of_a_user_that_is_best_nowhere_gets_a_line(tmp_path: Path) -> None:
+    run, tables = crowned(tmp_path)
     name = "hold_the_last_fix_of_the_receiver"
-    run = owtsweep.run([
-        *SMALL, "baselines=[]", "grid.replicates=2", f"results={tmp_path}", "tuning=matched",
-        f"schemes=[MKF,HME1,{{_target_: user_schemes.HoldLastFix, name: {name}}}]",
+    own = tables["summary"].query("scheme == 'MKF'")
+    tables["summary"] = pd.concat([
+        tables["summary"], own.assign(scheme=name, mean=own["mean"] * 100.0)
     ])  # fmt: skip
-    tables = {"best_scheme": run.best_scheme(), "summary": run.summary()}
-    shown = " ".join(render(run, tables).split())
-    means = tables["summary"].query("scheme == @name and measure == 'position'")
-    mean = means[means["window"] == "full"]["mean"]
+    own_scheme = f"{{_target_: user_schemes.HoldLastFix, name: {name}}}"
+    config = configure(f"schemes=[MKF,HME1,{own_scheme}]", ALL, tuning="matched")
+    shown = " ".join(render(run, tables, config).split())
+    mean = 100.0 * own.query("measure == 'position' and window == 'full'")["mean"]
     told = f"{name} is best in no cell: its MSE is {mean.min():.3g} to {mean.max():.3g} m²"
     assert told in shown
     assert "A = " not in shown
+    assert re.search(r"cells won: .*NONE 1", shown)
 
 
-def render(run, tables) -> str:
+def render(run, tables, config=None) -> str:
     console = Console(width=80, file=io.StringIO(), color_system=None)
-    console.print(run.engine.terminal(run.config, tables))
+    console.print(run.engine.terminal(config or run.config, tables))
     return console.file.getvalue()  # type: ignore[attr-defined]
 
 
