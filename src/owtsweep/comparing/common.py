@@ -71,8 +71,8 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
     beside = list(dict.fromkeys(name for a in aspects for name in a.beside))
     if beside:
         notes.append(
-            f"baselines ({', '.join(beside)}) take no part: best is the best of the schemes, also where a "
-            "baseline has less error"
+            f"baselines ({', '.join(beside)}) take no part: best is the best of the schemes, also "
+            "where a baseline has less error"
         )
     grid: dict[str, list[Value]] = {}
     for name in first.names:
