@@ -185,6 +185,15 @@ def _change(file: str, column: str, row: int, value: float) -> None:
         (["recorded.shift=1000"], "gnss0.csv: fewer than two fixes fall into the time of imu.csv"),
         (["recorded.imu=other.csv"], "other.csv: "),
         (["recorded.columns=[speed:v]"], "recorded.columns: 'speed:v' is not SIGNAL:NAME"),
+        (
+            ["recorded.columns=[wz:gyroz]"],
+            "recorded.columns: 'wz:gyroz', but there is no column 'gyroz' for wz; imu.csv has ",
+        ),
+        (
+            ["recorded.columns=[x:fx]"],
+            "recorded.columns: 'x:fx', but there is no column 'fx' for x; gnss0.csv has time, x, ",
+        ),
+        (["recorded.imu="], "recorded.imu: name the table of the inertial unit, e.g. "),
         (["grid.replicates=2"], "grid.replicates: 2, but one lift was recorded; "),
         (["grid.lever=[0.1]"], "grid.lever: a recorded lift has its own; "),
         (["recorded.gnss=[gnss0.csv,globe.csv]"], "recorded.gnss: some files have x, y, z and "),
@@ -206,6 +215,19 @@ def test_what_a_record_cannot_be(words: list[str], told: str) -> None:
         ("imu.csv", "fx", np.nan, "imu.csv: fx has no number in data row 8; "),
         ("imu.csv", "time", 3.0, "imu.csv: the time does not increase in data row 8; "),
         ("gnss0.csv", "time", 3.0, "gnss0.csv: the time does not increase in data row 8; "),
+        (
+            "imu.csv",
+            "fy",
+            1e150,
+            "imu.csv: fy holds 1e+150 in SI units, and no motion reaches 1e+09",
+        ),
+        (
+            "gnss0.csv",
+            "y",
+            1e20,
+            "gnss0.csv: y holds 1e+20 in SI units, and no motion reaches 1e+09",
+        ),
+        ("globe.csv", "height", -1e20, "globe.csv: height holds 1e+20 in SI units, "),
         ("globe.csv", "latitude", 95.0, "globe.csv: a latitude of 95 degrees in data row 8; "),
     ],
 )
@@ -237,6 +259,20 @@ def test_a_damaged_sentence_is_refused() -> None:
     Path("fixes.nmea").write_bytes(text.replace(b"GNGGA", b"GNGGX", 1))
     with pytest.raises(owtsweep.InputError, match=r"^fixes.nmea: sentence 1 cannot be read"):
         compose([*RECORDED, *CELL, "recorded.gnss=[fixes.nmea]", "recorded.heading=0"])
+
+
+def test_the_experiment_needs_a_file() -> None:
+    """Else a lift would be simulated that nobody asked for."""
+    with pytest.raises(owtsweep.InputError, match=r"^recorded.imu: name the table"):
+        compose(["study=blade", "experiment=recorded"])
+    with pytest.raises(owtsweep.InputError, match=r"^recorded.imu: name the table"):
+        compose(["study=blade", "experiment=recorded", "recorded.gnss=[gnss0.csv]"])
+
+
+def test_a_column_of_one_antenna_alone_is_enough() -> None:
+    """The items serve all files: the second antenna's table calls its x by its own name."""
+    pd.read_csv("gnss1.csv").rename(columns={"x": "east"}).to_csv("gnss1.csv", index=False)
+    compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv,gnss1.csv]", "recorded.columns=[x:east]"])
 
 
 def test_a_lever_arm_of_a_kilometre_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
