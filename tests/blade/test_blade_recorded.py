@@ -275,10 +275,58 @@ def test_a_column_of_one_antenna_alone_is_enough() -> None:
     compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv,gnss1.csv]", "recorded.columns=[x:east]"])
 
 
+def _hoist(speed: float) -> None:
+    """Raise the hook at a speed in m/s: forces and rates stay."""
+    table = pd.read_csv("gnss0.csv")
+    table.assign(z=table["z"] + speed * table["time"]).to_csv("gnss0.csv", index=False)
+
+
+@pytest.mark.parametrize(
+    ("speed", "schemes", "warned"),
+    [(0.0, "MEKF,PENDULUM", False), (0.02, "MEKF,PENDULUM", True), (0.02, "MEKF", False)],
+)
+def test_a_hook_that_moves_is_warned_of_if_pendulum_runs(
+    speed: float, schemes: str, warned: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    _hoist(speed)
+    words = ["recorded.gnss=[gnss0.csv]", "recorded.heading=0", f"schemes=[{schemes}]"]
+    owtsweep.run([*RECORDED, *CELL, *words, f"results={tmp_path}", "compute=single"])
+    told = [r.getMessage() for r in caplog.records if "the hook moves" in r.getMessage()]
+    assert len(told) == warned
+    if warned:
+        assert told[0].startswith("PENDULUM: the hook moves by 1.1")  # 60 s less a period of 5 s
+        assert "m along z, and PENDULUM is for a hook at rest" in told[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "key"),
+    [
+        (["unit=fog"], "unit"),
+        (["unit=tactical"], "unit"),
+        (["unit=mems"], None),
+        (["unit=fog", "unit.rate_bias=0.0042"], None),
+        (["unit=mems", "tuning=paper"], "filters"),
+        (["unit=fog", "tuning=paper", "filters.rate_bias=0.0042"], None),
+    ],
+)
+def test_a_good_unit_on_a_turning_earth_is_warned_of(
+    words: list[str], key: str | None, caplog: pytest.LogCaptureFixture
+) -> None:
+    from owtsweep.studies.blade.doubts import warn_of_doubts
+
+    given = ["recorded.gnss=[gnss0.csv]", "recorded.heading=0", "schemes=[MEKF]"]
+    warn_of_doubts(compose([*RECORDED, *CELL, *given, *words]))
+    told = [r.getMessage() for r in caplog.records if "Earth's rotation" in r.getMessage()]
+    assert len(told) == (key is not None)
+    if key:
+        assert told[0].startswith(f"{key}.rate_bias: Earth's rotation, 15 deg/h, is left out, ")
+        assert f"set {key}.rate_bias=0.0042" in told[0]
+
+
 def test_a_lever_arm_of_a_kilometre_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
-    from owtsweep.studies.blade.checks import warn_of_long_levers
+    from owtsweep.studies.blade.doubts import warn_of_doubts
 
     far = "recorded.antennas=[[1000,0,2]]"
     config = compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv]", "recorded.heading=0", far])
-    warn_of_long_levers(config)
+    warn_of_doubts(config)
     assert "an antenna is 1016 m from the inertial unit; are the places in m?" in caplog.text
