@@ -57,6 +57,8 @@ KEPT = {
         "summary_*.csv",
         "best_scheme_*.csv",
         "fidelity_claims.csv",
+        "moving_hook.csv",
+        "earth.csv",
         "*.md",
         "*.png",
     ),

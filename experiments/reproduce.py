@@ -67,8 +67,12 @@ BLADE = {
 #: Records per cell of these sweeps: a map of the usual 4 tells too few schemes apart. Records that
 #: are judged.
 BLADE_RECORDS, BLADE_JUDGED = 10, 40
-#: Maps of the mating study.
-MATING = ("sigma_outage", "sigma_hub")
+#: Sweeps of the mating study -> overrides.
+MATING = {
+    "sigma_outage": ("plane=sigma_outage",),
+    "sigma_hub": ("plane=sigma_hub",),
+    "sigma_hub_skfa": ("plane=sigma_hub", "hub_scheme=SKFA"),
+}
 
 
 class Reproduction:
@@ -227,20 +231,21 @@ class Reproduction:
                 shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
         run_script("blade/fidelity.py", folder, str(BLADE_JUDGED))
         run_script("blade/figures.py", folder)
+        run_script("blade/left_out.py", folder)
         self.keeper.keep("blade")
 
     def make_mating(self) -> None:
-        """Sweep the mating study over its planes; keep tables and pictures of the chances."""
+        """Sweep the mating study; keep tables and pictures of the chances."""
         folder = self.results / "mating"
         folder.mkdir(exist_ok=True)
-        for plane in MATING:
-            run = self.results / f"mating_{plane}"
-            self.sweep(run.name, "study=mating", f"plane={plane}")
+        for name, overrides in MATING.items():
+            run = self.results / f"mating_{name}"
+            self.sweep(run.name, "study=mating", *overrides)
             run_command("figures", str(run))
-            write_table(folder, f"summary_{plane}", owtsweep.load(run).summary())
-            write_table(folder, f"best_scheme_{plane}", owtsweep.load(run).table("best_scheme"))
+            write_table(folder, f"summary_{name}", owtsweep.load(run).summary())
+            write_table(folder, f"best_scheme_{name}", owtsweep.load(run).table("best_scheme"))
             for picture in ("chances", "map_wrong"):
-                shutil.copy(run / "figures" / f"{picture}.png", folder / f"{picture}_{plane}.png")
+                shutil.copy(run / "figures" / f"{picture}.png", folder / f"{picture}_{name}.png")
         self.keeper.keep("mating")
 
 

@@ -185,6 +185,15 @@ def _change(file: str, column: str, row: int, value: float) -> None:
         (["recorded.shift=1000"], "gnss0.csv: fewer than two fixes fall into the time of imu.csv"),
         (["recorded.imu=other.csv"], "other.csv: "),
         (["recorded.columns=[speed:v]"], "recorded.columns: 'speed:v' is not SIGNAL:NAME"),
+        (
+            ["recorded.columns=[wz:gyroz]"],
+            "recorded.columns: 'wz:gyroz', but there is no column 'gyroz' for wz; imu.csv has ",
+        ),
+        (
+            ["recorded.columns=[x:fx]"],
+            "recorded.columns: 'x:fx', but there is no column 'fx' for x; gnss0.csv has time, x, ",
+        ),
+        (["recorded.imu="], "recorded.imu: name the table of the inertial unit, e.g. "),
         (["grid.replicates=2"], "grid.replicates: 2, but one lift was recorded; "),
         (["grid.lever=[0.1]"], "grid.lever: a recorded lift has its own; "),
         (["recorded.gnss=[gnss0.csv,globe.csv]"], "recorded.gnss: some files have x, y, z and "),
@@ -206,6 +215,19 @@ def test_what_a_record_cannot_be(words: list[str], told: str) -> None:
         ("imu.csv", "fx", np.nan, "imu.csv: fx has no number in data row 8; "),
         ("imu.csv", "time", 3.0, "imu.csv: the time does not increase in data row 8; "),
         ("gnss0.csv", "time", 3.0, "gnss0.csv: the time does not increase in data row 8; "),
+        (
+            "imu.csv",
+            "fy",
+            1e150,
+            "imu.csv: fy holds 1e+150 in SI units, and no motion reaches 1e+09",
+        ),
+        (
+            "gnss0.csv",
+            "y",
+            1e20,
+            "gnss0.csv: y holds 1e+20 in SI units, and no motion reaches 1e+09",
+        ),
+        ("globe.csv", "height", -1e20, "globe.csv: height holds 1e+20 in SI units, "),
         ("globe.csv", "latitude", 95.0, "globe.csv: a latitude of 95 degrees in data row 8; "),
     ],
 )
@@ -239,10 +261,72 @@ def test_a_damaged_sentence_is_refused() -> None:
         compose([*RECORDED, *CELL, "recorded.gnss=[fixes.nmea]", "recorded.heading=0"])
 
 
+def test_the_experiment_needs_a_file() -> None:
+    """Else a lift would be simulated that nobody asked for."""
+    with pytest.raises(owtsweep.InputError, match=r"^recorded.imu: name the table"):
+        compose(["study=blade", "experiment=recorded"])
+    with pytest.raises(owtsweep.InputError, match=r"^recorded.imu: name the table"):
+        compose(["study=blade", "experiment=recorded", "recorded.gnss=[gnss0.csv]"])
+
+
+def test_a_column_of_one_antenna_alone_is_enough() -> None:
+    """The items serve all files: the second antenna's table calls its x by its own name."""
+    pd.read_csv("gnss1.csv").rename(columns={"x": "east"}).to_csv("gnss1.csv", index=False)
+    compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv,gnss1.csv]", "recorded.columns=[x:east]"])
+
+
+def _hoist(speed: float) -> None:
+    """Raise the hook at a speed in m/s: forces and rates stay."""
+    table = pd.read_csv("gnss0.csv")
+    table.assign(z=table["z"] + speed * table["time"]).to_csv("gnss0.csv", index=False)
+
+
+@pytest.mark.parametrize(
+    ("speed", "schemes", "warned"),
+    [(0.0, "MEKF,PENDULUM", False), (0.02, "MEKF,PENDULUM", True), (0.02, "MEKF", False)],
+)
+def test_a_hook_that_moves_is_warned_of_if_pendulum_runs(
+    speed: float, schemes: str, warned: bool, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    _hoist(speed)
+    words = ["recorded.gnss=[gnss0.csv]", "recorded.heading=0", f"schemes=[{schemes}]"]
+    owtsweep.run([*RECORDED, *CELL, *words, f"results={tmp_path}", "compute=single"])
+    told = [r.getMessage() for r in caplog.records if "the hook moves" in r.getMessage()]
+    assert len(told) == warned
+    if warned:
+        assert told[0].startswith("PENDULUM: the hook moves by 1.1")  # 60 s less a period of 5 s
+        assert "m along z, and PENDULUM is for a hook at rest" in told[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "key"),
+    [
+        (["unit=fog"], "unit"),
+        (["unit=tactical"], "unit"),
+        (["unit=mems"], None),
+        (["unit=fog", "unit.rate_bias=0.0042"], None),
+        (["unit=mems", "tuning=paper"], "filters"),
+        (["unit=fog", "tuning=paper", "filters.rate_bias=0.0042"], None),
+    ],
+)
+def test_a_good_unit_on_a_turning_earth_is_warned_of(
+    words: list[str], key: str | None, caplog: pytest.LogCaptureFixture
+) -> None:
+    from owtsweep.studies.blade.doubts import warn_of_doubts
+
+    given = ["recorded.gnss=[gnss0.csv]", "recorded.heading=0", "schemes=[MEKF]"]
+    warn_of_doubts(compose([*RECORDED, *CELL, *given, *words]))
+    told = [r.getMessage() for r in caplog.records if "Earth's rotation" in r.getMessage()]
+    assert len(told) == (key is not None)
+    if key:
+        assert told[0].startswith(f"{key}.rate_bias: Earth's rotation, 15 deg/h, is left out, ")
+        assert f"set {key}.rate_bias=0.0042" in told[0]
+
+
 def test_a_lever_arm_of_a_kilometre_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
-    from owtsweep.studies.blade.checks import warn_of_long_levers
+    from owtsweep.studies.blade.doubts import warn_of_doubts
 
     far = "recorded.antennas=[[1000,0,2]]"
     config = compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv]", "recorded.heading=0", far])
-    warn_of_long_levers(config)
+    warn_of_doubts(config)
     assert "an antenna is 1016 m from the inertial unit; are the places in m?" in caplog.text

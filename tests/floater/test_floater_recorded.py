@@ -137,3 +137,13 @@ def refusal_without_file() -> str:
     with pytest.raises(InputError) as caught:
         compose(WORDS)
     return str(caught.value)
+
+
+def test_a_position_that_no_floater_reaches_is_refused(tmp_path: Path) -> None:
+    damaged = COLUMNS["y"].copy()
+    damaged[300] = 1e20
+    told = refusal(write(tmp_path, {**COLUMNS, "y": damaged}))
+    assert told.endswith(
+        "basin.csv: column y holds 1e+20 in SI units, and no motion reaches 1e+09: check its unit, "
+        "and mend damaged rows"
+    )

@@ -93,6 +93,8 @@ def test_bad_columns_are_told_in_one_line(tmp_path):
         ({"time": np.delete(TIME, 3), "a_12": ramp[1:]}, "not uniform"),
         ({"time": holes, "a_12": ramp}, "column time has no time in data row 8"),
         ({"time": TIME, "a_12": holes}, "a_12 has no number in data row 8 .2 such rows"),
+        ({"time": TIME, "a_12": 1e150 * ramp}, "a_12 holds 3.9e.149 in SI units, and no motion"),
+        ({"time": TIME, "M_24": 1e150 * ramp}, "M_24 holds 3.9e.149 in SI units, and no load "),
         ({"time": TIME, "a_12__furlong": ramp}, "column a_12: 'furlong' is not a unit known here"),
         ({"time": TIME, "a_12__mm": ramp}, "'mm' is a unit of length, not of acceleration"),
         ({"time": TIME, "F_24__lbf": ramp}, "'lbf' is not a unit of force known here; use one of"),

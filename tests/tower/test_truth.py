@@ -150,6 +150,9 @@ def test_recorded_loads_come_from_their_file(tmp_path):
     np.testing.assert_allclose(loads[:, 0], 1e6 + 1e4 * STEP * np.arange(5000))
     with pytest.raises(InputError, match=r"holds 59.5 s, but record.duration asks for 100 s"):
         make_top_loads(wind, streams(), steps=10000, step=STEP)
+    table.assign(side=1e150).to_csv(file, index=False)
+    with pytest.raises(InputError, match=r"side holds 1e\+150 in SI units, and no load reaches"):
+        make_top_loads(wind, streams(), steps=5000, step=STEP)
     table.drop(columns="side").to_csv(file, index=False)
     with pytest.raises(InputError, match="lacks the columns side"):
         make_top_loads(wind, streams(), steps=5000, step=STEP)

@@ -7,8 +7,9 @@ the body's frame. With the measured specific force f and angular velocity w:
     p' = v,   v' = R (f - ba) - g e_z,   R' = R [w - bg]x,   ba' = noise,   bg' = noise
 
 Errors (dp, dv, da, dba, dbg) have R_true = R Exp([da]x) (Sola 2017, Quaternion kinematics for the
-error-state Kalman filter, chapter 5). The earth's rotation is left out: it is .004 deg/s, constant
-in the frame, and a given start heading lets a bias of the gyroscopes take it up.
+error-state Kalman filter, chapter 5). Earth's rotation, .0042 deg/s, is left out. It is constant in
+the frame, so a bias of the gyroscopes takes it up while the heading stays, but only if as large a
+bias is believed: not that of a fibre-optic or tactical unit (docs/blade.md, section 4).
 
 State vectors have 16 elements: p, v, quaternion (scalar first), ba, bg. Errors have 15, and maybe
 more behind them, which this module lets stand.

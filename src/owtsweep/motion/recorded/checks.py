@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import require
 from owtsweep.motion.recorded.formats.table import MOST_STEPS, refuse
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.timing import count_steps, fit_comb
@@ -17,14 +18,42 @@ LARGEST_MEAN_FORCE = 5.0  # m/s^2
 LARGEST_JUMP = 1000.0  # m
 #: A larger range gets a note that asks whether the unit is right.
 LARGEST_RANGE = 100.0  # m
-#: A larger number, in SI units, is a wrong unit or damage.
-LARGEST_VALUE = 1e9
+#: A larger number, in SI units, is a wrong unit or damage: of a motion, and of a load (the base
+#: moment of a large turbine comes near 1e9 N m).
+LARGEST_VALUE, LARGEST_LOAD = 1e9, 1e12
 FEWEST_SAMPLES = 32
 #: Gaps up to this length are interpolated, and gaps up to two and a half sampling intervals. Fixes
 #: and references may be missing for any time.
 LONGEST_GAP = 0.1  # s
 #: An IMU that samples less often is refused.
 LOWEST_IMU_RATE = 5.0  # Hz
+
+
+def require_possible(where: str, values: Array, hint: str, *, load: bool = False) -> None:
+    """Check that no number of a column is absurdly large.
+
+    Parameters
+    ----------
+    where
+        File and column, for the message.
+    values
+        The column in SI units; NaN where a value is missing.
+    hint
+        What the user can do, for the message.
+    load
+        Whether it is a force or a moment, not a motion.
+
+    Raises
+    ------
+    InputError
+        If a number is larger than `LARGEST_VALUE`, or `LARGEST_LOAD` for a load.
+    """
+    most, kind = (LARGEST_LOAD, "load") if load else (LARGEST_VALUE, "motion")
+    largest = float(np.max(np.abs(values), initial=0.0, where=~np.isnan(values)))
+    require(
+        largest <= most,
+        f"{where} holds {largest:.3g} in SI units, and no {kind} reaches {most:g}: {hint}",
+    )
 
 
 def check_time(path: Path, name: str, time: Array) -> None:
@@ -112,13 +141,9 @@ def _check_extent(path: Path, role: str, name: str, time: Array, values: Array) 
     `name` is the channel's name in messages. The grid spans these times at their median interval;
     for GNSS fixes it is not checked.
     """
-    largest = float(np.max(np.abs(values)))
-    if largest > LARGEST_VALUE:
-        raise refuse(
-            path,
-            f"{name} holds {largest:.3g} in SI units, and no motion reaches {LARGEST_VALUE:g}: "
-            f"check units.{role}, and mark missing values as NaN",
-        )
+    require_possible(
+        f"{path}: {name}", values, f"check units.{role}, and mark missing values as NaN"
+    )
     steps = count_steps(time)
     if not steps <= MOST_STEPS and not role.startswith("fix"):
         raise refuse(

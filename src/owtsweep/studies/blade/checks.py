@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,10 +30,6 @@ MOST_BENDING = 1.5
 FASTEST, PASSED = 1000.0, 8.0
 #: An antenna is on the blade.
 LONGEST_LEVER = 50.0
-#: A longer lever arm of a record is warned of: nothing on a blade is so far from another thing, m.
-LONGEST_RECORDED = 150.0
-
-logger = logging.getLogger(__name__)
 
 
 def check(config: BladeConfig) -> None:
@@ -70,18 +65,6 @@ def _check_recorded(config: BladeConfig) -> None:
             f"grid.{name}: a recorded lift has its own; map it over axes=[sigma,outage]",
         )
     load_lift(config)
-
-
-def warn_of_long_levers(config: BladeConfig) -> None:
-    """Log a warning if an antenna of a recorded lift is too far from the inertial unit."""
-    if config.recorded.imu is None:
-        return
-    longest = float(np.linalg.norm(config.recorded.geometry.levers, axis=1).max())
-    if longest > LONGEST_RECORDED:
-        logger.warning(
-            "recorded.antennas: an antenna is %g m from the inertial unit; are the places in m?",
-            longest,
-        )
 
 
 def _check_motion(config: BladeConfig) -> None:

@@ -33,7 +33,7 @@ class BladeConfig(TunedConfig):
     record: Record = key("a record of motion and measurements")
     motion: Motion = key("how the blade moves on its hook")
     boom: Boom = key("the crane's boom and its accelerometers", default=Boom(), younger=True)
-    unit: Unit = key("the inertial unit, set by unit=NAME")
+    unit: Unit = key("the inertial unit, set by unit=NAME; it does not feel Earth's rotation")
     grade: str = key("what the inertial unit is called, set by unit=NAME")
     recorded: Recorded = key(
         "a recorded lift in place of a simulated one (docs/blade.md)", default=Recorded(),

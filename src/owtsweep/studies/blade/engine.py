@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.studies.blade import blocks
-from owtsweep.studies.blade.checks import warn_of_long_levers
 from owtsweep.studies.blade.contest import CONTEST
+from owtsweep.studies.blade.doubts import warn_of_doubts
 from owtsweep.studies.contest import maps, tables, terminal
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class BladeEngine:
 
     def warm_up(self, config: BladeConfig, workers: int) -> None:
         """Warn of what a recorded lift makes doubtful."""
-        warn_of_long_levers(config)
+        warn_of_doubts(config)
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""

@@ -11,6 +11,7 @@ from owtsweep.studies.blade.case import list_cases
 from owtsweep.studies.blade.cases import make_cases
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Estimates, Unable
+from owtsweep.studies.blade.doubts import warn_of_doubts
 from owtsweep.studies.blade.schemes import resolve
 from owtsweep.studies.blade.sections import AXES
 
@@ -39,6 +40,7 @@ def estimate_record(config: BladeConfig, replicate: int) -> EstimatedRecord:
     """
     grid = {axis: getattr(config.grid, axis) for axis in AXES}
     cell = find_only_cell({axis: values for axis, values in grid.items() if values is not None})
+    warn_of_doubts(config)
     (conditions,) = list_cases(config)
     (case,) = make_cases(config, conditions, [replicate])
     truth, measured = case.truth, case.measured

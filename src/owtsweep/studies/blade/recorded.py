@@ -77,6 +77,11 @@ class Recorded(Section):
         InputError
             If files or points are missing, or a rotation is none; the message says what would work.
         """
+        require(
+            self.imu != "",
+            "recorded.imu: name the table of the inertial unit, e.g. recorded.imu=imu.csv "
+            "'recorded.gnss=[gnss.csv]' (docs/blade.md, section 8)",
+        )
         if self.imu is None:
             require(not self.gnss, "recorded.gnss: give recorded.imu as well")
             return

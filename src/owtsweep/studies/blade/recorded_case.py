@@ -21,7 +21,13 @@ from owtsweep.studies.blade.believed import believe
 from owtsweep.studies.blade.case import list_cases
 from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Truth
 from owtsweep.studies.blade.recorded import REFERENCE
-from owtsweep.studies.blade.recorded_files import EXTRA, Fixes, read_fixes, read_inertial
+from owtsweep.studies.blade.recorded_files import (
+    EXTRA,
+    Fixes,
+    check_columns,
+    read_fixes,
+    read_inertial,
+)
 from owtsweep.studies.blade.schemes import resolve
 
 if TYPE_CHECKING:
@@ -47,6 +53,8 @@ def load_lift(config: BladeConfig) -> Lift:
     """
     recorded, rate, steps = config.recorded, config.record.rate, config.record.steps
     path = Path(str(recorded.imu)).expanduser()
+    files = [Path(name).expanduser() for name in recorded.gnss]
+    check_columns(recorded.columns, path, files)
     inertial = read_inertial(path, recorded.columns)
     comb = fit_comb(inertial.time)
     require(
@@ -58,7 +66,6 @@ def load_lift(config: BladeConfig) -> Lift:
         f"record.rate: {rate:g} Hz, but {path} has a row every {comb.step:g} s; set "
         f"record.rate={1.0 / comb.step:.6g}",
     )
-    files = [Path(name).expanduser() for name in recorded.gnss]
     antennas = [read_fixes(file, recorded.columns) for file in files]
     placed, floating = place_fixes(antennas, files, inertial.time, recorded.shift)
     there = np.flatnonzero(np.isfinite(placed[:, 0, 0]))

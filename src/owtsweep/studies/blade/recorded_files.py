@@ -13,6 +13,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require, shorten
 from owtsweep.io.reading import read_bytes
 from owtsweep.motion.recorded import open_table
+from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.columns import guess_roles
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.units import find_dimension, find_factor
@@ -32,6 +33,8 @@ DIMENSIONS = {"s": "time", "m": "length", "m/s^2": "acceleration"}
 NO_FIX, FLOAT = 0, 5
 #: Largest NMEA file, bytes; seconds of a day.
 MOST_BYTES, DAY = 200_000_000, 86_400.0
+#: What to do about an absurdly large number.
+DAMAGED = "check its unit, and cut damaged rows out"
 EXTRA = "install the extra: pip install 'owtsweep[gnss]'"
 
 
@@ -70,7 +73,8 @@ def read_inertial(path: Path, columns: Sequence[str]) -> Inertial:
     Raises
     ------
     InputError
-        If the file cannot be read, a column or a number is missing, or times do not increase.
+        If the file cannot be read, a column or a number is missing, a number is absurdly large, or
+        times do not increase.
     """
     table = open_table(path)
     found = _load(table, ("time", *FORCE, *RATE), columns)
@@ -81,6 +85,8 @@ def read_inertial(path: Path, columns: Sequence[str]) -> Inertial:
             f"{path}: {name} has no number in data row {missing[0] + 1 if len(missing) else 0}; "
             "fill the gaps or cut the record there",
         )
+        if name != "time":
+            require_possible(f"{path}: {name}", values, DAMAGED)
     _check_times(path, found["time"])
     force, rate = (np.column_stack([found[name] for name in names]) for names in (FORCE, RATE))
     return Inertial(found["time"], force, rate)
@@ -93,10 +99,12 @@ def read_fixes(path: Path, columns: Sequence[str]) -> Fixes:
     ------
     InputError
         If the file cannot be read, a column is missing, times do not increase, or a position is
-        none.
+        none or absurdly large.
     """
     fixes = _read_nmea(path) if path.suffix.lower() == ".nmea" else _read_table(path, columns)
     _check_times(path, fixes.time)
+    for name, values in zip(GLOBE if fixes.globe else LOCAL, fixes.position.T, strict=True):
+        require_possible(f"{path}: {name}", values, DAMAGED)
     if fixes.globe:
         for i, (name, most) in enumerate((("latitude", 90.0), ("longitude", 360.0))):
             wrong = np.flatnonzero(np.abs(fixes.position[:, i]) > most)
@@ -106,6 +114,36 @@ def read_fixes(path: Path, columns: Sequence[str]) -> Fixes:
                 f"{wrong[0] + 1 if len(wrong) else 0}; give decimal degrees up to {most:g}",
             )
     return fixes
+
+
+def check_columns(columns: Sequence[str], imu: Path, gnss: Sequence[Path]) -> None:
+    """Check that each item of `recorded.columns` names a column of a table that has its signal.
+
+    Raises
+    ------
+    InputError
+        If a table cannot be read, an item cannot be one, or no such table has its column.
+    """
+    if not columns:
+        return
+    unit = [open_table(imu)]
+    antennas = [open_table(path) for path in gnss if path.suffix.lower() != ".nmea"]
+    for item in columns:
+        signal, *words = item.split(":")
+        require(
+            signal in UNITS and len(words) in (1, 2),
+            f"recorded.columns: {item!r} is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are "
+            f"{', '.join(UNITS)}",
+        )
+        asked = unit if signal in (*FORCE, *RATE) else antennas
+        if signal == "time":
+            asked = [*unit, *antennas]
+        there = "; ".join(f"{t.path} has {shorten(', '.join(t.names), 200)}" for t in asked)
+        require(
+            any(words[0] in table.names for table in asked),
+            f"recorded.columns: {item!r}, but there is no column {words[0]!r} for {signal}; "
+            f"{there or 'NMEA sentences have no columns'}",
+        )
 
 
 def _read_table(path: Path, columns: Sequence[str]) -> Fixes:
@@ -158,11 +196,6 @@ def _load(table: ChannelTable, signals: Sequence[str], given: Sequence[str]) -> 
             named[signal] = (name, table.unit(name))
     for item in given:
         signal, *words = item.split(":")
-        require(
-            signal in UNITS and len(words) in (1, 2),
-            f"recorded.columns: {item!r} is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are "
-            f"{', '.join(UNITS)}",
-        )
         if signal in signals and words[0] in table.names:
             named[signal] = (words[0], words[1] if words[1:] else table.unit(words[0]))
     missing = [signal for signal in signals if signal not in named]

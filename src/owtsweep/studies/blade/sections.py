@@ -139,13 +139,17 @@ class Boom(Section):
 
 
 class Unit(Section):
-    """The section `unit`: the inertial unit, set by unit=NAME."""
+    """The section `unit`: the inertial unit, set by unit=NAME, on an Earth that does not turn."""
 
     force_sigma: Positive = key("white noise of a sample of the accelerometers", unit="m/s^2")
     force_bias: NotNegative = key("bias of the accelerometers", unit="m/s^2")
     force_walk: NotNegative = key("change of that bias in 100 s", unit="m/s^2")
     rate_sigma: Positive = key("white noise of a sample of the gyroscopes", unit="deg/s")
-    rate_bias: NotNegative = key("bias of the gyroscopes", unit="deg/s")
+    rate_bias: NotNegative = key(
+        "bias of the gyroscopes; Earth's rotation is left out, so a recorded lift needs 0.0042 or "
+        "more, which takes it up",
+        unit="deg/s",
+    )
     rate_walk: NotNegative = key("change of that bias in 100 s", unit="deg/s")
     tilt: Positive = key("error of pitch and roll with which a record begins", unit="deg")
     heading: Positive = key("error of the heading with which a record begins", unit="deg")

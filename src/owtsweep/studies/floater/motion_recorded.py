@@ -17,6 +17,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require, shorten
 from owtsweep.motion.lines import Series
+from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.columns import guess_roles
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable
@@ -74,6 +75,9 @@ def read_motion(motion: MotionSection, *, steps: int, step: float, lead: int) ->
         require(
             bool(np.isfinite(values).all()),
             f"{table.path}: column {column} lacks numbers; fill the gaps or cut the record there",
+        )
+        require_possible(
+            f"{table.path}: column {column}", values, "check its unit, and mend damaged rows"
         )
         require(
             bool(np.any(values != values[0])),

@@ -24,6 +24,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import Section, key
 from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded import open_table
+from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.columns import guess_roles
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.timing import fit_comb
@@ -181,8 +182,8 @@ def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> R
     Raises
     ------
     InputError
-        If the file cannot be read, a column is missing, time is not uniform, a number is missing,
-        or a unit is not known.
+        If the file cannot be read, a column is missing, time is not uniform, a number is missing or
+        absurdly large, or a unit is not known.
     """
     table = open_table(path)
     renamed = {}
@@ -225,6 +226,12 @@ def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> R
             f"{path}: column {name} has no number in data row "
             f"{missing[0] + 1 if len(missing) else 0} ({len(missing)} such rows in all); fill the "
             "gaps or cut the record there",
+        )
+        require_possible(
+            f"{path}: column {name}",
+            values,
+            "check its unit, and mend damaged rows",
+            load=match[1] in ("F", "M"),
         )
         signals.append(Signal(match[1], float(match[2]), match[3] or "fa", name, values))
     _refuse_repeats(path, signals)

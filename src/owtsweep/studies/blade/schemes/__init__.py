@@ -19,7 +19,7 @@ REGISTERED = {
     "MEKF_HEADING": "MEKF with fixes of a second antenna, which show the heading",
     "MEKF_OFFSET": "MEKF with the offset of the GNSS clock, or its delay, as a state",
     "MEKF_LEVER": "MEKF with the error of the antenna's place as states",
-    "PENDULUM": "MEKF that knows how the hook lets the blade swing",
+    "PENDULUM": "MEKF that knows how the blade swings below a hook at rest",
     "FIXED_LAG": "MEKF and a smoother that looks a fixed time ahead",
     "SMOOTHER": "MEKF and a smoother of the whole record, what post-processing does",
     "DOUBLE_INTEGRATION": "accelerations integrated twice above .15 Hz, and fixes below it",

@@ -1,4 +1,7 @@
-"""The hook's swing as states of a filter: oscillators driven by white noise about a slow middle."""
+"""The hook's swing as states of a filter: oscillators driven by white noise about a slow middle.
+
+The middle has no velocity: the hook is at rest, or wanders by no more than gusts do.
+"""
 
 from __future__ import annotations
 

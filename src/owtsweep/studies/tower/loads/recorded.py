@@ -9,6 +9,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
+from owtsweep.motion.recorded.checks import require_possible
 
 
 def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> Array:
@@ -32,8 +33,8 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
     Raises
     ------
     InputError
-        If the file cannot be read, lacks a column, holds something else than finite numbers, its
-        times do not rise, or it is shorter than the record.
+        If the file cannot be read, lacks a column, holds something else than finite numbers or an
+        absurdly large one, its times do not rise, or it is shorter than the record.
     """
     import pandas as pd
 
@@ -51,6 +52,10 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
         f"wind.file: {file} has no number in line {bad[0] + 2 if len(bad) else 0}; remove or "
         "fill such lines",
     )
+    for name, column in zip(names, values[:, 1:].T, strict=True):
+        require_possible(
+            f"wind.file: {file}: column {name}", column, "check its unit, N or N m", load=True
+        )
     time = values[:, 0] - values[0, 0]
     require(bool(np.all(np.diff(time) > 0.0)), f"wind.file: times of {file} do not rise")
     length = (steps - 1) * step

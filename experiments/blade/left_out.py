@@ -1,0 +1,163 @@
+"""What the blade's filters leave out, and what it costs: a hook that moves, and Earth's rotation.
+
+    python experiments/blade/left_out.py [FOLDER] [RECORDS]
+
+FOLDER (default: results/blade_left_out) gets moving_hook.csv and earth.csv, means over RECORDS (10
+by default; some four minutes). GNSS of 10 mm, tuning=matched, seed 2018: records with hook and
+Earth at rest are those of the maps in docs/blade.md.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.io.tables import write_table
+from owtsweep.studies import compose
+from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.blade.cases import make_cases
+from owtsweep.studies.blade.doubts import EARTH_RATE, TAKEN_FOR_BIAS
+from owtsweep.studies.blade.measures import Judged, compare
+from owtsweep.studies.blade.measuring import find_last_outage
+from owtsweep.studies.blade.schemes import resolve
+
+OUTAGES = (0.0, 10.0, 40.0)  # s
+#: How the hook moves -> displacement (m), of the time in s; hoisting is along z, sway along y.
+HOOKS = {
+    "at rest": lambda t: [0.0 * t, 0.0 * t, 0.0 * t],
+    "hoisted at .05 m/s": lambda t: [0.0 * t, 0.0 * t, 0.05 * t],
+    "hoisted at .1 m/s": lambda t: [0.0 * t, 0.0 * t, 0.1 * t],
+    "sways 1 m in 100 s": lambda t: [0.0 * t, np.sin(0.02 * np.pi * t), 0.0 * t],
+}
+LATITUDE = 52.0  # deg
+#: What is kept: root (rms) and worst, both in m, and NEES over 3.
+MEASURES = ("root", "worst", "nees")
+
+
+def move_hook(case, moved):
+    """Return a case whose hook moves by `moved` (steps, 3) in m beside all else that moves.
+
+    Attitude and rates stay: the tackle is long.
+    """
+    truth, step = case.truth, case.truth.step
+    velocity = np.gradient(moved, step, axis=0, edge_order=2)
+    pull = np.gradient(velocity, step, axis=0, edge_order=2)
+    (position, speed), rotation = case.start
+    return case._replace(
+        truth=replace(
+            truth,
+            root=truth.root + moved,
+            unit=truth.unit + moved,
+            root_velocity=truth.root_velocity + velocity,
+            unit_velocity=truth.unit_velocity + velocity,
+        ),
+        measured=replace(
+            case.measured,
+            fixes=case.measured.fixes + moved[:, None],
+            specific_force=case.measured.specific_force
+            + np.einsum("nji,nj->ni", truth.rotation, pull),
+        ),
+        start=(np.stack([position + moved[0], speed + velocity[0]]), rotation),
+    )
+
+
+def turn_earth(case):
+    """Return a case whose inertial unit feels that the frame turns with the Earth; x is north.
+
+    Gyroscopes read Earth's rotation as well, accelerometers the Coriolis acceleration; the
+    centrifugal acceleration is a part of gravity.
+    """
+    truth = case.truth
+    at = np.deg2rad(LATITUDE)
+    earth = np.deg2rad(EARTH_RATE) * np.array([np.cos(at), 0.0, np.sin(at)])
+    felt = 2.0 * np.cross(earth, truth.unit_velocity)
+    return case._replace(
+        measured=replace(
+            case.measured,
+            rate=case.measured.rate + np.einsum("nji,j->ni", truth.rotation, earth),
+            specific_force=case.measured.specific_force
+            + np.einsum("nji,nj->ni", truth.rotation, felt),
+        )
+    )
+
+
+def judge(config, changes, schemes, records):
+    """Return rows of means over records: change of the case, outage, scheme.
+
+    `changes` is name -> what changes a case, and the configuration that schemes are told.
+    """
+    rows = []
+    for conditions in list_cases(config):
+        cases = make_cases(config, conditions, range(records))
+        window = Judged(config.record.settled, find_last_outage(config, conditions.outage))
+        for name, (change, told) in changes.items():
+            changed = [change(case) for case in cases]
+            for scheme in schemes:
+                found = pd.DataFrame([
+                    compare(
+                        case.truth,
+                        resolve(scheme).prepare(case.tell(told, conditions)).run(case.measured),
+                        window,
+                    )
+                    for case in changed
+                ]).mean()  # fmt: skip
+                where = {"changed": name, "outage": conditions.outage, "scheme": scheme}
+                rows.append(where | {measure: found.get(measure) for measure in MEASURES})
+    return rows
+
+
+def configure(*words):
+    """Return the configuration of all cells, with overrides."""
+    outages = ",".join(str(outage) for outage in OUTAGES)
+    return compose(["study=blade", "grid.sigma=[0.01]", f"grid.outage=[{outages}]", *words])
+
+
+def try_hooks(records):
+    """Return the table of hooks that move, with a tactical unit."""
+    config = configure("unit=tactical")
+    time = np.arange(config.record.steps) / config.record.rate
+    changes = {
+        name: (lambda case, find=find: move_hook(case, np.column_stack(find(time))), config)
+        for name, find in HOOKS.items()
+    }
+    rows = judge(config, changes, ("HOLD", "MEKF", "PENDULUM"), records)
+    return pd.DataFrame(rows).rename(columns={"changed": "hook"})
+
+
+def try_earth(records):
+    """Return the table of inertial units without and with Earth's rotation."""
+    tables = []
+    for unit in ("fog", "tactical", "mems"):
+        tell_step(f"Earth's rotation, unit={unit}")
+        config = configure(f"unit={unit}")
+        changes = {"at rest": (lambda case: case, config), "turns": (turn_earth, config)}
+        if config.unit.rate_bias < EARTH_RATE:
+            changes["taken for a bias"] = (
+                turn_earth,
+                configure(f"unit={unit}", f"unit.rate_bias={TAKEN_FOR_BIAS}"),
+            )
+        rows = judge(config, changes, ("MEKF", "MEKF_HEADING", "PENDULUM"), records)
+        tables.append(pd.DataFrame([{"unit": unit} | row for row in rows]))
+    return pd.concat(tables).rename(columns={"changed": "earth"})
+
+
+def main(folder, records):
+    """Write both tables."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, collect in (("moving_hook", try_hooks), ("earth", try_earth)):
+        tell_step(name)
+        table = collect(records)
+        write_table(folder, name, table)
+        print(table.to_string(index=False, float_format="{:.3g}".format))
+        print(folder / f"{name}.csv")
+
+
+if __name__ == "__main__":
+    with show_steps():
+        main(
+            Path(sys.argv[1] if len(sys.argv) > 1 else "results/blade_left_out"),
+            int(sys.argv[2]) if len(sys.argv) > 2 else 10,
+        )

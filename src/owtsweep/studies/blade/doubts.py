@@ -1,0 +1,99 @@
+"""What makes the answer from a recorded lift doubtful, as warnings."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.blade.believed import believe
+from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.blade.contract import Setting, Truth
+from owtsweep.studies.blade.recorded_case import find_reference, load_lift
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.config import BladeConfig
+
+#: A longer lever arm is warned of: nothing on a blade is so far from another thing, m.
+LONGEST_RECORDED = 150.0
+#: By what the Earth turns, deg/s, and the bias in deg/s that a filter must believe to take it up.
+EARTH_RATE, TAKEN_FOR_BIAS = 15.041 / 3600.0, 0.0042
+#: The hook moves if the middle of the swing goes this many times as far as PENDULUM is told.
+FAR = 3.0
+
+logger = logging.getLogger(__name__)
+
+
+def warn_of_doubts(config: BladeConfig) -> None:
+    """Log a warning of each thing that makes the answer from a recorded lift doubtful.
+
+    An antenna too far from the inertial unit; Earth's rotation, which the filters leave out; and a
+    hook that moves, if PENDULUM runs, which takes it to be at rest.
+    """
+    if config.recorded.imu is None:
+        return
+    lift = load_lift(config)
+    setting = believe(
+        config, list_cases(config)[0], lift.start, lift.start_sigma, config.recorded.geometry
+    )
+    longest = float(np.linalg.norm(setting.geometry.levers, axis=1).max())
+    if longest > LONGEST_RECORDED:
+        logger.warning(
+            "recorded.antennas: an antenna is %g m from the inertial unit; are the places in m?",
+            longest,
+        )
+    believed = float(np.rad2deg(setting.rate_bias))
+    if believed < EARTH_RATE:
+        key = "filters" if config.filters.noise == "declared" else "unit"
+        logger.warning(
+            "%s.rate_bias: Earth's rotation, %.3g deg/h, is left out, and a bias of %.3g deg/h "
+            "(unit=%s) cannot take it up, so errors are larger than told; set %s.rate_bias=%g "
+            "(docs/blade.md, section 4)",
+            key,
+            3600.0 * EARTH_RATE,
+            3600.0 * believed,
+            config.grade,
+            key,
+            TAKEN_FOR_BIAS,
+        )
+    if "PENDULUM" in config.schemes:
+        _warn_of_a_moving_hook(setting, find_reference(config, lift))
+
+
+def _warn_of_a_moving_hook(setting: Setting, truth: Truth) -> None:
+    wander, told = find_wander(setting, truth)
+    if not (wander > FAR * told).any():
+        return
+    axis = int(np.argmax(wander - FAR * told))
+    logger.warning(
+        "PENDULUM: the hook moves by %.3g m along %s, and PENDULUM is for a hook at rest, told to "
+        "wander by %.2g m: its errors may be far larger than it tells; run MEKF (docs/blade.md, "
+        "section 4)",
+        wander[axis],
+        "xyz"[axis],
+        told[axis],
+    )
+
+
+def find_wander(setting: Setting, truth: Truth) -> tuple[Array, Array]:
+    """Return how far the hook goes, and how far PENDULUM is told that it wanders, m, shape (3,).
+
+    The hook is taken to be where the point under it is, averaged over a period of the swing; how
+    far it goes is the range of that. PENDULUM's middle of the swing is a random walk
+    (`schemes.swing`) that agrees with the navigation to `filters.agreement`, and its standard
+    deviation at the record's end is what is told. The frame's horizontal axes need not be the
+    blade's, so the larger of both is taken for both.
+    """
+    under_hook = truth.root - truth.rotation @ setting.geometry.root
+    steps = len(under_hook)
+    wander = np.empty(3)
+    for axis, period in enumerate(setting.swing_period):
+        window = min(max(round(period / truth.step), 1), steps)
+        total = np.concatenate([[0.0], np.cumsum(under_hook[:, axis])])
+        wander[axis] = np.ptp(total[window:] - total[:-window]) / window
+    told = setting.gust_sigma * np.sqrt(2.0 * steps * truth.step / setting.gust_time)
+    told = np.hypot(told, setting.tuning.agreement)
+    told[:2] = told[:2].max()
+    return wander, told
