@@ -21,6 +21,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors
 from owtsweep.studies.replay.record import ReplayRecord, release_memory
+from owtsweep.studies.replay.roles import explain_no_motion
 
 #: Number of records kept in memory, and the bytes above which older ones are dropped.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
@@ -126,6 +127,8 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
             "file is replayed as motion; use replay.gnss=auto, or set columns.specific_force_x",
         )
         recording = _rename(recording, "reference", "position")
+        if not recording.has("position"):
+            raise InputError(explain_no_motion(config, recording))
         record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
