@@ -26,6 +26,8 @@ from owtsweep.studies.replay.roles import explain_no_motion
 #: Number of records kept in memory, and the bytes above which older ones are dropped.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
 _RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
+#: What each record that was read says of a platform that turns.
+_LEANS: dict[Any, str] = {}
 _LOCK = Lock()
 
 
@@ -93,8 +95,7 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     InputError
         If anything is wrong with the file; the one-line message names the file.
     """
-    settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
-    key = (file, hash_file(file), repr(settings), config.measures.settling_time)
+    key = _make_key(config, file)
     with _LOCK:
         if key not in _RECORDS:
             while _RECORDS and (
@@ -103,8 +104,29 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
             ):
                 _RECORDS.popitem(last=False)
             _RECORDS[key] = _load(config, file)
+            _LEANS[key] = _RECORDS[key].lean
             release_memory(_RECORDS[key])
         return _RECORDS[key]
+
+
+def tell_lean(config: ReplayConfig, file: str) -> str:
+    """Return `ReplayRecord.lean` of a file; read it only if it was not read before.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong with the file.
+    """
+    key = _make_key(config, file)
+    if key not in _LEANS:
+        load_record(config, file)
+    return _LEANS[key]
+
+
+def _make_key(config: ReplayConfig, file: str) -> tuple[Any, ...]:
+    settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
+    judged = (config.measures.settling_time, config.measures.window)
+    return (file, hash_file(file), repr(settings), *judged)
 
 
 def _load(config: ReplayConfig, file: str) -> ReplayRecord:
