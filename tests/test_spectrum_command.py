@@ -36,3 +36,8 @@ def test_bad_input_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert main(["spectrum", f"results={tmp_path / 'r'}", "band=[0.6,0.05]"]) == BAD_INPUT
     assert capsys.readouterr().err.startswith("owtsweep: band: ")
     assert not (tmp_path / "r").exists()
+
+
+def test_it_says_which_studies_it_serves(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["spectrum", "study=blade"]) == BAD_INPUT
+    assert "`spectrum` serves hub only" in capsys.readouterr().err

@@ -104,6 +104,7 @@ def test_an_interrupt_keeps_the_best_so_far(
     [
         (["tuning=[paper,matched]"], "begins with one tuning"),
         (["study=readings"], "nothing to tune"),
+        (["study=tower"], "study: 'tower' has nothing to tune; `tune` serves hub only"),
         (["--output", "mine.txt"], "ends in .yaml"),
         (["tune.seed=2019"], "tune.seed"),
         (["tune.amplitude=[2,1]"], "reversed"),

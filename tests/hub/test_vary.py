@@ -118,6 +118,7 @@ def test_flags_that_compute_nothing(
          "sensors: the Kalman bound cannot be computed for noise of 0.03 m (GNSS) and 1e+20"),
         (["hme.mhe.constraints.bias=null,1"], "schemes: HME2 has no kernel or is not linear"),
         (["seed=1,2", "study=readings"], "study: 'readings' cannot vary a key; leave out "),
+        (["seed=1,2", "study=tower"], "leave out study=tower, because `vary` serves hub only"),
         (["seed=1,2", "hydra.verbose=true"], "Hydra's own settings work with `sweep --multirun`"),
     ],
 )  # fmt: skip

@@ -64,6 +64,13 @@ def test_errors_are_those_of_a_sweep(
         assert found == pytest.approx(value, rel=1e-9), scheme
 
 
+def test_a_tower_says_who_waits_and_that_none_states_a_covariance() -> None:
+    words = [word for word in TOWER if not word.startswith("schemes=")]
+    record = owtsweep.estimate([*words, "schemes=[AKF,AKF_LAGGED,MDE]", "filters.lag=0.5"])
+    assert record.waits == {"AKF": 0.0, "AKF_LAGGED": 0.5, "MDE": 60.0}
+    assert record.covariances == {"AKF": {}, "AKF_LAGGED": {}, "MDE": {}}
+
+
 def test_what_a_record_holds() -> None:
     record = owtsweep.estimate(BLADE, replicate=1)
     steps = len(record.time)

@@ -55,6 +55,18 @@ def test_every_scheme_keeps_the_contract(name):
         assert np.all(np.isfinite(array))
 
 
+@pytest.mark.parametrize("name", ABLE)
+def test_a_scheme_looks_ahead_by_its_wait_and_no_farther(name):
+    measured = record()[2][:600]
+    later = measured.copy()
+    later[400:] += 1.0
+    one, other = prepared(name).run(measured), prepared(name).run(later)
+    steps = round(one.wait / STEP)
+    assert steps == {"AKF_LAGGED": 30, "MDE": 600}.get(name, 0)
+    changed = np.flatnonzero(np.any(one.displacement != other.displacement, axis=1))
+    assert changed[0] == max(400 - steps, 0)
+
+
 @pytest.mark.parametrize("name", [name for name in ABLE if resolve(name).linear])
 def test_estimates_of_a_sum_are_the_sum_of_estimates(name):
     measured = record()[2][:600]

@@ -152,17 +152,17 @@ COMMANDS = {
         _add_runs,
     ),
     "spectrum": (
-        "Draw the schemes' error spectra and noise floors, without any record.",
+        "Draw the schemes' error spectra and noise floors, without any record (study=hub).",
         "spectrum tuning=matched sensors.gnss.delay=0.4",
         _add_spectrum,
     ),
     "tune": (
-        "Search each scheme's best numbers for these sensors; writes a file for tuning=FILE.",
+        "Search each scheme's best numbers for these sensors (study=hub); writes a tuning=FILE.",
         "tune sensors.gnss.rate=5 tune.amplitude=[0.2,3] --output mine.yaml",
         _add_tune,
     ),
     "vary": (
-        "Draw each scheme's error over the values of one key, e.g. what a faster receiver buys.",
+        "Draw each scheme's error over the values of one key, e.g. a GNSS rate (study=hub).",
         "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4] grid.amplitude=[0.5]",
         _add_vary,
     ),

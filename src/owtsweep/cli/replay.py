@@ -65,6 +65,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
+    from owtsweep.studies.replay.loading import tell_lean
     from owtsweep.studies.replay.recommending import recommend
     from owtsweep.studies.replay.terminal import list_spectrum_notes
 
@@ -87,7 +88,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         and len(config.grid.files) == 1
         and (said := recommend(results[""].tables["advice"]))
     ):
-        print(said)
+        lean = tell_lean(config, config.grid.files[0])
+        print(f"{said}; this holds for a levelled IMU only" if lean else said)
     return code if written else FAILED
 
 

@@ -21,13 +21,17 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line
     from owtsweep.studies import compose, get_study
+    from owtsweep.studies.registry import list_serving
     from owtsweep.sweep.keys import run_folder, run_hash
     from owtsweep.sweep.study import Spectral, blame
 
     config = compose(options.overrides, options.config_dir)
     study = get_study(config.study)
     if not isinstance(study, Spectral):
-        raise InputError(f"study: {config.study!r} has no error spectra; use another study")
+        raise InputError(
+            f"study: {config.study!r} has no error spectra; `spectrum` serves "
+            f"{list_serving(Spectral)} only"
+        )
     from rich.console import Console
 
     metadata = {"run": run_hash(config)}

@@ -31,6 +31,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
     from owtsweep.studies import compose, get_study
+    from owtsweep.studies.registry import list_serving
     from owtsweep.sweep.study import Tunable, blame
 
     given = {word.lstrip("+").partition("=")[0] for word in options.overrides}
@@ -42,7 +43,9 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     )
     study = get_study(config.study)
     if not isinstance(study, Tunable):
-        raise InputError(f"study: {config.study!r} has nothing to tune; use one that has")
+        raise InputError(
+            f"study: {config.study!r} has nothing to tune; `tune` serves {list_serving(Tunable)} only"
+        )
     path = _choose_path(options.output, config)
     check_writable(path.parent, "--output", "name another file by --output FILE")
     with blame(study):

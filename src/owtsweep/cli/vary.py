@@ -17,7 +17,7 @@ from owtsweep.config.tunings import GROUP
 from owtsweep.errors import InputError, printable, require
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.studies import compose, get_study, locate
-from owtsweep.studies.registry import DEFAULT
+from owtsweep.studies.registry import DEFAULT, list_serving
 from owtsweep.sweep.keys import NOT_IDENTIFYING, question_hash
 from owtsweep.sweep.study import Study, blame
 from owtsweep.sweep.varying import Varying
@@ -147,7 +147,11 @@ def _list_defaults(study: Study) -> Sequence[str]:
         If the study cannot vary a key.
     """
     if not isinstance(study, Varying):
-        raise InputError(f"study: {study.name!r} cannot vary a key; leave out study={study.name}")
+        raise InputError(
+            f"study: {study.name!r} cannot vary a key; leave out study={study.name}, because `vary` "
+            f"serves {list_serving(Varying)} only; `owtsweep sweep --multirun study={study.name}` "
+            "takes several values of a key"
+        )
     return study.list_vary_defaults()
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from owtsweep.config import tunings
 from owtsweep.config.common import Config
+from owtsweep.config.hints import explain_key_of_list
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.section_files import place_section_files
@@ -252,6 +253,8 @@ def _refusing_no_names(tree: Tree, words: Sequence[str]) -> Iterator[None]:
     except InputError:
         raise
     except (ValueError, TypeError, OSError) as error:  # no name where Hydra expects an option's
+        if into_list := explain_key_of_list(words, tree.model):
+            raise InputError(into_list) from error
         wrong = [word for word in words if word.split("=")[0] in tree.groups()]
         text = shorten(" ".join(str(error).split()), 300)
         if not wrong:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, get_origin
 
-from owtsweep.config.section import bare_type, is_section
+from owtsweep.config.section import bare_type, fields_along, is_section, read_facts
 
 #: Old key -> new key. The error for a renamed key gives its new name.
 RENAMED: dict[str, str] = {}
+#: Of keys in several sections that have one name, at most this many are suggested.
+MOST_NAMED = 3
 
 
 def list_keys(model: Any, prefix: str = "") -> list[str]:
@@ -42,15 +44,46 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     if key in RENAMED:
         return f"{key}: this key was renamed; use {RENAMED[key]}"
     section, _, leaf = key.rpartition(".")
-    by_leaf = {name.rsplit(".", 1)[-1]: name for name in keys}
-    near = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or [
-        by_leaf[name] for name in difflib.get_close_matches(leaf, by_leaf, n=1, cutoff=0.7)
-    ]
-    beside = [name for name in keys if section and name.rpartition(".")[0] == section]
+    by_leaf: dict[str, list[str]] = {}
+    for name in keys:
+        by_leaf.setdefault(name.rsplit(".", 1)[-1], []).append(name)
+    alike = [by_leaf[name] for name in difflib.get_close_matches(leaf, by_leaf, n=1, cutoff=0.7)]
+    named = alike[0] if alike else []
+    highest = [n for n in named if n.count(".") == min(other.count(".") for other in named)]
+    if not section and 0 < len(highest) <= MOST_NAMED:
+        near = highest  # the section was left out: name every one that has this key
+    else:
+        near = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or [a[-1] for a in alike]
+    beside = _list_beside(section, keys)
     if beside and (not near or near[0] == section):  # the section is right, the key in it is not
         return f"{key}: there is no such key; there are {', '.join(beside)}"
-    hint = f"did you mean {near[0]}?" if near else "`owtsweep sweep --cfg` shows all keys"
+    above = _list_beside(section.rpartition(".")[0], keys)
+    if above and section not in keys and not difflib.get_close_matches(key, near, cutoff=0.8):
+        section = section.rpartition(".")[0]  # the section above is right, and the one in it is not
+        return f"{key}: there is no such key; below {section} there are {', '.join(above)}"
+    hint = f"did you mean {' or '.join(near)}?" if near else "`owtsweep sweep --cfg` shows all keys"
     return f"{key}: there is no such key; {hint}"
+
+
+def _list_beside(section: str, keys: Sequence[str]) -> list[str]:
+    """Return the keys right below a section; none of the top."""
+    return [name for name in keys if section and name.rpartition(".")[0] == section]
+
+
+def explain_key_of_list(words: Sequence[str], model: Any) -> str:
+    """Return a one-line message about the first override whose key leads into a list; "" if none.
+
+    `words` are overrides, and `model` is the pydantic class of the configuration.
+    """
+    for word in words:
+        path = word.lstrip("+~").partition("=")[0].split(".")
+        fields = fields_along(model, path)
+        if 0 < len(fields) < len(path) and get_origin(bare_type(fields[-1].annotation)) is list:
+            key = ".".join(path[: len(fields)])
+            unit = read_facts(fields[-1])["unit"]
+            told = f" in {unit}" if unit else ""
+            return f"{'.'.join(path)}: there is no such key; {key} is a list{told}: use {key}=[...]"
+    return ""
 
 
 def suggest_name(name: str, names: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from owtsweep.config.hints import explain_unknown_key, list_keys
+from owtsweep.config.hints import explain_key_of_list, explain_unknown_key, list_keys
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -63,7 +63,10 @@ def in_one_line(error: Exception, tree: Tree | None = None) -> str:
     if plugin:
         return f"{plugin[1]}: there is no {plugin[2]!r}; is its plugin installed?"
     if text.startswith("Error merging override"):  # a list instead of a mapping, or the reverse
-        place, _, value = text.removeprefix("Error merging override ").partition("=")
+        word = text.removeprefix("Error merging override ")
+        if tree and (into_list := explain_key_of_list([word], tree.model)):
+            return into_list
+        place, _, value = word.partition("=")
         if getattr(error.__cause__, "object_type", None) is list:
             return f"{place}: {value} is no list; use e.g. {place}=[{value}]"
         return f"{place}: {value} is a list where keys are expected; use {place}.<key>=..."

@@ -114,6 +114,21 @@ def get_study(name: str) -> Study:
     return study  # type: ignore[no-any-return]
 
 
+def list_serving(protocol: type) -> str:
+    """Return the names of the studies that have a protocol such as `sweep.study.Tunable`, in words.
+
+    A study of another package that does not work is left out.
+    """
+    serving = []
+    for name in names():
+        try:
+            if isinstance(get_study(name), protocol):
+                serving.append(name)
+        except InputError:
+            continue
+    return ", ".join(serving)
+
+
 @contextmanager
 def blame_package(name: str) -> Iterator[None]:
     """Turn any error inside a `with` block into one line that names the package of a study.

@@ -2,9 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
 
 from owtsweep.errors import InputError
+
+
+def _refuse_classes(value: Any) -> Any:
+    """Return `value`; raise `ValueError` if it is a list that holds more than names."""
+    for item in value if isinstance(value, list) else []:
+        if isinstance(item, Mapping):
+            raise ValueError(
+                f"{dict(item)} is no name; this study takes its own schemes only, by the names "
+                "that `owtsweep list` shows; a class of your own (_target_) runs in study=hub and "
+                "in `owtsweep replay`"
+            )
+    return value
+
+
+#: The type of the key `schemes` of a study that takes no scheme of a user's.
+SchemeNames = Annotated[list[str], BeforeValidator(_refuse_classes)]
 
 
 def check_names(names: Sequence[str], registered: Iterable[str]) -> None:

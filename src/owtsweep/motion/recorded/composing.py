@@ -27,12 +27,10 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.columns import PARTS
 from owtsweep.motion.recorded.formats.table import refuse
-from owtsweep.motion.recorded.parts import TRANSLATION
+from owtsweep.motion.recorded.parts import TILT, TRANSLATION
 
 #: A platform whose channels vary by less than this does not move: 1 mm, and 1 mm at 100 m.
 LEAST = {"length": 1e-3, "angle": 1e-5}
-#: The rotation that moves the tower top along each axis.
-TILT = {"x": "platform_pitch", "y": "platform_roll"}
 #: Names in FAST of the parts that are needed.
 EXAMPLES = {
     "platform_surge": "PtfmSurge",

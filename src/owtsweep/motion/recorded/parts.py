@@ -25,6 +25,14 @@ PATTERNS = {
     "tower_y": "yawbrtdyt|ttdspss|yawbrtdyp|towery|towertopy",
     "tower_z": "yawbrtdzt|ttdspax|yawbrtdzp",
 }
+#: Further names of the platform's angles beside a position. HAWC2: projected angles of a body, about
+#: the global axes, of which the first body is taken.
+ANGLES = {
+    "platform_roll": PATTERNS["platform_roll"] + r"|(staterot)?projangt?x.*global\d*",
+    "platform_pitch": PATTERNS["platform_pitch"] + r"|(staterot)?projangt?y.*global\d*",
+}
+#: The rotation by which a body leans along each axis.
+TILT = {"x": "platform_pitch", "y": "platform_roll"}
 #: The translation of the platform's reference point along each axis.
 TRANSLATION = {"x": "platform_surge", "y": "platform_sway"}
 
@@ -38,6 +46,21 @@ def find_parts(
     `left_out` are not, and the other roles are guessed by `PATTERNS`.
     """
     found = {role: chosen.get(role) or find(names, PATTERNS[role]) for role in PARTS}
+    return {role: name for role, name in found.items() if name and role not in left_out}
+
+
+def find_angles(
+    names: Sequence[str], chosen: Mapping[str, str], left_out: Sequence[str]
+) -> dict[str, str]:
+    """Find the channels of the platform's roll and pitch: return role -> channel.
+
+    Arguments as for `find_parts`. The bare names roll and pitch are taken as a pair only, because
+    a pitch alone may be that of the blades.
+    """
+    found = {role: chosen.get(role) or find(names, ANGLES[role]) for role in TILT.values()}
+    bare = {role: find(names, role.removeprefix("platform_")) for role in found}
+    if all(bare.values()) and not any(found.values()):
+        found = bare
     return {role: name for role, name in found.items() if name and role not in left_out}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from owtsweep.motion.recorded.composing import compose
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
-from owtsweep.motion.recorded.parts import imply_unit
+from owtsweep.motion.recorded.parts import TILT, find_angles, imply_unit
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
 
@@ -73,7 +73,10 @@ def read(
     table = open_table(path)
     chosen, said = _assign_roles(table, columns or {}, motion, tower_height)
     factors, notes = find_factors(table, chosen, units or {})
-    loaded = table.load(list(dict.fromkeys(chosen.values())), None)
+    out = [role for role, name in (columns or {}).items() if not (name and str(name).strip())]
+    angles = {} if "specific_force_x" in chosen else find_angles(table.names, chosen, out)
+    loaded = _load(table, chosen.values(), angles.values())
+    leans = _find_leans(table, loaded, {**angles, **chosen}, factors)
     channels = {role: _scale_to_si(loaded, role, chosen, factors[role]) for role in chosen}
     del loaded
     time = channels.pop("time")
@@ -89,7 +92,51 @@ def read(
     said_of_motion = (said,) if said else ()
     left_out = dict.fromkeys(table.notes)
     checked = check_channels(bare, gaps)
-    return replace(bare, notes=(*left_out, *notes, *said_of_motion, *checked))
+    return replace(bare, notes=(*left_out, *notes, *said_of_motion, *checked), leans=leans)
+
+
+def _load(
+    table: ChannelTable, needed: Iterable[str], wished: Iterable[str]
+) -> Mapping[str, Array]:
+    """Read the channels that are needed, and those that are wished for if that can be."""
+    names = list(dict.fromkeys(needed))
+    more = [name for name in wished if name not in names]
+    if more:
+        try:
+            return table.load([*names, *more], None)
+        except InputError:
+            pass  # a file is not refused for a channel that nobody asked for
+    return table.load(names, None)
+
+
+def _varies(values: Array) -> bool:
+    there = values[np.isfinite(values)]
+    return len(there) > 0 and bool(there.max() > there.min())
+
+
+def _find_leans(
+    table: ChannelTable,
+    loaded: Mapping[str, Array],
+    names: Mapping[str, str],
+    factors: Mapping[str, float],
+) -> dict[str, tuple[str, Array | None]]:
+    """Return `Recording.leans` from the channels read; `names` maps roles to channels.
+
+    `factors` maps roles to factors to SI, of those roles of which the user or a part decides.
+    """
+    leans: dict[str, tuple[str, Array | None]] = {}
+    for axis, role in TILT.items():
+        name = names.get(role)
+        if name is None or name not in loaded or not _varies(loaded[name]):
+            continue
+        factor = factors.get(role)
+        if factor is None and (unit := table.unit(name) or imply_unit(role, name)):
+            try:
+                factor = find_factor(unit, "angle", name)
+            except InputError:  # no unit of an angle: it is not known what the channel holds
+                factor = None
+        leans[axis] = (name, None if factor is None else factor * loaded[name])
+    return leans
 
 
 def _compose(

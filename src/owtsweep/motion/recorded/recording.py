@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,10 @@ class Recording:
         role -> the channel's name in the file; "time" is among the roles.
     notes
         What a user should know, one sentence each: assumed units, irregular times, gaps.
+    leans
+        Axis "x" or "y" -> the channel of the platform's angle that leans it along this axis, and
+        the angle in rad, shape (n,), or None if its unit is not known. Empty if the file has no
+        such channel, or a specific force, which holds the lean already.
     """
 
     path: Path
@@ -36,6 +40,7 @@ class Recording:
     channels: dict[str, Array]
     names: Mapping[str, str]
     notes: tuple[str, ...]
+    leans: Mapping[str, tuple[str, Array | None]] = field(default_factory=dict)
 
     def has(self, quantity: str) -> bool:
         """Return whether the recording has at least one axis of a quantity such as "fix"."""

@@ -10,6 +10,7 @@ from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
+from owtsweep.studies.scheme_names import SchemeNames
 
 
 class BladeConfig(TunedConfig):
@@ -48,7 +49,7 @@ class BladeConfig(TunedConfig):
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: list[str] = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
 
     def describe_origin(self) -> str:

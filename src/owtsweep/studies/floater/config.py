@@ -9,6 +9,7 @@ from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.floater.sections import Grid, Motion, Sensors
 from owtsweep.studies.floater.tuning import Tuned, Tuning
+from owtsweep.studies.scheme_names import SchemeNames
 
 
 class FloaterConfig(TunedConfig):
@@ -40,7 +41,7 @@ class FloaterConfig(TunedConfig):
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: list[str] = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 
     def describe_origin(self) -> str:

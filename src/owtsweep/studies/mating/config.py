@@ -6,6 +6,7 @@ from typing import Literal
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.record import Record
+from owtsweep.studies.scheme_names import SchemeNames
 
 
 class Grid(Section):
@@ -47,7 +48,7 @@ class MatingConfig(Config):
     hub: list[str] = key("overrides of study=hub: its motion and sensors")
     tuning: str = key("name of the tuning of both studies")
     hub_scheme: str = key("the scheme of the hub study that estimates the hub's motion")
-    schemes: list[str] = key(
+    schemes: SchemeNames = key(
         "names of schemes of the blade study, which estimate the root's motion", min_length=1
     )
     criterion: Literal["relative", "speed", "wrong"] = key("what the map on the terminal judges")

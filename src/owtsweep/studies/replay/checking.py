@@ -57,6 +57,8 @@ def verify(config: ReplayConfig) -> Verified:
         try:
             record = load_record(config, file)
             notes |= {f"{name}{note}": None for note in record.notes}
+            if record.lean and len(files) > 1:  # of a single record it stands beside the advice
+                notes[f"{name}{record.lean}"] = None
             if "SKFA" in config.schemes and record.steps * record.step < LEAST:
                 notes[f"{name}SKFA had no time to choose a spectrum, which takes {LEAST:g} s"] = (
                     None

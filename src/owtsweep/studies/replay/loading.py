@@ -21,10 +21,13 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors
 from owtsweep.studies.replay.record import ReplayRecord, release_memory
+from owtsweep.studies.replay.roles import explain_no_motion
 
 #: Number of records kept in memory, and the bytes above which older ones are dropped.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
 _RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
+#: What each record that was read says of a platform that turns.
+_LEANS: dict[Any, str] = {}
 _LOCK = Lock()
 
 
@@ -92,8 +95,7 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     InputError
         If anything is wrong with the file; the one-line message names the file.
     """
-    settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
-    key = (file, hash_file(file), repr(settings), config.measures.settling_time)
+    key = _make_key(config, file)
     with _LOCK:
         if key not in _RECORDS:
             while _RECORDS and (
@@ -102,8 +104,29 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
             ):
                 _RECORDS.popitem(last=False)
             _RECORDS[key] = _load(config, file)
+            _LEANS[key] = _RECORDS[key].lean
             release_memory(_RECORDS[key])
         return _RECORDS[key]
+
+
+def tell_lean(config: ReplayConfig, file: str) -> str:
+    """Return `ReplayRecord.lean` of a file; read it only if it was not read before.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong with the file.
+    """
+    key = _make_key(config, file)
+    if key not in _LEANS:
+        load_record(config, file)
+    return _LEANS[key]
+
+
+def _make_key(config: ReplayConfig, file: str) -> tuple[Any, ...]:
+    settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
+    judged = (config.measures.settling_time, config.measures.window)
+    return (file, hash_file(file), repr(settings), *judged)
 
 
 def _load(config: ReplayConfig, file: str) -> ReplayRecord:
@@ -126,6 +149,8 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
             "file is replayed as motion; use replay.gnss=auto, or set columns.specific_force_x",
         )
         recording = _rename(recording, "reference", "position")
+        if not recording.has("position"):
+            raise InputError(explain_no_motion(config, recording))
         record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(

@@ -12,6 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Gridded, Recording, to_motion
 from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.leaning import describe_lean
 from owtsweep.studies.replay.record import ReplayRecord
 
 
@@ -36,6 +37,8 @@ def make_record_of_motion(
         f"band begins at {lowest:g} Hz; check units.time, the record's rate, replay.cutoff and "
         "replay.band",
     )
+    settling = config.measures.settling_time if config.measures.window == "settled" else 0.0
+    lean = describe_lean(recording, gridded, settling)
     position = gridded.pairs["position"]
     origin = position.mean(axis=0) if config.replay.remove_mean else np.zeros(2)
     position -= origin
@@ -59,6 +62,7 @@ def make_record_of_motion(
         fixes=make_fixes(position, first, steps, sensors),
         truth="the recorded motion",
         notes=(*recording.notes, *gridded.notes),
+        lean=lean,
     )
 
 

@@ -42,6 +42,8 @@ class ReplayRecord:
         The source of the true position, in words; "" if the position is unknown.
     notes
         What the user should know about the recording, one sentence each.
+    lean
+        What a level IMU leaves out where a platform turns, one sentence; "" if nothing.
     """
 
     file: str
@@ -57,6 +59,7 @@ class ReplayRecord:
     fixes: Array
     truth: str
     notes: tuple[str, ...]
+    lean: str = ""
 
     @property
     def end(self) -> float:

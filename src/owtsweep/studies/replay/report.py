@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.errors import printable
+from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.identification.words import describe_table, warn_of_noise
-from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.loading import label_files, load_record, tell_lean
 from owtsweep.studies.replay.modes import describe_modes
 from owtsweep.studies.replay.place import compute_fit_share
 from owtsweep.studies.replay.record import ReplayRecord
@@ -73,9 +73,11 @@ def write(
     parts += [f"- {line}" for line in tell_windows(tables["advice"])]
     if len(config.grid.files) == 1:
         record = load_record(config, config.grid.files[0])
+        parts += [f"- {_escape(record.lean)}"] if record.lean else []
         parts += ["", *_describe_one(config, tables, record)]
     else:
         parts += ["", f"## Records\n\n{_describe_many(tables['records'])}"]
+        parts += _tell_leans(config)
         parts += _tell_refused(tables["refused"])
     parts.append("\n## Figures\n")
     drawn = {path.stem: path for path in figures if path.suffix == ".png"}
@@ -159,6 +161,17 @@ def _describe_many(records: pd.DataFrame) -> str:
         for line in records[kept].itertuples(index=False)
     ]
     return markdown.table([printable(str(name)) for name in kept], rows)
+
+
+def _tell_leans(config: ReplayConfig) -> list[str]:
+    told = []
+    for label, file in label_files(config.grid.files).items():
+        try:
+            lean = tell_lean(config, file)
+        except InputError:  # a record that was left out
+            continue
+        told += [f"- {_escape(f'{label}: {lean}')}"] if lean else []
+    return ["", *told] if told else []
 
 
 def _tell_refused(refused: pd.DataFrame) -> list[str]:

@@ -10,6 +10,7 @@ from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.identification.rows import ESTIMATED
 from owtsweep.studies.replay.identification.words import count_doubted, warn_of_noise
+from owtsweep.studies.replay.loading import tell_lean
 from owtsweep.studies.replay.modes import describe_modes
 from owtsweep.studies.replay.sentences import write_sentence
 from owtsweep.studies.replay.tilting import describe_tilt
@@ -54,6 +55,8 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
                 parts.append(Text(f"motion: {modes}"))
             if tilt := describe_tilt(config, record):
                 parts.append(Text(f"tilt: {tilt}"))
+        if lean := tell_lean(config, config.grid.files[0]):
+            parts.append(Text(f"lean: {lean}"))
     if len(config.grid.files) <= MOST_RECORDS:
         parts += [Text(line) for line in warn_of_noise(config, tables)]
         parts += [Text(line) for line in make_sentences(tables["advice"])]

@@ -14,6 +14,7 @@ from owtsweep.config.typed import as_plain
 from owtsweep.structures import Structure, find_structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
+from owtsweep.studies.scheme_names import SchemeNames
 from owtsweep.studies.tower.loads.config import SeaState, Wind
 from owtsweep.studies.tower.measuring import Faults
 from owtsweep.studies.tower.recorded import Recorded
@@ -62,7 +63,7 @@ class TowerConfig(TunedConfig):
     filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
-    schemes: list[str] = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )

@@ -130,11 +130,14 @@ class Estimates:
         Interface loads on the cut structure in the order of `INPUTS` (N, N m), shape (steps, 4).
     wave
         Wave load q at sea level in N/m, shape (steps,); None if the scheme knows no waves.
+    wait
+        Time in s that a user waits for an estimate; the record's length if all of it is needed.
     """
 
     displacement: Array
     inputs: Array
     wave: Array | None = None
+    wait: float = 0.0
 
 
 class Prepared(Protocol):

@@ -30,7 +30,7 @@ UNITS = {
 def estimate_record(config: TowerConfig, replicate: int) -> EstimatedRecord:
     """Make a record, run all schemes on both its directions, and return all of it.
 
-    Names of quantities and signals end with the direction, "_fa" or "_ss".
+    No scheme of this study states a covariance. Names of quantities and signals end with the direction, "_fa" or "_ss".
 
     Raises
     ------
@@ -45,7 +45,7 @@ def estimate_record(config: TowerConfig, replicate: int) -> EstimatedRecord:
     channels = {d: list_channels(config, case, d, noise) for d in case.motion}
     measured = {d: measure(config, case, d, channels[d]) for d in case.motion}
     estimates: dict[str, dict[str, Array]] = {}
-    failures = {}
+    waits, failures = {}, {}
     for scheme in resolve_all(config.schemes):
         # A scheme that does not know the soil is told the right one.
         factor = soil_factor if scheme.knows_soil else 1.0
@@ -59,7 +59,7 @@ def estimate_record(config: TowerConfig, replicate: int) -> EstimatedRecord:
         except Unable as reason:
             failures[scheme.name] = str(reason)
             continue
-        estimates[scheme.name] = found
+        estimates[scheme.name], waits[scheme.name] = found, given.wait
     truth = {
         f"{name}_{d}": getattr(motion, name)
         for d, motion in case.motion.items()
@@ -81,7 +81,7 @@ def estimate_record(config: TowerConfig, replicate: int) -> EstimatedRecord:
         measurements=named,
         estimates=estimates,
         covariances={name: {} for name in estimates},
-        waits=dict.fromkeys(estimates, 0.0),
+        waits=waits,
         units={name: UNITS[name.partition("_")[0]] for name in [*truth, *named]},
         failures=failures,
     )

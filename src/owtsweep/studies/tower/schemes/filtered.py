@@ -8,13 +8,14 @@ al. 2025, section 3); noise of inputs is what the tuning believes of loads.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.augmented import augment
+from owtsweep.estimation.lagged import Lagged
 from owtsweep.estimation.observability import find_unobservable
 from owtsweep.studies.tower.contract import Estimates, Setting, Unable
 from owtsweep.studies.tower.models import Model
@@ -45,16 +46,18 @@ class Settled(Protocol):
 
 @dataclass(frozen=True)
 class Filtered:
-    """A filter made ready for one setting."""
+    """A filter made ready for one setting; `wait` is how long it looks ahead, s."""
 
     model: Model
     filter: Settled
+    wait: float = 0.0
 
     def run(self, measured: Array) -> Estimates:
         """Estimate from measurements, shape (steps, channels)."""
         both = self.filter.run(measured)
         states = 2 * self.model.modes
-        return self.model.read(both[:, :states], both[:, states : states + len(self.model.inputs)])
+        inputs = both[:, states : states + len(self.model.inputs)]
+        return replace(self.model.read(both[:, :states], inputs), wait=self.wait)
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,7 @@ class FilterScheme:
             check_seen(self.name, setting, model)
         made = self.tune(setting, model)
         check_loop(self.name, setting, model, made.F)
-        return Filtered(model, made)
+        return Filtered(model, made, made.lag * setting.step if isinstance(made, Lagged) else 0.0)
 
 
 def noise_of_states(setting: Setting, model: Model) -> Array:
