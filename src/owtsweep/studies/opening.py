@@ -12,7 +12,7 @@ from typing import Any
 from owtsweep.config import Config, checked, require
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
-from owtsweep.io.reading import require_folder
+from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.studies import registry
 from owtsweep.sweep import asked
 from owtsweep.sweep.runs import Run
@@ -30,6 +30,8 @@ def open_run(folder: Path) -> Run:
     """
     path = folder / "config.yaml"
     require_folder(folder)
+    home = asked.find_home(folder)
+    refuse_links(home or folder, but=("cases",))  # the store reads shards, but no links
     require(
         os.path.lexists(path),
         f"{folder}: the folder holds no config.yaml; name the folder of a run",
@@ -41,7 +43,7 @@ def open_run(folder: Path) -> Run:
     plan = None if stored is None else read_blocks(folder, stored, tunings)
     study = registry.get_study(config.study)
     question = asked.name_question(study.config_type(), plain, text)
-    return Run(folder, config, study, plan, question, asked.find_home(folder))
+    return Run(folder, config, study, plan, question, home)
 
 
 def load_config(path: Path) -> Config:
