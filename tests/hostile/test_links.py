@@ -47,7 +47,7 @@ def refused(words: list[str], folder: Path, name: str) -> Ended:
     return ended
 
 
-@pytest.mark.parametrize("name", (*FILES, *FOLDERS))
+@pytest.mark.parametrize("name", [*FILES, *FOLDERS])
 def test_no_command_follows_a_link(victim: Path, name: str) -> None:
     here = victim.parent
     link(here / "a", name, victim)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 from collections.abc import Collection
@@ -9,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.errors import InputError
-
 
 #: A file above this many bytes is read only if it has no holes, which claim bytes without a cost.
 MOST_SPARSE = 100_000_000
@@ -131,6 +131,25 @@ def _has_hole(descriptor: int, size: int) -> bool:
         hole = False
     os.lseek(descriptor, 0, os.SEEK_SET)
     return hole
+
+
+def hash_file(path: Path) -> str:
+    """Return the hash of a file's bytes: 32 hexadecimal digits.
+
+    Raises
+    ------
+    InputError
+        If the path is no regular file, or the file cannot be read.
+    """
+    require_regular(path)
+    digest = hashlib.blake2b(digest_size=16)
+    try:
+        with path.open("rb") as stream:
+            while chunk := stream.read(1 << 20):
+                digest.update(chunk)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    return digest.hexdigest()
 
 
 def read_text(path: Path, most: int) -> str:

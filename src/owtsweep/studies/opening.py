@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import Config, checked, require
+from owtsweep.config import Config, require, typed
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.reading import refuse_links, require_folder
@@ -62,7 +62,9 @@ def _make_config(path: Path, plain: dict[str, Any], described: Any) -> Config:
     study = str(plain.get("study", registry.DEFAULT))
     try:
         model = registry.get_study(study).config_type()
-        return checked(model, {**model.hide_code(plain, described), "study": study})
+        config = typed(model, {**model.hide_code(plain, described), "study": study})
+        config.check()  # not `checked`, which opens the files that the keys name
+        return config
     except InputError as error:
         if study not in registry.names():
             raise InputError(
