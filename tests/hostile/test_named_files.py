@@ -140,8 +140,7 @@ def test_the_other_studies_of_a_stored_mating_run_are_not_composed() -> None:
     Path(f"{name}.py").write_text("raise SystemExit(3)\n")
     sys.path.insert(0, str(Path.cwd()))
     try:
-        keys = {"hub_scheme": f"{{_target_: {name}.Any}}", "blade": ["recorded.imu=/dev/zero"]}
-        run = owtsweep.load(store(keys, "mating"))
+        run = owtsweep.load(store({"hub_scheme": f"{{_target_: {name}.Any}}"}, "mating"))
         assert run.config.describe_origin()
         with pytest.raises(InputError, match="a new plan needs"):
             run.plan()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import stat
@@ -69,9 +70,10 @@ def refuse_links(folder: Path, *, but: Collection[str] = (), deep: bool = True) 
                 found = sorted(entries, key=lambda entry: entry.name)
         except (FileNotFoundError, NotADirectoryError):
             continue
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            raise InputError(f"{folder}: cannot be read ({reason})") from error
+        except OSError as error:
+            if error.errno == errno.ENAMETOOLONG:  # so nothing is there
+                continue
+            raise InputError(f"{folder}: cannot be read ({error.strerror})") from error
         for entry in found:
             path = Path(entry.path)
             if entry.is_symlink():
