@@ -27,6 +27,7 @@ from owtsweep.config.tuning_files import names_file
 from owtsweep.config.tunings import GROUP
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.files import check_writable
+from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
@@ -85,6 +86,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         PlannedRun(run_folder(config).name, [o for o in words if not _is_results(o)], values)
         for config, (words, values) in zip(configs, combinations, strict=True)
     ]
+    refuse_links(folder, deep=False)
     check_writable(folder)
     settings = [o for o in options.overrides if o.lstrip("+~").startswith("hydra")]
     if settings:  # refuses launchers and sweepers that are not installed

@@ -22,6 +22,7 @@ from typing import NoReturn
 from owtsweep import __version__
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.log_lines import Lines
+from owtsweep.io.search_path import no_modules_of_this_folder
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -289,7 +290,8 @@ def _run(arguments: list[str]) -> int:
         options = parser.parse_args(arguments)  # --help, or an error that names the commands
     module = import_module(f"owtsweep.cli.{name}")
     try:
-        return int(module.run(options, arguments))
+        with no_modules_of_this_folder():
+            return int(module.run(options, arguments))
     except Exception as error:
         raise_interrupt(error)
         raise

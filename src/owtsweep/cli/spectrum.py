@@ -20,6 +20,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         If the study has no error spectra, or the configuration is refused.
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line
+    from owtsweep.io.reading import refuse_links
     from owtsweep.studies import compose, get_study
     from owtsweep.studies.registry import list_serving
     from owtsweep.sweep.keys import run_folder, run_hash
@@ -35,6 +36,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from rich.console import Console
 
     metadata = {"run": run_hash(config)}
+    refuse_links(run_folder(config), but=("cases",))
     check_writable(run_folder(config) / "spectrum")
     for tuning, part in config.by_tuning().items():
         folder = run_folder(config) / "spectrum" / tuning

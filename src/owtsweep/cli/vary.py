@@ -44,6 +44,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         configuration is refused.
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
+    from owtsweep.io.reading import refuse_links
     from owtsweep.io.steps import show_steps
 
     key, configs = compose_each(options.overrides, options.config_dir)
@@ -61,6 +62,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         print(f"folder  {printable(str(folder))}/")
         print(f"values  {len(configs)} of {key}; each takes some seconds the first time")
         return DONE
+    refuse_links(folder)
     check_writable(folder)
     with blame(study):
         with show_steps():

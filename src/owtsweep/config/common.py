@@ -168,6 +168,25 @@ class Config(Section):
                 f"name: {self.name!r} is no plain folder name; use letters, digits, . _ - + = ,",
             )
 
+    def check_outside(self) -> None:
+        """Check what lies outside of the configuration: files, and keys of other studies.
+
+        This happens when a configuration is composed, after `check`. It never happens when a run is
+        read: a stranger's run opens no file that it names. This base class has nothing to check.
+
+        Raises
+        ------
+        InputError
+            If a file cannot be used, or another study refuses its keys.
+        """
+
+    def names_outside(self) -> str:
+        """Return the key that names a file or another study's keys, without which there is no plan.
+
+        It is "" if no key does.
+        """
+        return ""
+
     def _check_scheduler(self, backend: str, scheduler: str | None) -> None:
         if backend != "dask":
             require(

@@ -22,6 +22,8 @@ from owtsweep.io.reading import read_text
 MOST_BYTES = 10_000_000
 #: The lists and mappings of a stored configuration may be nested at most this deep.
 DEEPEST = 20
+#: Most mappings and most values of a stored configuration: a thousand values take some 0.1 s.
+MOST_MAPPINGS, MOST_VALUES = 2000, 200_000
 
 
 def dump(config: Config) -> str:
@@ -72,8 +74,9 @@ def read_stored(path: Path) -> tuple[dict[str, Any], str]:
     ------
     InputError
         If there is no file at `path`, or the file is too large, is not a mapping of keys, or
-        contains an interpolation or an alias. An interpolation (`${...}`) could read environment
-        variables of the user. An alias (`*name`) can stand for more data than fit into memory.
+        contains an interpolation, an alias or too many values. An interpolation (`${...}`) could
+        read environment variables of the user. An alias (`*name`) can stand for more data than fit
+        into memory.
     """
     from omegaconf import OmegaConf
 
@@ -89,17 +92,17 @@ def read_stored(path: Path) -> tuple[dict[str, Any], str]:
 
 
 def _check_events(text: str) -> None:
-    """Check a YAML text before it is loaded: its aliases and its depth.
+    """Check a YAML text before it is loaded: its aliases, its depth and its size.
 
     Raises
     ------
     InputError
-        If the text contains an alias (`*name`), or its lists and mappings lie more than `DEEPEST`
-        deep.
+        If the text contains an alias (`*name`), its lists and mappings lie more than `DEEPEST`
+        deep, or there are more than `MOST_MAPPINGS` mappings or `MOST_VALUES` values.
     """
     import yaml
 
-    depth = 0
+    depth = mappings = values = 0
     for event in yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
         require(
             not isinstance(event, yaml.AliasEvent),
@@ -108,6 +111,12 @@ def _check_events(text: str) -> None:
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         require(depth <= DEEPEST, f"its lists and mappings lie more than {DEEPEST} deep")
+        mappings += isinstance(event, yaml.MappingStartEvent)
+        values += isinstance(event, yaml.ScalarEvent)
+        require(
+            mappings <= MOST_MAPPINGS and values <= MOST_VALUES,
+            f"it holds more than {MOST_MAPPINGS} mappings or {MOST_VALUES} values",
+        )
 
 
 def _texts(value: Any) -> Iterator[str]:

@@ -41,11 +41,12 @@ def checked(model: type[C], plain: Any) -> C:
     Raises
     ------
     InputError
-        If a key is unknown or missing, a type is wrong, a value is out of bounds, or values do not
-        fit together.
+        If a key is unknown or missing, a type is wrong, a value is out of bounds, values do not fit
+        together, or a file that the configuration names cannot be used.
     """
     config = typed(model, plain)
     config.check()
+    config.check_outside()
     return config
 
 

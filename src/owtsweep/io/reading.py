@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+import errno
+import hashlib
+import os
 import stat
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 from owtsweep.errors import InputError
 
+#: A file above this many bytes is read only if it has no holes, which claim bytes without a cost.
+MOST_SPARSE = 100_000_000
 
-def require_regular(path: Path) -> None:
+
+def require_regular(path: Path, *, links: bool = True) -> None:
     """Check that a path is a regular file. (Reading a pipe could block; a device may never end.)
 
     Raises
     ------
     InputError
         If nothing exists at the path, the path cannot be read, or a folder, a pipe or a device is
-        there.
+        there; without `links` also if a link is there.
     """
     mode = _mode(path, "file")
+    if not links and path.is_symlink():
+        raise InputError(f"{path}: this is a link where a file belongs; move it away")
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
         raise InputError(f"{path}: this is {kind}; name a file")
@@ -37,6 +46,43 @@ def require_folder(path: Path) -> None:
         raise InputError(f"{path}: this is a file; name a folder")
 
 
+def refuse_links(folder: Path, *, but: Collection[str] = (), deep: bool = True) -> None:
+    """Check that nothing in a folder is a link, whose target a command would read or write.
+
+    Parameters
+    ----------
+    folder
+        The folder of a run, or of several; it may be a link itself, and need not exist.
+    but
+        Names of subfolders whose content is not looked at.
+    deep
+        Whether to look into subfolders.
+
+    Raises
+    ------
+    InputError
+        If a link is there, or a folder cannot be read.
+    """
+    todo = [folder]
+    while todo:
+        try:
+            with os.scandir(todo.pop()) as entries:
+                found = sorted(entries, key=lambda entry: entry.name)
+        except (FileNotFoundError, NotADirectoryError):
+            continue
+        except OSError as error:
+            if error.errno == errno.ENAMETOOLONG:  # so nothing is there
+                continue
+            raise InputError(f"{folder}: cannot be read ({error.strerror})") from error
+        for entry in found:
+            path = Path(entry.path)
+            if entry.is_symlink():
+                kind = "file" if path.suffix else "folder"
+                raise InputError(f"{path}: this is a link where a {kind} belongs; move it away")
+            if deep and entry.is_dir(follow_symlinks=False) and entry.name not in but:
+                todo.append(path)
+
+
 def _mode(path: Path, kind: str) -> int:
     try:
         return path.stat().st_mode
@@ -47,24 +93,65 @@ def _mode(path: Path, kind: str) -> int:
         raise InputError(f"{path}: cannot be read ({reason})") from error
 
 
-def read_bytes(path: Path, most: int) -> bytes:
+def read_bytes(path: Path, most: int, *, links: bool = True) -> bytes:
     """Read a file of at most `most` bytes; return its content.
+
+    Nothing is read of a file that is too large, or of a large one with holes.
 
     Raises
     ------
     InputError
-        If the path is no regular file, or the file cannot be read or is larger than `most` bytes.
+        If the path is no regular file (or a link, without `links`), or the file cannot be read, is
+        larger than `most` bytes, or has holes and more than `MOST_SPARSE` bytes.
     """
-    require_regular(path)
+    require_regular(path, links=links)
     try:
         with path.open("rb") as stream:
-            # Not `most`: read reserves what it is asked for.
-            data = stream.read(min(path.stat().st_size, most) + 1)
+            size = os.fstat(stream.fileno()).st_size
+            _require_size(path, size, most)
+            if size > MOST_SPARSE and _has_hole(stream.fileno(), size):
+                raise InputError(
+                    f"{path}: its {size / 1e6:.0f} MB have holes; is this the right file?"
+                )
+            data = stream.read(size + 1)  # not `most`: read reserves what it is asked for
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    if len(data) > most:
-        raise InputError(f"{path}: it is larger than {most / 1e6:g} MB; is this the right file?")
+    _require_size(path, len(data), most)  # it may have grown
     return data
+
+
+def _require_size(path: Path, size: int, most: int) -> None:
+    if size > most:
+        raise InputError(f"{path}: it is larger than {most / 1e6:g} MB; is this the right file?")
+
+
+def _has_hole(descriptor: int, size: int) -> bool:
+    """Return whether an open file has a hole; False where the system cannot say."""
+    try:
+        hole = os.lseek(descriptor, 0, os.SEEK_HOLE) < size
+    except (OSError, AttributeError):
+        hole = False
+    os.lseek(descriptor, 0, os.SEEK_SET)
+    return hole
+
+
+def hash_file(path: Path) -> str:
+    """Return the hash of a file's bytes: 32 hexadecimal digits.
+
+    Raises
+    ------
+    InputError
+        If the path is no regular file, or the file cannot be read.
+    """
+    require_regular(path)
+    digest = hashlib.blake2b(digest_size=16)
+    try:
+        with path.open("rb") as stream:
+            while chunk := stream.read(1 << 20):
+                digest.update(chunk)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    return digest.hexdigest()
 
 
 def read_text(path: Path, most: int) -> str:

@@ -37,6 +37,8 @@ NAME = re.compile(r"\w[\w .+-]{0,59}")
 LONGEST = 1000.0
 #: Largest gap between two tubes that counts as none, m.
 TOUCH = 1e-9
+#: Most tubes of a structure, bodies on it, and layers of its soil: matrices are dense.
+MOST_PARTS = 300
 #: Shortest tube, and shortest piece of a tube that is computed by itself, m. Elements far shorter
 #: than this would spoil the stiffness by rounding.
 SHORTEST = 1e-3
@@ -248,6 +250,12 @@ class Structure(Section):
             f"structure.name: {self.name!r} cannot be part of a file's name; use letters, "
             "digits, blanks, . _ - +, and begin with a letter or digit",
         )
+        layers = [] if self.soil is None else self.soil.layers
+        for name, parts in (("tubes", self.tubes), ("points", self.points), ("soil", layers)):
+            require(
+                len(parts) <= MOST_PARTS,
+                f"structure.{name}: it has {len(parts)} parts, more than {MOST_PARTS}; join some",
+            )
         for tube in self.tubes:
             tube.check()
         require(

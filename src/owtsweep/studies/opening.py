@@ -9,10 +9,10 @@ import os
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import Config, checked, require
+from owtsweep.config import Config, require, typed
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
-from owtsweep.io.reading import require_folder
+from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.studies import registry
 from owtsweep.sweep import asked
 from owtsweep.sweep.runs import Run
@@ -30,6 +30,8 @@ def open_run(folder: Path) -> Run:
     """
     path = folder / "config.yaml"
     require_folder(folder)
+    home = asked.find_home(folder)
+    refuse_links(home or folder, but=("cases",))  # the store reads shards, but no links
     require(
         os.path.lexists(path),
         f"{folder}: the folder holds no config.yaml; name the folder of a run",
@@ -41,7 +43,7 @@ def open_run(folder: Path) -> Run:
     plan = None if stored is None else read_blocks(folder, stored, tunings)
     study = registry.get_study(config.study)
     question = asked.name_question(study.config_type(), plain, text)
-    return Run(folder, config, study, plan, question, asked.find_home(folder))
+    return Run(folder, config, study, plan, question, home)
 
 
 def load_config(path: Path) -> Config:
@@ -60,7 +62,9 @@ def _make_config(path: Path, plain: dict[str, Any], described: Any) -> Config:
     study = str(plain.get("study", registry.DEFAULT))
     try:
         model = registry.get_study(study).config_type()
-        return checked(model, {**model.hide_code(plain, described), "study": study})
+        config = typed(model, {**model.hide_code(plain, described), "study": study})
+        config.check()  # not `checked`, which opens the files that the keys name
+        return config
     except InputError as error:
         if study not in registry.names():
             raise InputError(

@@ -24,7 +24,7 @@ from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import check_writable, write_atomically
-from owtsweep.io.reading import require_folder
+from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
@@ -100,6 +100,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     comparison = _arrange(loaded, preferred)
     hashes = " ".join(candidate.hash for candidate in comparison.runs)
     folder = _folder(paths, [run for run, _ in loaded])
+    refuse_links(folder)
     check_writable(folder, "compare", "move away what is there, or get the right to write")
     swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
     metadata = {"runs": hashes, "folder": folder.name}
@@ -139,6 +140,8 @@ def _open(
     for path in map(Path, paths):
         require_folder(path)
         multirun = not os.path.lexists(path / "config.yaml")
+        if multirun:
+            refuse_links(path, deep=False)
         folders, swept = _members(path, notes) if multirun else ([path], [])
         require(bool(folders), f"{path}: there is no run in it; name a multirun or several runs")
         preferred += swept

@@ -15,6 +15,7 @@ from pathlib import Path
 from pickle import PicklingError
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.io.search_path import no_modules_of_this_folder
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.schema import WrongRows
@@ -77,7 +78,7 @@ class Executor:
         # Processes cannot share a flag (it does not pickle), and they do not need it.
         local = Local(threading.Event(), tell) if backend == "threading" else None
         sharing = shared_token(folder) if backend == "dask" else nullcontext()
-        with sharing as token:
+        with no_modules_of_this_folder(), sharing as token:
             work = replace(self.work, token=token)
             try:
                 with closing(self._run_rounds(work, queue, local)) as results:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from owtsweep.config import require, typed
 from owtsweep.config.stored import read_stored
 from owtsweep.io.files import check_writable, remove_stale, unwritable
+from owtsweep.io.reading import refuse_links
 from owtsweep.sweep import asked
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.runs import Run
@@ -26,13 +27,10 @@ def check_folder(run: Run, *, fresh: bool) -> None:
         holds another run and `fresh` is False.
     """
     own = asked.question_folder(run.folder, run.question)
+    # else run.log would be appended to its target, and --fresh would delete what lies elsewhere
+    refuse_links(run.folder, but=(run.store.cases.name,))
     for folder in (run.folder, run.store.cases, own):
         check_writable(folder)
-    for folder in (own.parent, own):  # else --fresh would delete what lies elsewhere
-        require(
-            not folder.is_symlink(),
-            f"{folder}: this is a link where a folder belongs; move it away",
-        )
     for folder, names in ((run.folder, FILES), (own, FILES[:-1])):
         # The tables of the study have no names yet, but every CSV file of a run is a table.
         for path in (*(folder / name for name in names), *folder.glob("*.csv")):

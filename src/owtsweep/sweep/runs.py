@@ -107,11 +107,17 @@ class Run:
         ------
         InputError
             If `stored_plan` is None, and a new plan needs the code of a user's scheme, which is
-            never imported when a run is read.
+            never imported when a run is read, or a file that the configuration names.
         """
-        if self.stored_plan is None:
-            return make_plan(self.study, self.config)
-        return self.stored_plan
+        if self.stored_plan is not None:
+            return self.stored_plan
+        key = self.config.names_outside()
+        require(
+            not key,
+            f"{self.folder}: it has no plan.json that fits its config.yaml, and a new plan needs "
+            f"what {key} names; run its sweep again",
+        )
+        return make_plan(self.study, self.config)
 
     def by_tuning(self) -> dict[str, Run]:
         """Return tuning -> the run of this tuning alone, in the same folder.

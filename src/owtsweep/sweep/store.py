@@ -144,7 +144,7 @@ class Store:
         """
         path = self.path(key)
         try:
-            return look(read_bytes(path, MOST_BYTES), key, self.needed)
+            return look(read_bytes(path, MOST_BYTES, links=False), key, self.needed)
         except InputError as error:
             if os.path.lexists(path):
                 logger.warning("%s; it counts as missing", error)

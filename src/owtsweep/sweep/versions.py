@@ -102,7 +102,7 @@ def _read_versions(path: Path, default: tuple[int, int]) -> tuple[int, int]:
     import pyarrow.parquet as pq
 
     try:
-        require_regular(path)  # a pipe would block
+        require_regular(path, links=False)  # a pipe would block
         entries = pq.read_metadata(path).metadata or {}
         schema, numerics = (int(entries[f"{PREFIX}{kind}".encode()]) for kind in KINDS)
     except (pa.ArrowException, OSError, KeyError, ValueError):

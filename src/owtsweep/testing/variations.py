@@ -83,6 +83,7 @@ def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
         try:
             other = with_values(config, {name: candidate})
             other.check()
+            other.check_outside()
         except InputError:
             continue
         return other

@@ -10,7 +10,6 @@ from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
 from owtsweep.studies.blade.boom import HIGHEST
 from owtsweep.studies.blade.contract import DOF
-from owtsweep.studies.blade.recorded_case import load_lift
 from owtsweep.studies.blade.schemes import REGISTERED
 from owtsweep.studies.blade.sections import AXES
 from owtsweep.studies.blade.tugger import hold
@@ -41,7 +40,7 @@ def check(config: BladeConfig) -> None:
         If two values cannot work together; the message says what would work.
     """
     check_names(config.schemes, REGISTERED)
-    check_axes(config.axes, config.grid, AXES)
+    check_axes(config.axes, config.grid, AXES, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
     config.recorded.check()
     if config.recorded.imu is not None:
@@ -64,7 +63,6 @@ def _check_recorded(config: BladeConfig) -> None:
             values is None or (len(values) == 1 and values[0] == 0.0),
             f"grid.{name}: a recorded lift has its own; map it over axes=[sigma,outage]",
         )
-    load_lift(config)
 
 
 def _check_motion(config: BladeConfig) -> None:

@@ -72,3 +72,14 @@ class BladeConfig(TunedConfig):
         from owtsweep.studies.blade.checks import check
 
         check(self)
+
+    def check_outside(self) -> None:
+        """Raise `InputError` if a file of a recorded lift cannot be used."""
+        from owtsweep.studies.blade.recorded_case import load_lift
+
+        if self.recorded.imu is not None:
+            load_lift(self)
+
+    def names_outside(self) -> str:
+        """Return the key that names a file; "" if none does."""
+        return "recorded.imu" if self.recorded.imu is not None else ""

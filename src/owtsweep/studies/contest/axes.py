@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil, prod
 from typing import Any
 
 from owtsweep.config import require
+from owtsweep.studies.grid_size import check_blocks
+
+#: Records of a block where records are not long.
+RECORDS = 4
 
 
-def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str]) -> None:
-    """Check that the map has two axes with values, and that others have one value each.
+def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str], schemes: int) -> None:
+    """Check that the map has two axes with values, that others have one value each, and its size.
 
     Parameters
     ----------
@@ -19,11 +24,14 @@ def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str]) -> Non
         The section `grid`, with a list of values, or None, for each axis.
     all_axes
         The names of all axes.
+    schemes
+        Number of schemes.
 
     Raises
     ------
     InputError
-        If an axis is unknown, stands there twice or has no value, or another has several.
+        If an axis is unknown, stands there twice or has no value, another has several, or a plan
+        would have too many blocks.
     """
     names = ", ".join(all_axes)
     for axis in chosen:
@@ -44,3 +52,5 @@ def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str]) -> Non
             f"grid.{axis}: it has {len(values or [])} values, and the map is over {across} and "
             f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
         )
+    cells = prod(len(getattr(grid, axis)) for axis in chosen)
+    check_blocks(cells * schemes * ceil(grid.replicates / RECORDS))

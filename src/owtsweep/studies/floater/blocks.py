@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import as_mapping
+from owtsweep.io.reading import hash_file
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.contest.planning import plan_blocks
 from owtsweep.studies.contest.rows import Judgement, make_rows
@@ -93,6 +93,5 @@ def _describe_content(config: FloaterConfig) -> dict[str, Any]:
     whole = as_mapping(config)
     content = {name: whole[name] for name in SHARED}
     if config.motion.kind == "recorded" and config.motion.file is not None:
-        record = Path(config.motion.file).expanduser().read_bytes()
-        content["motion"] |= {"file": blake2b(record, digest_size=16).hexdigest()}
+        content["motion"] |= {"file": hash_file(Path(config.motion.file).expanduser())}
     return content

@@ -28,8 +28,8 @@ def check(config: FloaterConfig) -> None:
     from owtsweep.studies.floater.checks_record import check_motion, check_sensors
 
     check_names(config.schemes, REGISTERED)
-    check_axes(config.axes, config.grid, AXES)
     config.record.check_samples(MOST_SAMPLES)
+    check_axes(config.axes, config.grid, AXES, len(config.schemes))
     check_motion(config)
     check_sensors(config)
     _check_times(config)

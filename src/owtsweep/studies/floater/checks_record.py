@@ -27,13 +27,16 @@ def check_motion(config: FloaterConfig) -> None:
     Raises
     ------
     InputError
-        If a degree of freedom is missing or at rest, an angle too large for the schemes, or a
-        recorded motion cannot be used.
+        If a degree of freedom is missing or at rest, an angle too large for the schemes, or the
+        file of a recorded motion is missing.
     """
     motion, grid, record = config.motion, config.grid, config.record
     if motion.kind == "recorded":
         require(grid.roll is None, "grid.roll: a recorded motion has its own; use grid.roll=null")
-        read_motion(motion, steps=record.steps, step=1.0 / record.rate, lead=0)
+        require(
+            motion.file is not None,
+            "motion.file: kind=recorded needs a file; give motion.file=basin.csv",
+        )
         return
     for name in DOF:
         require(
@@ -58,6 +61,13 @@ def check_motion(config: FloaterConfig) -> None:
             f"give {np.ceil(2e3 * highest) / 1e3:g} Hz or more",
         )
     _check_angles(config)
+
+
+def check_file(config: FloaterConfig) -> None:
+    """Raise `InputError` if the file of a recorded motion cannot be used."""
+    motion, record = config.motion, config.record
+    if motion.kind == "recorded":
+        read_motion(motion, steps=record.steps, step=1.0 / record.rate, lead=0)
 
 
 def _check_angles(config: FloaterConfig) -> None:

@@ -64,3 +64,13 @@ class FloaterConfig(TunedConfig):
         from owtsweep.studies.floater.checks import check
 
         check(self)
+
+    def check_outside(self) -> None:
+        """Raise `InputError` if the file of a recorded motion cannot be used."""
+        from owtsweep.studies.floater.checks_record import check_file
+
+        check_file(self)
+
+    def names_outside(self) -> str:
+        """Return the key that names a file; "" if none does."""
+        return "motion.file" if self.motion.kind == "recorded" else ""

@@ -23,14 +23,14 @@ OURS = (
 
 
 def check(config: MatingConfig) -> None:
-    """Check everything that can be known before a record is made.
+    """Check what can be known without the other studies.
 
     Raises
     ------
     InputError
         If two values cannot work together; the message says what would work.
     """
-    check_axes(config.axes, config.grid, AXES)
+    check_axes(config.axes, config.grid, AXES, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
     judged = config.record.duration - config.record.settling
     require(
@@ -38,6 +38,16 @@ def check(config: MatingConfig) -> None:
         f"grid.hold: {max(config.grid.hold):g} s are more than half of the {judged:g} s that are "
         "judged; give less, or a longer record",
     )
+
+
+def check_others(config: MatingConfig) -> None:
+    """Check the configurations of the other studies.
+
+    Raises
+    ------
+    InputError
+        If one is refused, or does not fit the other.
+    """
     for name in ("blade", "hub"):
         for override in getattr(config, name):
             key = override.lstrip("+~").partition("=")[0]

@@ -77,3 +77,13 @@ class MatingConfig(Config):
         from owtsweep.studies.mating.checks import check
 
         check(self)
+
+    def check_outside(self) -> None:
+        """Raise `InputError` if one of the other studies refuses its keys."""
+        from owtsweep.studies.mating.checks import check_others
+
+        check_others(self)
+
+    def names_outside(self) -> str:
+        """Return a key of which another study's configuration is composed."""
+        return "blade"

@@ -175,6 +175,10 @@ class ReplayConfig(HubConfig):
             f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
 
+    def names_outside(self) -> str:
+        """Return the key that names the records."""
+        return "grid.files"
+
     def describe_origin(self) -> str:
         """Return nothing, because a replay's truth is in its record."""
         return ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from hashlib import blake2b
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from owtsweep.config import as_mapping
+from owtsweep.io.reading import hash_file
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
@@ -99,11 +99,9 @@ def _describe_content(config: TowerConfig) -> dict[str, Any]:
         content[section] = {k: v for k, v in content[section].items() if k not in names}
     content["cuts"] = list(config.heights)
     if config.wind.file is not None:
-        loads = Path(config.wind.file).expanduser().read_bytes()
-        content["loads"] = blake2b(loads, digest_size=16).hexdigest()
+        content["loads"] = hash_file(Path(config.wind.file).expanduser())
     if config.recorded.file is not None:
-        table = Path(config.recorded.file).expanduser().read_bytes()
-        content["recorded"] |= {"file": blake2b(table, digest_size=16).hexdigest()}
+        content["recorded"] |= {"file": hash_file(Path(config.recorded.file).expanduser())}
     return content
 
 

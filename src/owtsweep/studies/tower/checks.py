@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
+from owtsweep.studies.grid_size import check_blocks
 from owtsweep.studies.scheme_names import check_names
 from owtsweep.studies.tower.channels import count_rotations, list_places
 from owtsweep.studies.tower.loads.recorded import read_loads
@@ -37,6 +38,9 @@ def check(config: TowerConfig) -> None:
     check_names(config.schemes, REGISTERED)
     config.record.check_samples(MOST_SAMPLES)
     _check_loads(config)
+    grid = config.grid
+    cells = len(grid.noise) * len(grid.soil_factor) * grid.replicates
+    check_blocks(cells * len(config.schemes))
     require(
         min(config.grid.noise) > 0.0,
         "grid.noise: 0 % makes the covariance R of the sensors singular; give a small number such "
@@ -49,8 +53,25 @@ def check(config: TowerConfig) -> None:
         f"at {high - config.structure.mudline:g} m",
     )
     _check_sensors(config)
+    require(
+        config.recorded.file is None or config.criterion != "damage",
+        "criterion: a record holds no damage to compare with; use criterion=displacement",
+    )
+
+
+def check_files(config: TowerConfig) -> None:
+    """Check the files of recorded loads and of a recorded structure.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used.
+    """
+    record = config.record
+    if config.wind.file is not None:
+        read_loads(config.wind.file, NAMES, steps=record.steps, step=1.0 / record.rate)
     if config.recorded.file is not None:
-        _check_recorded(config, assemble_cut(config.structure, low, high))
+        _check_recorded(config, assemble_cut(config.structure, *config.heights))
 
 
 def _check_sensors(config: TowerConfig) -> None:
@@ -87,10 +108,6 @@ def warn_of_few_inclinometers(config: TowerConfig) -> None:
 def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:
     places = list_places(config.sensors, config.nodes)
     record = config.record
-    require(
-        config.criterion != "damage",
-        "criterion: a record holds no damage to compare with; use criterion=displacement",
-    )
     load_motions(
         config.recorded, cut, [(place.kind, place.node) for place in places],
         steps=record.steps, step=1.0 / record.rate,
@@ -98,10 +115,8 @@ def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:
 
 
 def _check_loads(config: TowerConfig) -> None:
-    structure, record = config.structure, config.record
+    structure = config.structure
     require(
         config.waves.hs == 0.0 or (structure.water is not None and structure.mudline < 0.0),
         f"waves.hs: the structure {structure.name} does not stand in water; give sea=calm",
     )
-    if config.wind.file is not None:
-        read_loads(config.wind.file, NAMES, steps=record.steps, step=1.0 / record.rate)

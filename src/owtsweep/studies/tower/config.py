@@ -119,3 +119,15 @@ class TowerConfig(TunedConfig):
         from owtsweep.studies.tower.checks import check
 
         check(self)
+
+    def check_outside(self) -> None:
+        """Raise `InputError` if a file of recorded loads or of a record cannot be used."""
+        from owtsweep.studies.tower.checks import check_files
+
+        check_files(self)
+
+    def names_outside(self) -> str:
+        """Return the key that names a file; "" if none does."""
+        if self.wind.file is not None:
+            return "wind.file"
+        return "recorded.file" if self.recorded.file is not None else ""

@@ -10,6 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.checks import require_possible
+from owtsweep.motion.recorded.formats.streams import TextStream
 
 
 def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> Array:
@@ -40,7 +41,8 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
 
     path = Path(file).expanduser()
     try:
-        table = pd.read_csv(path)
+        with TextStream(path) as stream:  # refuses devices, and what unpacks to too much
+            table = pd.read_csv(stream)
     except (OSError, ValueError) as error:
         raise InputError(f"wind.file: {file} cannot be read ({error})") from None
     missing = [name for name in ("time", *names) if name not in table.columns]
