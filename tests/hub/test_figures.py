@@ -157,6 +157,7 @@ def test_labels_of_a_map_lie_beside_the_line_that_crosses_it():
 def test_map_names_coinciding_schemes_together_and_explains_holes():
     table = best_table([3.0, 4.0], [0.2, 1.0]).iloc[:-1]
     table["distinguishable"] = True
+    table.loc[0, "runner_up"] = "MKF"
     figure = best_scheme_map.draw(
         table,
         SCHEMES,
@@ -172,6 +173,35 @@ def test_map_names_coinciding_schemes_together_and_explains_holes():
     assert "no result" in shown
     assert "Hatched" not in shown
     assert not cells_of(figure, hatched=True)
+
+
+@pytest.mark.parametrize("amplitudes", [[0.2, 1.0], np.geomspace(0.1, 1.0, 400)])
+def test_map_tells_of_coinciding_schemes_only_where_it_names_them(amplitudes):
+    """Neither on a map without them, nor on one without labels where they are second best."""
+    table = best_table([3.0, 4.0], amplitudes)
+    table["runner_up"] = "MKF" if len(amplitudes) > 300 else "HME1"
+    figure = best_scheme_map.draw(
+        table, SCHEMES, CONDITIONS, criterion="position", window="full", tuning="matched",
+        coinciding=[("EKF", "MKF")],
+    )  # fmt: skip
+    shown = texts(figure)
+    assert "EKF (0 cells)" in shown
+    assert "MKF (0 cells)" in shown
+    assert "give the same numbers" not in shown
+    assert "=" not in shown
+
+
+def test_map_of_many_schemes_says_of_no_winner_that_it_is_best_nowhere():
+    """KF_A, which equals the best, is not in the legend by itself."""
+    names = [*(f"KF_{n}" for n in range(9)), "KF_A", "HME1", "HME2"]
+    figure = best_scheme_map.draw(
+        best_table([3.0, 4.0], [0.2, 1.0]), names, CONDITIONS, criterion="position", window="full",
+        tuning="matched", coinciding=[("KF_A", "HME1"), ("KF_0", "KF_1")],
+    )  # fmt: skip
+    shown = texts(figure)
+    assert "KF_A = HME1" in shown
+    assert f"Best in no cell: {', '.join(names[:9])}." in shown
+    assert "KF_0 and KF_1" not in shown
 
 
 def test_map_without_a_runner_up_names_the_best_alone():
