@@ -18,8 +18,9 @@ LEAST_SQUARES = 20
 #: What is kept of every run that has it.
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
-    *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
-    "figures/*.md", "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
+    *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png",
+    "figures/distributions.png", "figures/*.csv", "figures/*.md",
+    "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
 )  # fmt: skip
 #: Folder below results/ -> patterns of the files that are kept of it.
 KEPT = {

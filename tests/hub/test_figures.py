@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 from rich.console import Console
@@ -16,7 +17,7 @@ from tools import configure
 
 from owtsweep.config import changed
 from owtsweep.errors import InputError
-from owtsweep.figures import best_scheme_map, margin, style, terminal
+from owtsweep.figures import best_scheme_map, distributions, margin, style, terminal
 from owtsweep.figures.best_scheme_map import Crossing
 from owtsweep.figures.drawings import draw_each
 from owtsweep.figures.plane import Plane
@@ -236,11 +237,21 @@ def test_mse_figure_draws_the_means_and_the_published_points():
         assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
         lines = axes.get_lines()
         assert len(lines) == 2 * len(SCHEMES)
-        for scheme, line, points in zip(SCHEMES, lines[::2], lines[1::2], strict=True):
+        count = len(SCHEMES)
+        bands = [band for band in axes.collections if isinstance(band, PolyCollection)]
+        drawn = zip(SCHEMES, lines[:count], lines[count:], bands, strict=True)
+        for scheme, line, points, band in drawn:
             own = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
             own = own.sort_values("amplitude")
             assert line.get_xdata().tolist() == amplitudes
             assert line.get_ydata().tolist() == own["mean"].tolist()
+            ends = {tuple(point) for point in band.get_paths()[0].vertices}
+            for interval in ("ci_low", "ci_high"):  # the table's, whatever draws them
+                assert set(zip(amplitudes, own[interval], strict=True)) <= ends
+            assert (to_hex(line.get_color()), line.get_marker()) == (
+                LOOKS[scheme].color.lower(), LOOKS[scheme].marker,
+            )  # fmt: skip
+            assert line.is_dashed() == (LOOKS[scheme].line != "-")
             chosen = print_[(print_["scheme"] == scheme) & print_["measure"].isin(parts)]
             expected = chosen.groupby("amplitude")["published"].sum()
             assert list(points.get_xdata()) == [0.2, 1.0]
@@ -329,6 +340,18 @@ def test_everything_of_a_run_is_drawn(run, tmp_path):
         )
         for suffix in ("png", "svg")
     } | {"tables_6_to_9.csv", "tables_6_to_9.md"}
+
+
+def test_errors_of_single_records_are_drawn_if_there_are_several(run, tmp_path, monkeypatch):
+    assert "distributions" not in drawings(*run)
+    monkeypatch.setattr(distributions, "LEAST_RECORDS", 3)
+    shown = []
+    monkeypatch.setattr(
+        style, "save", lambda figure, *_: shown.append(texts(figure)) or [tmp_path / "x.png"]
+    )
+    draw_each(drawings(*run), tmp_path, "distributions")
+    for part in ("position MSE", "full record", "tuning: paper", "natural period 4 s, amplitude"):
+        assert part in shown[0]
 
 
 def test_one_figure_is_drawn_by_name(run, tmp_path, monkeypatch):
