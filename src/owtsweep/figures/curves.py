@@ -168,7 +168,7 @@ def _draw_curves(
 
     rows = rows[rows["scheme"].isin(list(schemes))].astype({"scheme": object})
     place, mean = _place(rows[along.name], levels), rows["mean"]
-    low = np.maximum(rows["ci_low"], LOWEST * mean)
+    low = rows["ci_low"].clip(lower=LOWEST * mean)
     # The intervals are those of the table. seaborn makes its own from samples, so each point is
     # given as three: the median of them is the mean, and all of them span the interval.
     ends = (mean, low.fillna(mean), rows["ci_high"].fillna(mean))

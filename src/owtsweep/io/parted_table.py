@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderResult
@@ -52,7 +52,7 @@ class PartedTable:
                 box=box.SIMPLE_HEAD, show_edge=False, padding=(0, GAP - 1, 0, 0), header_style=""
             )
             for column in part:
-                justify = "left" if column < self.repeated else "right"
+                justify: Literal["left", "right"] = "left" if column < self.repeated else "right"
                 table.add_column(
                     Text(self.headings[column], justify=justify),
                     justify=justify, vertical="bottom", overflow="fold", width=widths[column],
