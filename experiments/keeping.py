@@ -4,19 +4,23 @@ import shutil
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from PIL import Image  # comes with matplotlib
 from PIL.PngImagePlugin import PngInfo
 
 from agreement import PROVENANCE, compare_folders, largest_difference
 
 REFERENCE = Path("results/reference")
-#: Pictures that get fewer colours than others, because they would be large: folder/name -> number.
-COLOURS = {"plant/figure_03_record.png": 32}
+#: Colours of a kept picture, and how many of them at most are taken from its flat areas.
+COLOURS, FLAT_COLOURS = 256, 192
+#: A colour is that of a flat area if it fills this many squares of 2 x 2 pixels.
+LEAST_SQUARES = 20
 #: What is kept of every run that has it.
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
-    *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
-    "figures/*.md", "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
+    *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png",
+    "figures/distributions.png", "figures/*.csv", "figures/*.md",
+    "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
 )  # fmt: skip
 #: Folder below results/ -> patterns of the files that are kept of it.
 KEPT = {
@@ -127,8 +131,8 @@ class Keeper:
 def copy_small(source: Path, target: Path) -> None:
     """Copy a file into the one folder of a run in results/reference.
 
-    A PNG is reduced to 192 colours, or those of `COLOURS`: a third of the size and alike to the
-    eye. Links of a report to its pictures lead to the pictures beside it.
+    A PNG is reduced to `COLOURS` colours: a third of the size (`reduce_colours`). Links of a report
+    to its pictures lead to the pictures beside it.
     """
     if source.suffix == ".md":
         target.write_text(source.read_text("utf-8").replace("](figures/", "]("), "utf-8")
@@ -141,6 +145,35 @@ def copy_small(source: Path, target: Path) -> None:
     for key, value in picture.info.items():
         if isinstance(value, str):
             notes.add_text(key, value)
-    colours = COLOURS.get(f"{source.parent.name}/{source.name}", 192)
-    small = picture.convert("RGB").quantize(colours, dither=Image.Dither.NONE)
-    small.save(target, optimize=True, pnginfo=notes)
+    reduce_colours(picture).save(target, optimize=True, pnginfo=notes)
+
+
+def reduce_colours(picture: Image.Image) -> Image.Image:
+    """Return a picture with at most `COLOURS` colours, in which flat areas keep theirs exactly.
+
+    Flat are cells, swatches of a legend, background and thick lines. The other colours are blends
+    at the edges of letters and lines: each becomes the nearest of those that are kept. One after
+    another is kept that is farthest from all kept before, where more pixels make a colour count
+    more, so that none is far off. (Median cut makes one grey of the rare colours of a legend.)
+    """
+    pixels = np.asarray(picture.convert("RGB"), dtype=np.uint32)
+    codes, flat_index = np.unique(pixels @ [65536, 256, 1], return_inverse=True)
+    index = flat_index.reshape(pixels.shape[:2])
+    corner = index[:-1, :-1]
+    squares = (corner == index[1:, :-1]) & (corner == index[:-1, 1:]) & (corner == index[1:, 1:])
+    filled = np.bincount(corner[squares], minlength=len(codes))
+    commonest = np.argsort(-filled, kind="stable")[:FLAT_COLOURS]
+    kept = [int(colour) for colour in commonest if filled[colour] >= LEAST_SQUARES]
+    colours = np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=1).astype(float)
+    weights = np.sqrt(np.bincount(index.ravel()))
+    nearest = np.zeros(len(codes), dtype=np.uint8)
+    distances = np.full(len(codes), np.inf)  # squared, to the nearest kept colour
+    for number in range(min(COLOURS, len(codes))):
+        if number == len(kept):
+            kept.append(int(np.argmax(distances * weights)))
+        to_this = ((colours - colours[kept[number]]) ** 2).sum(axis=1)
+        nearest[to_this < distances] = number
+        distances = np.minimum(distances, to_this)
+    small = Image.fromarray(nearest[index])
+    small.putpalette(colours[kept].astype(np.uint8).tobytes())
+    return small

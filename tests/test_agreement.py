@@ -6,7 +6,14 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+from owtsweep.figures import style
+from owtsweep.figures.palette import mix_with_white
+from owtsweep.studies.hub.looks import LOOKS
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "results" / "reference" / "default"
@@ -73,6 +80,35 @@ def test_the_pictures_of_a_kept_report_stand_beside_it(monkeypatch, tmp_path):
     copy_small(report, tmp_path / "kept.md")
     kept = (tmp_path / "kept.md").read_text("utf-8")
     assert kept == f"![one](one.png) [two](other/two.csv) {square}"
+
+
+def test_a_kept_picture_has_its_colours(monkeypatch, tmp_path):
+    """Small swatches beside many shades of one colour: median cut makes some of them equal."""
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    from keeping import copy_small
+
+    with style.context():
+        figure = style.new_figure(6.0, 4.0)
+        axes = figure.add_subplot()
+        shades = [mix_with_white(LOOKS["HME1"].color, share) for share in np.linspace(0.3, 1, 60)]
+        axes.bar(range(60), 1.0, 1.0, color=shades)
+        for number, (name, look) in enumerate(LOOKS.items()):
+            axes.bar(6 * number + 2, 0.05, 1.5, 1.1, color=look.color)
+            axes.text(6 * number, 1.2, name, color=look.color)
+        axes.plot([0, 59], [0.0, 1.0], color="black")
+        png, _ = style.save(figure, tmp_path, "drawn")
+    copy_small(png, tmp_path / "kept.png")
+    drawn, kept = (
+        np.asarray(Image.open(path).convert("RGB"), dtype=float)
+        for path in (png, tmp_path / "kept.png")
+    )
+    flat = {tuple(round(255 * part) for part in to_rgb(look.color)) for look in LOOKS.values()}
+    for colour in flat:
+        there = (drawn == colour).all(axis=2)
+        assert there.sum() > 100
+        assert (kept[there] == colour).all()
+    assert np.linalg.norm(drawn - kept, axis=2).max() < 30.0  # of 442 from black to white
+    assert (tmp_path / "kept.png").stat().st_size < 0.6 * png.stat().st_size
 
 
 @pytest.mark.parametrize("copies", [False, True])

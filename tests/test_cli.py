@@ -193,6 +193,7 @@ def test_fresh_asks_before_it_deletes(capsys, monkeypatch):
         (["sweep", "hme.mhe.constraints.bais=1"], "constraints.bias"),
         (["sweep", "hme.mhe.constraints.foo=1"], "there are hme.mhe.constraints.position"),
         (["sweep", "-m", "seed=1,2", "hydra/launcher=no"], "hydra/launcher: there is no 'no'"),
+        (["sweep", "-m", "seed=1,2", "hydra/launcher=no"], "pip install 'owtsweep[launchers]'"),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(words, says, capsys):

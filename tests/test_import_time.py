@@ -50,3 +50,11 @@ def test_nothing_heavy_is_loaded(statement: str) -> None:
 def test_exports_are_there_when_asked_for() -> None:
     packages = loaded_packages("from owtsweep import *\nassert callable(run) and callable(load)")
     assert "numpy" in packages
+
+
+def test_a_map_is_drawn_without_seaborn() -> None:
+    """It takes a second to import, and only curves and distributions are drawn with it."""
+    modules = ("studies.hub.figures.maps_by_tuning", "figures.curves", "figures.distributions")
+    packages = loaded_packages("\n".join(f"import owtsweep.{module}" for module in modules))
+    assert "matplotlib" in packages
+    assert "seaborn" not in packages

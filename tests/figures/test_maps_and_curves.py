@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import io
+from itertools import combinations
 
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from rich.console import Console
 
 from owtsweep.errors import InputError
-from owtsweep.figures import best_scheme_map, curves, terminal
+from owtsweep.figures import best_scheme_map, curves, style, terminal
 from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
@@ -54,6 +57,29 @@ def test_a_map_over_one_condition_has_one_line_and_over_three_is_refused():
         draw_map(best, three)
     columns, lines, *_ = labels_of(draw_map(best[best["soil_factor"] == 1.0], three))
     assert (columns, lines) == (["sand", "clay", "rock"], ["1", "5"])
+
+
+@pytest.mark.parametrize("lines", [1, 2])
+def test_a_map_of_few_cells_has_room_for_its_names(lines):
+    """Whatever stands above and below it: here an origin of four lines, and a long footnote."""
+    noise = Condition("noise", "bias of accelerometers over standard deviation")
+    best = make_tables((SOIL, NOISE))[1]
+    best = best[(best["soil"] != "rock") & best["noise"].isin(GRID["noise"][:lines])]
+    with style.context():
+        figure = best_scheme_map.draw(
+            best, SCHEMES, (SOIL, noise), criterion="strain", window="full", tuning="paper",
+            notes=["In summary.csv, but not in the contest, because estimates wait: ALL."] * 5,
+        )  # fmt: skip
+        style.add_origin(figure, "Truth: one\nof four\nlong\nlines.")
+        FigureCanvasAgg(figure).draw()
+    axes = figure.axes[0]
+    assert axes.get_window_extent().height / figure.dpi >= 0.55 * lines
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) == 4 * lines
+    boxes += [axes.yaxis.label.get_window_extent(), axes.xaxis.label.get_window_extent()]
+    boxes += [figure._supxlabel.get_window_extent(), figure.legends[0].get_window_extent()]
+    for one, other in combinations(boxes, 2):
+        assert not one.overlaps(other)
 
 
 def rendered(best, conditions) -> list[str]:

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from owtsweep import load
 from owtsweep.cli import main
+from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.floater import blocks
 from owtsweep.studies.floater.contract import Unable
@@ -65,7 +66,10 @@ def test_a_sweep_says_who_is_best_and_who_waits() -> None:
     assert "Not in the contest, because its estimates wait: FIXED_LAG." in shown.getvalue()
 
 
-def test_planes_are_runs_of_their_own_that_can_be_compared() -> None:
+def test_planes_are_runs_of_their_own_that_can_be_compared(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(distributions, "LEAST_RECORDS", 2)
     words = ["grid.snr=[10,20]", "grid.loss=[0,0.1]", "grid.delay=[0]", "plane=snr_loss"]
     rest = [word for word in TINY if "grid.delay" not in word and "grid.bias" not in word]
     multirun = ["sweep", "--multirun", *rest, *words, "sensors.lost_as=zeros,missing"]
@@ -77,7 +81,7 @@ def test_planes_are_runs_of_their_own_that_can_be_compared() -> None:
     assert {"snr", "loss"} < set(load(str(one)).tables()["best_scheme"])
     assert main(["figures", str(one)]) == 0
     assert {path.stem for path in (one / "figures").glob("*.png")} == {
-        "map_velocity", "map_position", "map_worst",
+        "map_velocity", "map_position", "map_worst", "distributions",
     }  # fmt: skip
 
 

@@ -307,7 +307,9 @@ def test_baselines_belong_to_every_tuning_and_are_in_both_maps(tmp_path: Path) -
         alone = owtsweep.run([*words, f"tuning={tuning}", f"name={tuning}"]).best_scheme()
         assert set(alone["tuning"]) == {tuning}
         assert result.tables["best_scheme"].equals(alone.drop(columns="tuning"))
-        assert sorted(text.get_text() for text in axes.texts)[-1] == "NONE"
+        written = [text.get_text() for text in axes.texts]
+        assert written.count("NONE") == 1
+        assert sum(text.endswith(" %") for text in written) == 2  # the runner-up in each cell
         assert told in " ".join(axes.get_title(loc="left").split())
         console = Console(width=80, file=io.StringIO(), color_system=None)
         console.print(run.engine.terminal(result.config, result.tables))
@@ -315,6 +317,7 @@ def test_baselines_belong_to_every_tuning_and_are_in_both_maps(tmp_path: Path) -
     assert [text.get_text() for text in figure.legends[0].get_texts()][-1] == "NONE"
     texts = " ".join(text.get_text() for text in figure.findobj(Text))
     assert "NONE: an estimate of zero" in " ".join(texts.split())
+    assert maps_by_tuning.RUNNER_UP in " ".join(texts.split())
 
 
 def test_baselines_change_no_verdict_on_the_schemes(tmp_path: Path) -> None:

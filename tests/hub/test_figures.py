@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 from rich.console import Console
@@ -16,7 +17,7 @@ from tools import configure
 
 from owtsweep.config import changed
 from owtsweep.errors import InputError
-from owtsweep.figures import best_scheme_map, margin, style, terminal
+from owtsweep.figures import best_scheme_map, distributions, margin, style, terminal
 from owtsweep.figures.best_scheme_map import Crossing
 from owtsweep.figures.drawings import draw_each
 from owtsweep.figures.plane import Plane
@@ -157,6 +158,7 @@ def test_labels_of_a_map_lie_beside_the_line_that_crosses_it():
 def test_map_names_coinciding_schemes_together_and_explains_holes():
     table = best_table([3.0, 4.0], [0.2, 1.0]).iloc[:-1]
     table["distinguishable"] = True
+    table.loc[0, "runner_up"] = "MKF"
     figure = best_scheme_map.draw(
         table,
         SCHEMES,
@@ -172,6 +174,35 @@ def test_map_names_coinciding_schemes_together_and_explains_holes():
     assert "no result" in shown
     assert "Hatched" not in shown
     assert not cells_of(figure, hatched=True)
+
+
+@pytest.mark.parametrize("amplitudes", [[0.2, 1.0], np.geomspace(0.1, 1.0, 400)])
+def test_map_tells_of_coinciding_schemes_only_where_it_names_them(amplitudes):
+    """Neither on a map without them, nor on one without labels where they are second best."""
+    table = best_table([3.0, 4.0], amplitudes)
+    table["runner_up"] = "MKF" if len(amplitudes) > 300 else "HME1"
+    figure = best_scheme_map.draw(
+        table, SCHEMES, CONDITIONS, criterion="position", window="full", tuning="matched",
+        coinciding=[("EKF", "MKF")],
+    )  # fmt: skip
+    shown = texts(figure)
+    assert "EKF (0 cells)" in shown
+    assert "MKF (0 cells)" in shown
+    assert "give the same numbers" not in shown
+    assert "=" not in shown
+
+
+def test_map_of_many_schemes_says_of_no_winner_that_it_is_best_nowhere():
+    """KF_A, which equals the best, is not in the legend by itself."""
+    names = [*(f"KF_{n}" for n in range(9)), "KF_A", "HME1", "HME2"]
+    figure = best_scheme_map.draw(
+        best_table([3.0, 4.0], [0.2, 1.0]), names, CONDITIONS, criterion="position", window="full",
+        tuning="matched", coinciding=[("KF_A", "HME1"), ("KF_0", "KF_1")],
+    )  # fmt: skip
+    shown = texts(figure)
+    assert "KF_A = HME1" in shown
+    assert f"Best in no cell: {', '.join(names[:9])}." in shown
+    assert "KF_0 and KF_1" not in shown
 
 
 def test_map_without_a_runner_up_names_the_best_alone():
@@ -206,11 +237,21 @@ def test_mse_figure_draws_the_means_and_the_published_points():
         assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
         lines = axes.get_lines()
         assert len(lines) == 2 * len(SCHEMES)
-        for scheme, line, points in zip(SCHEMES, lines[::2], lines[1::2], strict=True):
+        count = len(SCHEMES)
+        bands = [band for band in axes.collections if isinstance(band, PolyCollection)]
+        drawn = zip(SCHEMES, lines[:count], lines[count:], bands, strict=True)
+        for scheme, line, points, band in drawn:
             own = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
             own = own.sort_values("amplitude")
             assert line.get_xdata().tolist() == amplitudes
             assert line.get_ydata().tolist() == own["mean"].tolist()
+            ends = {tuple(point) for point in band.get_paths()[0].vertices}
+            for interval in ("ci_low", "ci_high"):  # the table's, whatever draws them
+                assert set(zip(amplitudes, own[interval], strict=True)) <= ends
+            assert (to_hex(line.get_color()), line.get_marker()) == (
+                LOOKS[scheme].color.lower(), LOOKS[scheme].marker,
+            )  # fmt: skip
+            assert line.is_dashed() == (LOOKS[scheme].line != "-")
             chosen = print_[(print_["scheme"] == scheme) & print_["measure"].isin(parts)]
             expected = chosen.groupby("amplitude")["published"].sum()
             assert list(points.get_xdata()) == [0.2, 1.0]
@@ -299,6 +340,18 @@ def test_everything_of_a_run_is_drawn(run, tmp_path):
         )
         for suffix in ("png", "svg")
     } | {"tables_6_to_9.csv", "tables_6_to_9.md"}
+
+
+def test_errors_of_single_records_are_drawn_if_there_are_several(run, tmp_path, monkeypatch):
+    assert "distributions" not in drawings(*run)
+    monkeypatch.setattr(distributions, "LEAST_RECORDS", 3)
+    shown = []
+    monkeypatch.setattr(
+        style, "save", lambda figure, *_: shown.append(texts(figure)) or [tmp_path / "x.png"]
+    )
+    draw_each(drawings(*run), tmp_path, "distributions")
+    for part in ("position MSE", "full record", "tuning: paper", "natural period 4 s, amplitude"):
+        assert part in shown[0]
 
 
 def test_one_figure_is_drawn_by_name(run, tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from replay_tools import motion_file, sensor_file
+from rich.console import Console
 
 import owtsweep
 from owtsweep.cli import main
@@ -17,6 +19,7 @@ from owtsweep.studies.hub.public import OTHER_WINDOW
 from owtsweep.studies.replay import facts
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.running import configure, execute, expand
+from owtsweep.studies.replay.terminal import render_answer
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.runs import Run
 
@@ -77,6 +80,11 @@ def test_python_interface():
     assert list(replay.advice().source) == ["record", "map"]
     assert replay.records().loc[0, "natural_period"] > 0.0
     assert set(replay.estimates().scheme) == {"MKF", "HME1"}
+    console = Console(width=80, file=io.StringIO(), color_system=None)
+    console.print(render_answer(replay.run.config, replay.run.tables()))
+    shown = console.file.getvalue()
+    assert {"position", "velocity", "±1.96", "innov.", "white"} <= set(shown.split())
+    assert "…" not in shown  # rich's mark where it has cut a text
     assert owtsweep.load(replay.folder).table("replay").equals(replay.run.table("replay"))
     with pytest.raises(owtsweep.InputError, match="none of a"):
         replay.estimates("b")

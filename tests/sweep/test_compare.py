@@ -204,6 +204,14 @@ def test_the_command_shows_a_plain_table_and_notes(run, capsys):
     assert "note: hashes" in err
 
 
+def test_the_command_shows_a_table_in_a_terminal(run, capsys, monkeypatch):
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", "15")  # just as much as it needs
+    assert main(["compare", run(sigma=0.1), run(sigma=0.2)]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [lines[0], lines[2][:1], lines[3][:1]] == [["sigma", "mean"], ["0.1"], ["0.2"]]
+
+
 def test_names_are_told_in_printable_text(run, tmp_path, capsys):
     for number in (1, 2):  # alike but for their grids, so their folders tell them apart
         folder = run("many", name=f"run{number}", level=[1.0, 2.0][:number])

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from owtsweep import load
 from owtsweep.cli import main
+from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.tower.setting import misjudge
 from owtsweep.studies.tower.tables import spread_soil
@@ -39,7 +40,7 @@ def test_the_study_keeps_the_contract() -> None:
 
 
 def test_a_sweep_says_who_is_best_and_what_the_sensors_miss(
-    capsys: pytest.CaptureFixture[str],
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blind = [word for word in TINY if "inclinometers" not in word]
     words = ["tuning=[paper,matched]", "sensors.inclinometers=[0,110]", "schemes=[AKF,MDE]"]
@@ -57,6 +58,8 @@ def test_a_sweep_says_who_is_best_and_what_the_sensors_miss(
     assert "Best scheme by damage error" in shown.getvalue()
     assert "Position and velocity of the rigid translation are unseen" in shown.getvalue()
     assert "4 unknown inputs" in (run.folder / "run.log").read_text()
+    monkeypatch.setattr(distributions, "LEAST_RECORDS", 1)
+    assert len(run.draw("distributions_paper")) == 2
 
 
 def test_a_scheme_without_soil_counts_at_every_soil_factor() -> None:

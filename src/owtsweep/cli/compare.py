@@ -30,15 +30,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if compared.findings.origin:
         print(printable(compared.findings.origin))
     if sys.stdout.isatty():
-        from rich import box
         from rich.console import Console
-        from rich.table import Table
 
-        table = Table(box=box.SIMPLE, header_style="")
-        for column in compared.overview.columns:
-            table.add_column(column, justify="right", overflow="fold")
-        for row in compared.overview.itertuples(index=False):
-            table.add_row(*row)
+        from owtsweep.io.parted_table import PartedTable
+
+        overview = compared.overview
+        swept = len(overview.columns) - len(compared.findings.overview.columns)
+        rows = list(overview.itertuples(index=False, name=None))
+        table = PartedTable(list(overview.columns), rows, repeated=swept)
         Console(markup=False, emoji=False).print(table)  # names are shown as typed
     else:
         print(compared.overview.to_string(index=False))

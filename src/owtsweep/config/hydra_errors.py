@@ -61,7 +61,9 @@ def in_one_line(error: Exception, tree: Tree | None = None) -> str:
         return f"{group[1]}: there is no {group[2]!r}; use {' or '.join(options)}"
     plugin = re.search(r"Could not find '(hydra/\w+)/([^']*)'", text)
     if plugin:
-        return f"{plugin[1]}: there is no {plugin[2]!r}; is its plugin installed?"
+        extra = " pip install 'owtsweep[launchers]' brings joblib, submitit_local, submitit_slurm"
+        advice = extra if plugin[1] == "hydra/launcher" else ""
+        return f"{plugin[1]}: there is no {plugin[2]!r}; is its plugin installed?{advice}"
     if text.startswith("Error merging override"):  # a list instead of a mapping, or the reverse
         word = text.removeprefix("Error merging override ")
         if tree and (into_list := explain_key_of_list([word], tree.model)):

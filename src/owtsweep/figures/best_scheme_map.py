@@ -23,7 +23,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane
-from owtsweep.figures.shades import MOST_LISTED, Shades, add_legend, list_in_legend
+from owtsweep.figures.shades import Shades, add_legend, list_in_legend
 from owtsweep.results.conditions import Condition
 
 HATCH = "////"
@@ -39,6 +39,9 @@ ONE_LINE = 0.42
 MOST_LABELS = 600
 #: Columns of the legend, and the height of one of its lines in inches.
 LEGEND_COLUMNS, LEGEND_LINE = 3, 0.2
+#: Height of a letter of the label at the side, and of what stands between legend and footnote
+#: beside the cells: the title and the labels of the horizontal axis.
+LETTER, TITLE_AND_LABELS = 0.09, 1.1
 #: Where a line crosses a cell, the label moves to the left, and up or down, by this part of it.
 ASIDE = 0.3
 
@@ -112,7 +115,7 @@ def draw(
         What legend and footnote call the number by which schemes are judged.
     coinciding
         Groups of names of schemes with equal results. The map shows each group under the last of
-        its names.
+        its names; legend and footnote say so of the groups that some cell names.
     replicates
         Planned number of records per cell, for the title; None leaves the number out.
     failures
@@ -133,7 +136,8 @@ def draw(
         )
     plane = Plane.of(shown, conditions)
     columns, lines = len(plane.columns), len(plane.lines)
-    height = np.clip(5.5 / lines, *CELL_HEIGHT)
+    beside = LETTER * max(map(len, plane.side_label.splitlines()), default=0)
+    height = max(np.clip(5.5 / lines, *CELL_HEIGHT), beside / lines)
     tall = height >= ONE_LINE
     longest = max(len(name) for name in schemes)
     letters = longest + 8 if tall else 2 * longest + 10
@@ -141,10 +145,8 @@ def draw(
 
     rows = shown.to_dict("records")
     listed = list_in_legend(rows, schemes)
-    beyond = max(0, -(-len(listed) // LEGEND_COLUMNS) - MOST_LISTED // LEGEND_COLUMNS)
-    figure = style.new_figure(
-        max(7.2, 1.0 + width * columns), 2.2 + height * lines + LEGEND_LINE * beyond
-    )
+    cells = height * lines
+    figure = style.new_figure(max(7.2, 1.0 + width * columns), cells)
     axes = figure.add_subplot()
     labelled = len(rows) <= MOST_LABELS
     lines_of_text = "two lines" if tall else "one line"
@@ -154,12 +156,19 @@ def draw(
         f"tuning: {tuning}{_count_records(replicates, failures)}",
         loc="left",
     )
-    handles = _make_legend(rows, listed, coinciding, holes=len(rows) < plane.size)
+    named = {
+        row[what] for row in rows for what in (("best", "runner_up") if labelled else ("best",))
+    }
+    groups = style.choose_groups(coinciding, named)
+    handles = _make_legend(rows, listed, groups, holes=len(rows) < plane.size)
     add_legend(figure, handles, columns=LEGEND_COLUMNS, score=score)
-    explained = _explain(rows, coinciding, failures, score, labelled=labelled)
-    unlisted = [name for name in schemes if name not in listed]
+    explained = _explain(rows, groups, failures, score, labelled=labelled)
+    told = {name for group in groups if group[-1] in listed for name in group}
+    unlisted = [name for name in schemes if name not in listed and name not in told]
     beaten = [f"Best in no cell: {', '.join(unlisted)}."] if unlisted else []
-    style.footnote(figure, " ".join([explained, *beaten, *notes]))
+    below = style.footnote(figure, " ".join([explained, *beaten, *notes]))
+    above = LEGEND_LINE * (1 - (-len(handles) // LEGEND_COLUMNS))
+    figure.set_figheight(above + TITLE_AND_LABELS + cells + below)
     return figure
 
 

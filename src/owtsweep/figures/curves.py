@@ -120,10 +120,9 @@ def draw(
     figure = style.new_figure(5.0 * len(panels), 5.0)
     grid = figure.subplots(1, len(panels), squeeze=False)[0]
     for axes, (measure, label) in zip(grid, panels.items(), strict=True):
+        _draw_curves(axes, shown[shown["measure"] == measure], schemes, along, levels)
         for name in schemes:
             look = style_of(name, schemes)
-            rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
-            _draw_curve(axes, _place(rows[along.name], levels), rows, look)
             if points is not None:
                 rows = points[(points["scheme"] == name) & (points["measure"] == measure)]
                 place = _place(rows[along.name], levels)
@@ -157,15 +156,39 @@ def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
     return column.to_numpy()
 
 
-def _draw_curve(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
-    order = np.argsort(place, kind="stable")
-    place, rows = place[order], rows.iloc[order]
-    mean, high = rows["mean"], rows["ci_high"]
-    low = np.maximum(rows["ci_low"], LOWEST * mean)
-    line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker, "markersize": 4.5}
-    axes.plot(place, mean, color=look.color, **line)
-    axes.fill_between(place, low, high, color=look.color, alpha=0.2, linewidth=0.0)
-    axes.vlines(place, low, high, color=look.color, linewidth=1.0)
+def _draw_curves(
+    axes: Axes,
+    rows: pd.DataFrame,
+    schemes: Sequence[str],
+    along: Condition,
+    levels: Sequence[Value],
+) -> None:
+    """Draw the curve of each scheme with its intervals; `rows` are those of one measure."""
+    import seaborn as sns  # takes a second to import
+
+    rows = rows[rows["scheme"].isin(list(schemes))].astype({"scheme": object})
+    place, mean = _place(rows[along.name], levels), rows["mean"]
+    low = rows["ci_low"].clip(lower=LOWEST * mean)
+    # The intervals are those of the table. seaborn makes its own from samples, so each point is
+    # given as three: the median of them is the mean, and all of them span the interval.
+    ends = (mean, low.fillna(mean), rows["ci_high"].fillna(mean))
+    samples = pd.concat(
+        [pd.DataFrame({"scheme": rows["scheme"], "place": place, "error": end}) for end in ends],
+        ignore_index=True,
+    )
+    looks = {name: style_of(name, schemes) for name in schemes}
+    lines = {name: "" if look.line == "-" else look.line[1] for name, look in looks.items()}
+    sns.lineplot(
+        samples, x="place", y="error", hue="scheme", style="scheme", ax=axes, legend=False,
+        hue_order=schemes, style_order=schemes, dashes=lines,
+        palette={name: look.color for name, look in looks.items()},
+        markers={name: look.marker for name, look in looks.items()},
+        estimator="median", errorbar=("pi", 100), err_kws={"linewidth": 0.0},
+        markersize=4.5, markeredgewidth=0.0,
+    )  # fmt: skip
+    for name, look in looks.items():
+        mine = rows["scheme"] == name
+        axes.vlines(place[mine], low[mine], rows["ci_high"][mine], color=look.color, linewidth=1.0)
 
 
 def _draw_thin(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:

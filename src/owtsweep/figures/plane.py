@@ -117,6 +117,12 @@ class Plane:
         """
         return _place_between(values, self.columns, self.across.scale)
 
+    @property
+    def side_label(self) -> str:
+        """The label of the vertical axis, in lines that fit beside the map."""
+        title = self.upwards.title if self.upwards else ""
+        return fill(title, max(20, LETTERS_PER_LINE * len(self.lines)))
+
     def label_axes(self, axes: Axes) -> None:
         """Set limits, ticks and labels of both axes of `axes`, in which the map is drawn."""
         axes.set_xlim(-0.5, len(self.columns) - 0.5)
@@ -124,8 +130,7 @@ class Plane:
         axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])
         axes.set_yticks(range(len(self.lines)), [show_value(value) for value in self.lines])
         axes.set_xlabel(self.across.title)
-        title = self.upwards.title if self.upwards else ""
-        axes.set_ylabel(fill(title, max(20, LETTERS_PER_LINE * len(self.lines))))
+        axes.set_ylabel(self.side_label)
 
 
 def _place_between(values: Array, centres: Sequence[Value], scale: str) -> Array:

@@ -100,7 +100,7 @@ def draw(
         A sentence for the footnote that says where the data come from.
     coinciding
         Groups of names of schemes with equal values. The map shows each group under the last of its
-        names.
+        names; the footnote says so of the groups that are best somewhere.
     baselines
         Names of the baselines, to which `field.baseline` refers.
     notes
@@ -119,14 +119,16 @@ def draw(
             axis.set_major_formatter("{x:g}")
     axes.grid(visible=False)
     axes.set_title(title, loc="left")
-    handles = _make_legend(field, schemes, coinciding)
+    named = {name for number, name in enumerate(schemes) if (field.best == number).any()}
+    groups = style.choose_groups(coinciding, named)
+    handles = _make_legend(field, schemes, groups)
     for number, name in enumerate(baselines):
         share = float(np.mean(field.baseline == number))
         if share > 0.0:
             label = f"{name}: {_describe_share(share)}"
             handles.append(Shades(color=style_of(name, baselines).color, label=label))
     add_legend(figure, handles, columns=2)
-    style.footnote(figure, " ".join([_explain(field, origin, coinciding), *notes]))
+    style.footnote(figure, " ".join([_explain(field, origin, groups), *notes]))
     return figure
 
 

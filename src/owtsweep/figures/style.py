@@ -6,7 +6,7 @@ import json
 import re
 import textwrap
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -23,6 +23,8 @@ from owtsweep.io.files import write_all
 RESOLUTION = 160  # dots per inch of PNG files
 EMBEDDED_RESOLUTION = 100  # dots per inch of images inside SVG files
 SVG_LIMIT = 500 * 1024  # bytes
+#: Heights of a line of text, inches: of the footnote, and of the origin above a map's legend.
+FOOTNOTE_LINE, ORIGIN_LINE = 0.135, 0.15
 
 RC: Any = {
     "font.family": "DejaVu Sans",  # part of matplotlib, so every machine draws the same
@@ -66,10 +68,15 @@ def new_figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def footnote(figure: Figure, text: str) -> None:
-    """Write a paragraph at the bottom of a figure; lines are broken to the figure's width."""
+def footnote(figure: Figure, text: str) -> float:
+    """Write a paragraph at the bottom of a figure; lines are broken to the figure's width.
+
+    Return the height of the paragraph in inches.
+    """
     letters = int(13 * figure.get_figwidth())
-    figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
+    lines = textwrap.wrap(text, letters)
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=8)
+    return FOOTNOTE_LINE * len(lines)
 
 
 def add_origin(figure: Figure, text: str) -> None:
@@ -80,6 +87,8 @@ def add_origin(figure: Figure, text: str) -> None:
     elif figure.legends:  # at the top of a map; a title of the figure would lie on the legend
         legend = figure.legends[0]
         legend.set_title(f"{text}\n{legend.get_title().get_text()}")
+        room = ORIGIN_LINE * len(text.splitlines())  # else the map would have to give it
+        figure.set_figheight(figure.get_figheight() + room)
     else:
         figure.suptitle(text, x=0.01, ha="left", fontsize=9)
 
@@ -115,6 +124,14 @@ def add_legend_above(
         ncols=columns,
         frameon=False,
     )
+
+
+def choose_groups(groups: Sequence[Sequence[str]], named: Collection[str]) -> list[Sequence[str]]:
+    """Return the groups of schemes with equal results that a map shows: it names their last one.
+
+    `named` are the names of schemes that stand on the map.
+    """
+    return [group for group in groups if group[-1] in named]
 
 
 def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:

@@ -95,9 +95,7 @@ def read(
     return replace(bare, notes=(*left_out, *notes, *said_of_motion, *checked), leans=leans)
 
 
-def _load(
-    table: ChannelTable, needed: Iterable[str], wished: Iterable[str]
-) -> Mapping[str, Array]:
+def _load(table: ChannelTable, needed: Iterable[str], wished: Iterable[str]) -> Mapping[str, Array]:
     """Read the channels that are needed, and those that are wished for if that can be."""
     names = list(dict.fromkeys(needed))
     more = [name for name in wished if name not in names]

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from owtsweep.results.cube import Cube
+
 
 def list_maps(
     contest: Contest,
@@ -29,11 +31,14 @@ def list_maps(
     rows: pd.DataFrame,
     metadata: Mapping[str, str],
 ) -> dict[str, Drawing]:
-    """Return the map of each criterion, "map_<criterion>", with the function that draws it."""
+    """Return name -> function that draws: "map_<criterion>" of each criterion, "distributions".
+
+    The latter shows the errors of single records by the key `criterion`, if there are several.
+    """
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     notes = [*tell_unable(cube.unable), *tell_waiting(config, rows)]
     failures = int(((rows["status"] == FAILED) & rows["scheme"].isin(list(cube.schemes))).sum())
-    return {
+    drawings = {
         f"map_{criterion}": save_figure(
             partial(
                 _draw, contest, config, tables["best_scheme"], criterion, cube.schemes,
@@ -44,6 +49,55 @@ def list_maps(
         for criterion in contest.criteria
         if criterion in set(tables["best_scheme"]["criterion"])
     }  # fmt: skip
+    origin = [
+        f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.",
+        f"Sensors: {contest.describe_sensors(config)}.",
+    ]
+    return drawings | list_distributions(
+        config, cube, WINDOW, contest.criteria[config.criterion], origin, metadata
+    )
+
+
+def list_distributions(
+    config: Any,
+    cube: Cube,
+    window: str,
+    quantity: str,
+    origin: Sequence[str],
+    metadata: Mapping[str, str],
+) -> dict[str, Drawing]:
+    """Return the figure of the errors of single records, if the run has several, by its name.
+
+    Parameters
+    ----------
+    cube
+        The errors of the schemes.
+    window
+        The part of the records over which they are averaged.
+    quantity
+        What the map says that schemes are judged by.
+    origin
+        Sentences on truth and sensors, for the title.
+    """
+    from owtsweep.figures import distributions, style
+
+    if config.grid.replicates < distributions.LEAST_RECORDS:
+        return {}
+
+    def draw() -> Figure:
+        figure = distributions.draw(
+            distributions.collect(cube, config.criterion, window),
+            cube.schemes,
+            cube.conditions,
+            title=f"Errors of single records by {quantity}\n"
+            f"{style.describe_window(window)}, tuning: {config.tuning_name}",
+            label="error",
+        )
+        letters = round(LETTERS_PER_INCH * figure.get_figwidth())
+        style.add_origin(figure, "\n".join(fill(line, letters) for line in origin))
+        return figure
+
+    return {distributions.NAME: save_figure(draw, metadata)}
 
 
 def tell_unable(unable: pd.DataFrame) -> list[str]:

@@ -177,13 +177,8 @@ def _format(name: str, line: Any) -> str:
 
 
 def _make_table(config: ReplayConfig, errors: pd.DataFrame) -> RenderableType:
-    from rich.table import Table
+    from owtsweep.io.parted_table import PartedTable
 
     headings, rows = make_error_cells(config, errors)
     title = f"errors, {config.measures.window} record, tuning {config.tuning}"
-    table = Table(title=title, caption=BASELINES_TOLD)
-    for heading in headings:
-        table.add_column(heading, justify="left" if heading == "scheme" else "right")
-    for row in rows:
-        table.add_row(*row)
-    return table
+    return PartedTable(headings, rows, title=title, caption=f"{BASELINES_TOLD}.")

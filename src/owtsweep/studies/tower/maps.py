@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
-from owtsweep.studies.contest.maps import tell_unable
+from owtsweep.studies.contest.maps import list_distributions, tell_unable
 from owtsweep.studies.contest.origin import describe_draws
 from owtsweep.studies.tower.conditions import CONDITIONS
 from owtsweep.studies.tower.measures import CRITERIA, WINDOW
@@ -29,9 +29,12 @@ def list_maps(
     rows: pd.DataFrame,
     metadata: Mapping[str, str],
 ) -> dict[str, Drawing]:
-    """Return map_damage, map_base_moment and map_displacement, each with its function."""
+    """Return map_damage, map_base_moment, map_displacement and distributions with their functions.
+
+    The last shows the errors of single records by the key `criterion`, if there are several.
+    """
     cube = make_cube(config, rows)
-    return {
+    drawings = {
         f"map_{criterion}": save_figure(
             partial(
                 _draw, config, tables["best_scheme"], criterion,
@@ -43,6 +46,9 @@ def list_maps(
         for criterion in CRITERIA
         if criterion in set(tables["best_scheme"]["criterion"])
     }  # fmt: skip
+    return drawings | list_distributions(
+        config, cube, WINDOW, CRITERIA[config.criterion], _describe_origin(config), metadata
+    )
 
 
 def _draw(
@@ -69,10 +75,13 @@ def _draw(
         failures=failures,
         notes=tell_unable(unable),
     )
+    style.add_origin(figure, "\n".join(_describe_origin(config)))
+    return figure
+
+
+def _describe_origin(config: TowerConfig) -> list[str]:
     wrong = describe_errors(config)
-    lines = [
+    return [
         f"Truth: {describe_truth(config)}; {describe_draws(config)}.",
         f"Sensors: {config.sensors.name}{f'; wrong: {wrong}' if wrong else ''}.",
     ]
-    style.add_origin(figure, "\n".join(lines))
-    return figure

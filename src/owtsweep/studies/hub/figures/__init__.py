@@ -80,6 +80,7 @@ def drawings(
         **maps(config, best),
         **over_amplitude(config, summary, set(summary["natural_period"]), same),
         **list_efficiency(config, summary),
+        **list_distributions(config, rows),
     }
     return {
         **save_each(results, describe_origin(config), metadata),
@@ -235,6 +236,32 @@ def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]
     from owtsweep.studies.hub.figures import efficiency
 
     return {efficiency.NAME: partial(efficiency.draw, config, summary)}
+
+
+def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]:
+    """List the figure of the errors of single records, if there are several records, by its name.
+
+    `rows` are the run's rows.
+    """
+    from owtsweep.figures import distributions, style
+    from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
+
+    criterion, window = config.measures.criterion, config.measures.window
+    if config.grid.replicates < distributions.LEAST_RECORDS:
+        return {}
+
+    def draw() -> Figure:
+        cube = make_cube(config, rows, baselines=True)
+        return distributions.draw(
+            distributions.collect(cube, criterion, window),
+            cube.schemes,
+            cube.conditions,
+            title=f"Errors of single records, {criterion} MSE\n"
+            f"{style.describe_window(window)}, tuning: {config.tuning_name}",
+            label=PANELS[criterion],
+        )
+
+    return {distributions.NAME: draw}
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:

@@ -6,6 +6,7 @@ is computed: the region that holds 95 % of the points of a structure in the seas
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -64,7 +65,10 @@ def save_envelope(run: Run, structure: Structure, folder: Path) -> tuple[list[Pa
     for tuning, part in parts.items():
         best = part.best_scheme()
         points[f"best_{tuning}"] = find_best(cast("HubConfig", part.config), best, points)
-        results[tuning] = Results(part.config, best.iloc[:0], {"best_scheme": best})
+        rows = best.iloc[:0]
+        with suppress(InputError):  # a run whose cases are gone still has its map
+            rows = part.cases()
+        results[tuning] = Results(part.config, rows, {"best_scheme": best})
     size = SIZES[config.normalise]
     with style.context():
         figure = maps_by_tuning.draw(results, region=make_region(points, structure, size))

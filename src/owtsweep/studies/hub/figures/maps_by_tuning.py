@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,23 +16,34 @@ from matplotlib.patheffects import Normal, Stroke
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
-from owtsweep.figures.best_scheme_map import draw_cells
+from owtsweep.figures.best_scheme_map import ONE_LINE, draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import HANDLERS, Shades
+from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.winners import tell_winners
 from owtsweep.studies.hub import baseline_names, scheme_names
-from owtsweep.studies.hub.conditions import describe_values, get_map_conditions, select
+from owtsweep.studies.hub.conditions import (
+    CRITERIA,
+    describe_values,
+    get_map_conditions,
+    make_cube,
+    select,
+)
 from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from owtsweep.results.conditions import Value
     from owtsweep.sweep.results import Results
 
 NAME = "best_scheme_maps"
 #: Widths and heights in inches: of a column of cells, of a row of cells, and beside the cells.
 COLUMN, ROW, BESIDE = (0.75, 1.1), (0.3, 0.5), 1.0
+#: Width of a letter of the second name.
+LETTER = 0.065
 #: A map with more cells than this has no text in the cells.
 MOST_LABELS = 300
 
@@ -97,12 +108,14 @@ def draw(
     planes = {tuning: Plane.of(cells, axes_of_maps) for tuning, cells in shown.items()}
     columns = max(len(plane.columns) for plane in planes.values())
     lines = max(len(plane.lines) for plane in planes.values())
-    width = BESIDE + columns * float(np.clip(6.0 / columns, *COLUMN))
-    height = 2.4 + lines * float(np.clip(5.0 / lines, *ROW))
+    column, row = float(np.clip(6.0 / columns, *COLUMN)), float(np.clip(5.0 / lines, *ROW))
+    width, height = BESIDE + columns * column, 2.4 + lines * row
+    room = region is None and row >= ONE_LINE and column >= LETTER * (max(map(len, names)) + 9)
+    text = "two lines" if room else "best"
     figure = style.new_figure(max(width, 4.8) * len(results), height)
     panels = figure.subplots(1, len(results), squeeze=False)[0]
     for axes, (tuning, cells) in zip(panels, shown.items(), strict=True):
-        labels = "best" if len(cells) <= MOST_LABELS else "none"
+        labels = text if len(cells) <= MOST_LABELS else "none"
         draw_cells(axes, cells.to_dict("records"), names, planes[tuning], labels=labels)
         letters = int(12 * max(width, 4.8))
         told = "\n".join(textwrap.wrap(tell_winners(cells), letters))
@@ -124,9 +137,28 @@ def draw(
     title += f", {describe_values(config, at)}" if at else ""
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
+    second = [RUNNER_UP] if room else []
     outlined = [region.text] if region is not None else []
-    style.footnote(figure, " ".join([*outlined, EXPLANATION, *notes, OTHER_WINDOW[window]]))
+    same = [
+        f"Tuning {tuning}: {sentence}"
+        for tuning, cells in shown.items()
+        for sentence in style.explain_coinciding(_find_groups(results[tuning], cells, second=room))
+    ]
+    told = [*outlined, *second, EXPLANATION, *same, *notes, OTHER_WINDOW[window]]
+    style.footnote(figure, " ".join(told))
     return figure
+
+
+def _find_groups(result: Results, cells: pd.DataFrame, *, second: bool) -> list[Sequence[str]]:
+    """Find the groups of schemes with equal results that the map of a tuning names.
+
+    `second` says whether it names runners-up. Results without rows have no groups.
+    """
+    if result.rows.empty:
+        return []
+    config: Any = result.config
+    named = {*cells["best"], *(cells["runner_up"] if second else ())}
+    return style.choose_groups(find_coinciding(make_cube(config, result.rows), CRITERIA), named)
 
 
 #: Yellow, as the envelope is in the paper. There is no fill: it would change the cells' colours.
@@ -144,6 +176,7 @@ def _outline(axes: Axes, plane: Plane, region: Region) -> None:
     axes.add_patch(Polygon(corners, zorder=6, **_OUTLINE))
 
 
+RUNNER_UP = "Second name in a cell: the runner-up, and by how much its MSE is larger."
 EXPLANATION = (
     f"Colour: the scheme of least mean square error in the cell. {margin.EXPLANATION} Hatched: "
     "the records do not show that the best scheme is better than the next best (95 %, Holm's "

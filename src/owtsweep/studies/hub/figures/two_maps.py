@@ -127,7 +127,9 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
         loc="left",
         fontsize=10,
     )
-    same = find_coinciding(make_cube(config, rows), CRITERIA)
+    same = style.choose_groups(
+        find_coinciding(make_cube(config, rows), CRITERIA), set(shown["best"])
+    )
     notes = [f"{tuning}: {note}" for note in notes]
     notes += [f"{tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same]
     if boundaries is None or crossing is None:

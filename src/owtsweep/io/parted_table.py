@@ -1,0 +1,86 @@
+"""A table for the terminal whose texts are not cut: what does not fit goes on below."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions, RenderResult
+
+#: Spaces between two columns; the last of them is the column line of rich's box.
+GAP = 2
+
+
+@dataclass(frozen=True)
+class PartedTable:
+    """A table that rich prints: in one part if it fits the terminal, else in parts below it.
+
+    A heading is broken between words, a cell never; a single column that is wider than the terminal
+    is folded.
+
+    Attributes
+    ----------
+    headings
+        The heading of each column.
+    rows
+        The texts of each row, one per column.
+    repeated
+        Number of columns, from the left, with which each part begins.
+    title, caption
+        A line above and a sentence below the table; "" for none.
+    """
+
+    headings: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    repeated: int = 1
+    title: str = ""
+    caption: str = ""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Yield the parts."""
+        from rich import box
+        from rich.table import Table
+        from rich.text import Text
+
+        widths = self._widths()
+        if self.title:
+            yield Text(self.title, style="bold")
+        for part in self._break_columns(widths, options.max_width):
+            table = Table(
+                box=box.SIMPLE_HEAD, show_edge=False, padding=(0, GAP - 1, 0, 0), header_style=""
+            )
+            for column in part:
+                justify: Literal["left", "right"] = "left" if column < self.repeated else "right"
+                table.add_column(
+                    Text(self.headings[column], justify=justify),
+                    justify=justify, vertical="bottom", overflow="fold", width=widths[column],
+                )  # fmt: skip
+            for row in self.rows:
+                table.add_row(*(Text(row[column]) for column in part))
+            yield table
+            yield Text()
+        if self.caption:
+            yield Text(self.caption)
+
+    def _widths(self) -> list[int]:
+        """Return the width of each column: of its longest cell or word of its heading."""
+        from rich.cells import cell_len
+
+        columns = zip(self.headings, *self.rows, strict=True)
+        return [
+            max(map(cell_len, (*heading.split(), *cells)), default=1) for heading, *cells in columns
+        ]
+
+    def _break_columns(self, widths: Sequence[int], room: int) -> Iterator[list[int]]:
+        """Yield the columns of each part; `room` is the width of the terminal."""
+        first = list(range(self.repeated))
+        part = list(first)
+        for column in range(self.repeated, len(widths)):
+            taken = sum(widths[other] + GAP for other in [*part, column]) - 1
+            if taken > room and len(part) > len(first):
+                yield part
+                part = list(first)
+            part.append(column)
+        yield part
