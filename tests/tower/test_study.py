@@ -59,6 +59,18 @@ def test_a_sweep_says_who_is_best_and_what_the_sensors_miss(
     assert "4 unknown inputs" in (run.folder / "run.log").read_text()
 
 
+def test_fidelity_names_the_script_that_judges_the_paper(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["sweep", *TINY, "name=one", "schemes=[QUASI_STATIC]"]) == 0
+    capsys.readouterr()
+    assert main(["fidelity", "results/one"]) == 2
+    script = get_study("tower").judged_by
+    told = capsys.readouterr().err
+    assert f"they are judged by {script} of the project's repository; run that\n" in told
+    assert (Path(__file__).parents[2] / script).is_file()
+
+
 def test_a_scheme_without_soil_counts_at_every_soil_factor() -> None:
     config = compose([*TINY, "grid.soil_factor=[0.5,1,2]"])
     plan = list(make_plan(get_study("tower"), config).values())
