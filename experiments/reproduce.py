@@ -158,6 +158,8 @@ class Reproduction:
         run_script("better.py", folder, replicates, *words)
         run_script("moving_sea.py", folder)
         run_script("switching.py", folder, f"results={self.results}")
+        few = str(min(int(self.replicates), 8))
+        run_script("departures.py", folder, few, f"results={self.results}")
         self.keeper.keep("better")
 
     def make_tower(self) -> None:

@@ -160,3 +160,65 @@ def test_the_boundary_that_switch_computes() -> None:
     table = pd.read_csv(TABLES / "switching_boundary.csv").query("tuning == 'paper'")
     told = find(r"([\d.]+), ([\d.]+), ([\d.]+), ([\d.]+) m at 3, 4, 6, 8 s")
     assert told == table["boundary"].round(1).tolist()
+
+
+@pytest.fixture(scope="module")
+def departures() -> pd.DataFrame:
+    """MSE and other columns of SKFA and its rivals where its assumptions do not hold."""
+    return pd.read_csv(TABLES / "departures.csv")
+
+
+def test_where_skfa_is_not_the_answer(departures: pd.DataFrame) -> None:
+    wide = departures.pivot_table(
+        index=["departure", "amplitude"], columns="scheme", values="mse"
+    )  # fmt: skip
+    for words, name in (
+        (r"nothing wrong, 4 s", "none"),
+        (r"outliers, 1 % of 10 sigma", "outliers 1 %"),
+        (r"outliers, 5 % of 10 sigma", "outliers 5 %"),
+        (r"bursts of five fixes, 5 %", "bursts of 5, 5 %"),
+        (r"red noise of the fixes, \.1 m, 300 s", "red noise .1 m, 300 s"),
+    ):
+        small, large = wide.loc[(name, 0.1)], wide.loc[(name, 1.0)]
+        number = r"([\d.]+)"
+        told = find(rf"\| {words} \| {number} \| {number} \| {number} \|")
+        right = [small.SKFA / small.NONE, small.SKFA / small.HME1, large.SKFA / large.HME1]
+        assert told == pytest.approx(right, rel=0.05)
+    small, large = wide.loc[("outliers 1 %", 0.1)], wide.loc[("outliers 1 %", 1.0)]
+    none, gated = find(r"SKFA (\d\.\d) times the error of no estimator at \.1 m, "
+                       r"and (\d\.\d) times that of a gated HME1", README)  # fmt: skip
+    assert [none, gated] == pytest.approx(
+        [small.SKFA / small.NONE, large.SKFA / large.HME1], abs=0.05
+    )
+    leaning = wide.loc[("unknown tilt", 2.0)]
+    (worse,) = find(r"SKFA has (1\.\d) times the error of MKF")
+    assert worse == pytest.approx(leaning.SKFA / leaning.MKF, abs=0.05)
+
+
+def test_covariance_of_skfa_on_the_plant(departures: pd.DataFrame) -> None:
+    seas = departures[departures["departure"] == "plant"].set_index(["hs", "tp", "scheme"])
+    nees = seas.xs("SKFA", level="scheme")["nees"]
+    assert find(
+        r"NEES (\.\d+) to (\d\.\d) per degree of freedom, largest at Tp 8"
+    ) == pytest.approx([nees.min(), nees.max()], abs=0.06)
+    assert nees.idxmax()[1] == 8.0
+    wide = seas["mse"].unstack("scheme")
+    ratio = wide["SKFA"] / wide["HME1"]
+    assert find(r"SKFA has (\.\d+) to (\.\d+) of HME1's error") == pytest.approx(
+        [ratio.min(), ratio.max()], abs=0.006
+    )
+
+
+def test_other_seeds_are_told(departures: pd.DataFrame) -> None:
+    fresh = departures[departures["departure"].str.startswith("seed")]
+    skfa = fresh[fresh["scheme"] == "SKFA"]
+    wide = fresh.pivot_table(
+        index=["departure", "natural_period", "amplitude"], columns="scheme", values="mse"
+    )
+    worst = 100.0 * (wide["SKFA"] / wide["SKF"]).max() - 100.0
+    least = [100.0 * skfa["efficiency"].min(), 100.0 * skfa["efficiency"].max()]
+    low, high = find(r"SKFA reaches (\d+) to (\d+) % of the least error")
+    (cost,) = find(r"SKF is better by 1 to (\d+) %")
+    assert [low, high, cost] == pytest.approx([*least, worst], abs=0.6)
+    cost, low, high = find(r"other seeds up to (\d+) %, and (\d+) to (\d+) % of the least", README)
+    assert [low, high, cost] == pytest.approx([*least, worst], abs=0.6)

@@ -85,6 +85,7 @@ def test_each_script_draws_its_figure(capsys, monkeypatch):
         for name in (
             "agreement.py",
             "better.py",
+            "departures.py",
             "ekf_trade_off.py",
             "judge_rivals.py",
             "keeping.py",

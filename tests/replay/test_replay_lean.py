@@ -1,4 +1,4 @@
-"""A file with a platform's angles: how large gravity in a leaning IMU is, and that none is there."""
+"""A file with a platform's angles: how large gravity in a leaning IMU is."""
 
 from __future__ import annotations
 

@@ -31,9 +31,10 @@ def refuse(file: Path, *words: str) -> str:
 @pytest.mark.parametrize(
     ("every", "axes", "words", "command"),
     [
-        (100, "xy", [], "columns.specific_force_x=ax columns.specific_force_y=ay columns.fix_x=gps_x "
-         "columns.fix_y=gps_y"),
-        (20, "x", ["units.acceleration_x=mm/s^2"], "columns.specific_force_x=ax columns.fix_x=gps_x "
+        (100, "xy", [], "columns.specific_force_x=ax columns.specific_force_y=ay "
+         "columns.fix_x=gps_x columns.fix_y=gps_y"),
+        (20, "x", ["units.acceleration_x=mm/s^2"],
+         "columns.specific_force_x=ax columns.fix_x=gps_x "
          "units.specific_force_x=mm/s^2 sensors.gnss.rate=5"),
     ],
 )  # fmt: skip

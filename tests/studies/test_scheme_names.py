@@ -23,7 +23,8 @@ def test_a_class_of_a_users_says_where_it_would_run(study: str) -> None:
     [
         (["study=tower", "sensors.gnss.rate=5"],
          r"^sensors\.gnss\.rate: .*; sensors\.gnss is a list in m: use sensors\.gnss=\[\.\.\.\]$"),
-        (["study=tower", "sensors.gnss.0=80"], r"^sensors\.gnss\.0: .*; sensors\.gnss is a list in m"),
+        (["study=tower", "sensors.gnss.0=80"],
+         r"^sensors\.gnss\.0: .*; sensors\.gnss is a list in m"),
         (["study=floater", "grid.snr.x=3"], r"^grid\.snr\.x: .*; grid\.snr is a list in dB"),
         (["study=blade", "sensors.gnss.rate=5"],
          r"^sensors\.gnss\.rate: .*; below sensors there are sensors\.fix_rate, "),

@@ -144,6 +144,19 @@ def test_only_what_is_known_is_compared(tmp_path):
     assert got == pytest.approx({"F_024": 0.0, "x_012": 0.1}, abs=1e-7)
 
 
+def test_errors_are_divided_by_what_the_maps_title_says(tmp_path):
+    """ "Std of its error over its own std": an offset of signal or error counts in neither."""
+    wave = np.sin(20.0 * TIME)
+    file = write(tmp_path / "r.csv", time=TIME, M_0=50.0 + wave, x_12=3.0 + wave, F_24=TIME**0)
+    motion = make_motions(read_record(file), CUT)["fa"]
+    dof = len(CUT.mass)
+    guess = Estimates(np.tile(7.0 + 0.9 * wave[:, None], dof), np.tile(1.2 * wave[:, None], 4))
+    found = measure({"fa": motion}, {"fa": guess}, CUT, 5)
+    assert found == pytest.approx(
+        {"M_000_fa": 0.2, "x_012_fa": 0.1, "displacement": 0.1, "base_moment": 0.2}, abs=1e-6
+    )  # a constant force has no deviation, so it is left out
+
+
 def test_the_mast_of_the_project_is_always_the_same(tmp_path):
     script = runpy.run_path(str(ROOT / "experiments" / "tower" / "make_recorded.py"))
     columns = script["make"](MAST, 1500)

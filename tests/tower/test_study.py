@@ -15,6 +15,7 @@ from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
+from owtsweep.studies.tower.origin import describe_noise
 from owtsweep.studies.tower.setting import misjudge
 from owtsweep.studies.tower.tables import spread_soil
 from owtsweep.sweep.plan import make_plan
@@ -47,19 +48,51 @@ def test_a_sweep_says_who_is_best_and_what_the_sensors_miss(
     assert main(["sweep", *blind, *words, "name=two", "seed=1"]) == 0
     assert "unable: 4 cases: AKF is blind" in capsys.readouterr().err
     run = load("results/two")
-    best = run.tables()["best_scheme"]
+    both = run.tables()
+    best = both["best_scheme"]
     assert set(best["tuning"]) == {"paper", "matched"}
     assert set(best["best"]) == {"MDE"}
     assert set(best["status"]) == {"unable"}
     shown = StringIO()
     config = run.config.by_tuning()["paper"]
-    tables = {"best_scheme": best[best["tuning"] == "paper"]}
+    tables = {name: table[table["tuning"] == "paper"] for name, table in both.items()}
     Console(file=shown, width=300).print(run.engine.terminal(config, tables))
     assert "Best scheme by damage error" in shown.getvalue()
     assert "Position and velocity of the rigid translation are unseen" in shown.getvalue()
+    assert re.search(
+        r"At 1 % of noise the quietest inclinometer has [\d.e-]+ microrad, the quietest "
+        r"accelerometer has [\d.e-]+ micro-g, fore-aft \(standard deviation per sample at 20 Hz",
+        shown.getvalue(),
+    )
+    assert "A real inclinometer reads theta - a/g, which no scheme here knows" in shown.getvalue()
     assert "4 unknown inputs" in (run.folder / "run.log").read_text()
     monkeypatch.setattr(distributions, "LEAST_RECORDS", 1)
     assert len(run.draw("distributions_paper")) == 2
+
+
+def test_fidelity_names_the_script_that_judges_the_paper(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["sweep", *TINY, "name=one", "schemes=[QUASI_STATIC]"]) == 0
+    capsys.readouterr()
+    assert main(["fidelity", "results/one"]) == 2
+    script = get_study("tower").judged_by
+    told = capsys.readouterr().err
+    assert f"they are judged by {script} of the project's repository; run that\n" in told
+    assert (Path(__file__).parents[2] / script).is_file()
+
+
+def test_what_noise_is_in_microrad_and_g_is_told_of_the_sensors_that_are_there() -> None:
+    table = pd.DataFrame({
+        "measure": ["noise_theta", "noise_theta", "noise_a"], "noise": [1.0, 10.0, 10.0],
+        "mean": [2e-6, 20e-6, 10.0 * 5e-6 * 9.80665],
+    })  # fmt: skip
+    config = compose([*TINY, "faults.accelerated_inclinometers=true"])
+    noise, fault = describe_noise(config, table)
+    assert "inclinometer has 2 microrad, the quietest accelerometer has 5 micro-g" in noise
+    assert fault == "The inclinometers here read theta - a/g, and no scheme knows it."
+    bare = compose([*TINY, "sensors.inclinometers=[]", "schemes=[MDE]"])
+    assert describe_noise(bare, table[:0]) == []
 
 
 def test_a_scheme_without_soil_counts_at_every_soil_factor() -> None:

@@ -21,8 +21,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises
     ------
     InputError
-        If the run's study has no published results, the run holds expected values instead of
-        records, or no case of the run has succeeded.
+        If the run's study has no published results, or a script of its own that judges them; if
+        the run holds expected values instead of records, or no case of it has succeeded.
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
@@ -31,6 +31,13 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     opened = load(options.run)
     study = opened.study
+    script = getattr(study, "judged_by", None)
+    if script is not None:
+        raise InputError(
+            f"{opened.folder}: a run of study {study.name!r} has one truth, and the statements of "
+            f"its paper compare several on the same records; they are judged by {script} of the "
+            "project's repository; run that"
+        )
     if not isinstance(study, Judged):
         raise InputError(
             f"{opened.folder}: this is a run of study {study.name!r}, which has no published "

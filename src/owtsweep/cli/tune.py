@@ -44,7 +44,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     study = get_study(config.study)
     if not isinstance(study, Tunable):
         raise InputError(
-            f"study: {config.study!r} has nothing to tune; `tune` serves {list_serving(Tunable)} only"
+            f"study: {config.study!r} has nothing to tune; `tune` serves "
+            f"{list_serving(Tunable)} only"
         )
     path = _choose_path(options.output, config)
     check_writable(path.parent, "--output", "name another file by --output FILE")

@@ -25,8 +25,8 @@ PATTERNS = {
     "tower_y": "yawbrtdyt|ttdspss|yawbrtdyp|towery|towertopy",
     "tower_z": "yawbrtdzt|ttdspax|yawbrtdzp",
 }
-#: Further names of the platform's angles beside a position. HAWC2: projected angles of a body, about
-#: the global axes, of which the first body is taken.
+#: Further names of the platform's angles beside a position. HAWC2: projected angles of a body,
+#: about the global axes, of which the first body is taken.
 ANGLES = {
     "platform_roll": PATTERNS["platform_roll"] + r"|(staterot)?projangt?x.*global\d*",
     "platform_pitch": PATTERNS["platform_pitch"] + r"|(staterot)?projangt?y.*global\d*",

@@ -31,3 +31,12 @@ def read_stored_tests() -> pd.DataFrame:
     per s), value.
     """
     return read_published(PACKAGE, "mehammer2018_stored_tests.csv", text=("test",))
+
+
+def read_author_record() -> pd.DataFrame:
+    """Read what the author's record of the buoy and SIMA's record say (reference [12]).
+
+    Made by experiments/floater/author_record.py, which says how. Columns: state (x, y, z), measure
+    (rms_error and drift, m; velocity_rms and high, m/s; lag, ms), estimate, value.
+    """
+    return read_published(PACKAGE, "mehammer2018_record.csv")

@@ -10,7 +10,7 @@ from owtsweep.motion.recorded.composing import LEAST
 
 
 def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
-    """Say in a sentence how large g sin(pitch) and g sin(roll) are beside the motion's acceleration.
+    """Say how large g sin(pitch) and g sin(roll) are beside the motion's acceleration.
 
     Compared are standard deviations, from `begin` (s) after the motion's start on. The mean is told
     but not compared: a constant lean is a constant bias of the accelerometer, which schemes

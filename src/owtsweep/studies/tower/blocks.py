@@ -15,8 +15,8 @@ from owtsweep.results.status import OK, UNABLE
 from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import Channel, Prepared, Scheme, Unable
-from owtsweep.studies.tower.measures import WINDOW, compare, find_true_fatigue
+from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Prepared, Scheme, Unable
+from owtsweep.studies.tower.measures import WINDOW, compare, find_quietest, find_true_fatigue
 from owtsweep.studies.tower.recorded_truth import measure as compare_with_record
 from owtsweep.studies.tower.schemes import resolve, resolve_all
 from owtsweep.studies.tower.setting import make_setting
@@ -88,6 +88,7 @@ def run(config: TowerConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, p
                 )
             else:
                 found = compare(chosen, case, true_fatigue, estimates)
+            found |= find_quietest(channels.get(DIRECTIONS[0], []))
             yield block, _tell(block, found, OK, "")
 
 

@@ -13,7 +13,7 @@ from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.conditions import CONDITIONS
 from owtsweep.studies.tower.maps import list_maps
 from owtsweep.studies.tower.measures import CRITERIA, WINDOW
-from owtsweep.studies.tower.origin import describe_errors, describe_truth
+from owtsweep.studies.tower.origin import describe_errors, describe_noise, describe_truth
 from owtsweep.studies.tower.sight import describe_sight
 from owtsweep.studies.tower.tables import make_tables
 
@@ -55,7 +55,7 @@ class TowerEngine:
         return ["noise", "soil_factor", "scheme", "measure", "window", "replicate"]
 
     def terminal(self, config: TowerConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Return the map by the key `criterion`, who wins by each one, and what the sensors see."""
+        """Return the map by the key `criterion`, all winners, the noise, and what is seen."""
         from rich.console import Group
         from rich.text import Text
 
@@ -75,7 +75,10 @@ class TowerEngine:
             for criterion in CRITERIA
             if len(cells := best[best["criterion"] == criterion])
         ]
-        seen = [Text(line) for line in describe_sight(config)]
+        seen = [
+            Text(line)
+            for line in (*describe_noise(config, tables["summary"]), *describe_sight(config))
+        ]
         return Group(*(Text(line, style="bold") for line in origin), shown, *told, *seen)
 
     def overview(self, config: TowerConfig) -> str:

@@ -30,7 +30,8 @@ UNITS = {
 def estimate_record(config: TowerConfig, replicate: int) -> EstimatedRecord:
     """Make a record, run all schemes on both its directions, and return all of it.
 
-    No scheme of this study states a covariance. Names of quantities and signals end with the direction, "_fa" or "_ss".
+    No scheme of this study states a covariance. Names of quantities and signals end with the
+    direction, "_fa" or "_ss".
 
     Raises
     ------

@@ -6,8 +6,9 @@ Names of measures end with the direction, "fa" or "ss". Signals are judged after
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,9 +21,11 @@ from owtsweep.evaluation.signals import (
     find_lag,
 )
 from owtsweep.structures.fatigue import compute_damage, count_cycles, find_equivalent_range
-from owtsweep.studies.tower.case import Case
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Estimates
+from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Kind
+
+if TYPE_CHECKING:
+    from owtsweep.studies.tower.case import Case
 
 #: Criteria of the maps -> what the title of a map says.
 CRITERIA = {
@@ -42,6 +45,8 @@ EXPONENT, CYCLE_RATE = 4.0, 1.0
 MOST_DOUBLINGS = 60.0
 #: Longest lag that is looked for, s.
 LONGEST_LAG = 5.0
+#: Kind of a sensor -> the measure that holds its smallest noise.
+QUIETEST: dict[Kind, str] = {"theta": "noise_theta", "a": "noise_a"}
 
 
 @dataclass(frozen=True)
@@ -105,11 +110,11 @@ def compare(
         for z, own, by in zip(_heights(case), fatigue.damage, ratio, strict=True):
             found[f"damage_{name_height(z)}_{direction}"] = float(own)
             found[f"damage_ratio_{name_height(z)}_{direction}"] = float(by)
-        error = _scatter(true_moved[:, ::2], moved[:, ::2])
+        error = scatter(true_moved[:, ::2], moved[:, ::2])
         worst = max(worst, float(np.nanmax(error)))
         if direction == DIRECTIONS[0]:
             moment = INPUTS.index("M0")
-            found["base_moment"] = float(_scatter(true_loads[:, moment], loads[:, moment]))
+            found["base_moment"] = float(scatter(true_loads[:, moment], loads[:, moment]))
         found |= _compare_signals(config, case, direction, true_moved, moved, true_loads, loads)
         if estimate.wave is not None and np.any(motion.wave):
             of_wave = compute_trac(motion.wave[settled], estimate.wave[settled])
@@ -120,7 +125,7 @@ def compare(
     return found
 
 
-def _scatter(truth: Array, estimate: Array) -> Array:
+def scatter(truth: Array, estimate: Array) -> Array:
     """Return the standard deviation of the error over that of the truth, of each column.
 
     The mean error does not count: in the field the zero of an inclinometer is not known, and
@@ -165,6 +170,20 @@ def _compare_signals(
     return found | {
         f"lag_{name}_{direction}": float(lag) for name, lag in zip(INPUTS, lags, strict=True)
     }
+
+
+def find_quietest(channels: Sequence[Channel]) -> dict[str, float]:
+    """Return the smallest noise per sample of inclinometers (rad) and of accelerometers (m/s^2).
+
+    Channels are those of one direction. Keys are those of `QUIETEST`; a kind that no channel has is
+    left out.
+    """
+    found: dict[str, float] = {}
+    for kind, name in QUIETEST.items():
+        noises = [channel.sigma for channel in channels if channel.kind == kind]
+        if noises:
+            found[name] = min(noises)
+    return found
 
 
 def list_measures(names: Iterable[str]) -> list[str]:

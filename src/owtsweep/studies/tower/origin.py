@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from owtsweep.gravity import GRAVITY
 from owtsweep.studies.contest.origin import describe_draws
+from owtsweep.studies.tower.measures import QUIETEST
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from owtsweep.studies.tower.config import TowerConfig
 
 
@@ -44,6 +48,35 @@ def describe_errors(config: TowerConfig) -> str:
     if faults.accelerated_inclinometers:
         told.append("inclinometers feel acceleration")
     return ", ".join(told)
+
+
+def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
+    """Return in words what 1 % of noise is, and what the inclinometers are taken for.
+
+    `summary` is the table of that name.
+    """
+    lines: list[str] = []
+    told = []
+    for kind, words, unit, size in (
+        ("theta", "inclinometer", "microrad", 1e-6),
+        ("a", "accelerometer", "micro-g", 1e-6 * GRAVITY),
+    ):
+        part = summary[summary["measure"] == QUIETEST[kind]]
+        if len(part):
+            told.append(f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}")
+    if told:
+        lines.append(
+            f"At 1 % of noise the quietest {', the quietest '.join(told)}, fore-aft "
+            f"(standard deviation per sample at {config.record.rate:g} Hz)."
+        )
+    if config.sensors.inclinometers or "inclinometers" in config.sensors.every_node:
+        lines.append(
+            "The inclinometers here read theta - a/g, and no scheme knows it."
+            if config.faults.accelerated_inclinometers
+            else "A real inclinometer reads theta - a/g, which no scheme here knows: "
+            "faults.accelerated_inclinometers=true says what that costs."
+        )
+    return lines
 
 
 def describe_origin(config: TowerConfig) -> str:

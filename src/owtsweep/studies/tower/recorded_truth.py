@@ -14,6 +14,7 @@ import numpy as np
 from owtsweep.errors import require
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.contract import Estimates, Kind
+from owtsweep.studies.tower.measures import scatter
 from owtsweep.studies.tower.recorded import KINDS, NEAR, Recorded, RecordedStructure, read_record
 from owtsweep.studies.tower.truth import Motion
 
@@ -129,7 +130,7 @@ def measure(
     Returns
     -------
     dict
-        Channel and direction, e.g. "F_024_fa" -> rms error over the rms of the recorded signal;
+        Channel and direction, e.g. "F_024_fa" -> as `compare`;
         "displacement", the worst of the recorded displacements; and "base_moment", that of M0
         fore-aft where it is recorded.
     """
@@ -174,8 +175,9 @@ def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) ->
     Returns
     -------
     dict
-        Channel, e.g. "F_024" or "theta_012" -> rms error over the rms of the recorded signal.
-        Signals that are NaN or zero are left out.
+        Channel, e.g. "F_024" or "theta_012" -> standard deviation of the error over that of the
+        recorded signal (`measures.scatter`: a mean error does not count). Signals that are NaN or
+        constant are left out.
     """
     heights = cut.heights - cut.heights[0]
     ends = heights[[0, 0, -1, -1]]
@@ -191,7 +193,7 @@ def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) ->
                 estimates.displacement[first:, at],
             ))  # fmt: skip
     return {
-        name: float(np.sqrt(np.mean((guess - truth) ** 2) / np.mean(truth**2)))
+        name: float(scatter(truth, guess))
         for name, truth, guess in pairs
-        if np.all(np.isfinite(truth)) and np.any(truth)
+        if np.all(np.isfinite(truth)) and np.ptp(truth) > 0.0
     }

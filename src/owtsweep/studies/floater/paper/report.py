@@ -84,8 +84,9 @@ def _document(
             f"{record.settling:g} s; the decay 120 s at 200 Hz, judged after 2 s. The truth "
             "is a motion of declared spectra, and a decay of declared periods, not the author's "
             "SIMA record and buoy: absolute numbers cannot agree, ratios and statements can. "
-            "Series that only the author's files hold are marked so. Brackets are 95 % intervals "
-            "of means over the records."
+            "Numbers of the author's record are marked so: it is public (the paper's reference "
+            "[12]), has no licence, and is not kept here; experiments/floater/author_record.py "
+            "makes them. Brackets are 95 % intervals of means over the records."
         ),
         Heading("In short"),
         Bullets(
@@ -97,9 +98,9 @@ def _document(
         *sections.statement_section(statements, DEFINITIONS),
         Heading("Rms errors in the author's files"),
         Paragraph(
-            "Author's number / mean over the records here, m. The author's file is needed to "
-            "compare them on one motion. z of test 10 is what the author's delay buffer is padded "
-            "with."
+            "Author's number, on SIMA's record / mean over the records here, m. SIMA's record is "
+            "not kept here, so the motions differ. z of test 10 is what the author's delay buffer "
+            "is padded with."
         ),
         show_stored(table),
         *sections.goal_section(goals),

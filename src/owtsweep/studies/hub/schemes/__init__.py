@@ -36,7 +36,7 @@ INSTEAD = {
 #: Name -> description of further schemes, which run only if the key `schemes` names them.
 ON_REQUEST = {
     "SKF": "Kalman filter that is told the spectrum and the amplitude of the motion",
-    "SKFA": "SKF that is told nothing, and tracks spectrum and amplitude itself",
+    "SKFA": "SKF that is told nothing and tracks the sea itself; for fixes without outliers",
     "SWITCH": "HME1 or HME2, by estimated amplitude and period",
 }
 

@@ -1,6 +1,9 @@
 """SKFA: SKF that is told nothing, and tracks the spectrum and the variance of the motion itself.
 
-See `motion.tracking` for how a spectrum is chosen, and `tracking_filter` for what follows from it.
+It is for steady seas, fixes without outliers or red noise, and an IMU whose tilt is known: an
+outlier or a slow error of the fixes is taken for motion (docs/better.md, "Where SKFA is not the
+answer"). See `motion.tracking` for how a spectrum is chosen, and `tracking_filter` for what
+follows from it.
 """
 
 from __future__ import annotations

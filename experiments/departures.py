@@ -1,0 +1,89 @@
+"""How SKFA fares where its assumptions do not hold: faults, red noise, tilt, the plant, new seeds.
+
+    python experiments/departures.py [FOLDER] [RECORDS] [NAME=VALUE ...]
+
+Every departure is the truth of experiment=better (tuning=matched, sensors=strong_bias) with one
+thing changed, in RECORDS records (default 8) of 600 s, errors from 120 s on. HME1 refuses outlying
+fixes by `fix_rule=gate`. SKFA, like all others, is not told of the change. `plant` has a structure
+under waves (motion=plant, records of 1000 s). `seed N` are RECORDS records of 2000 s of other seeds
+than that of efficiency.csv, in all its cells.
+
+Writes into FOLDER (default: results/better) departures.csv: departure, natural_period (s) and
+amplitude (m) or hs (m) and tp (s), scheme, mse (of the position, m^2), nees (per degree of
+freedom), efficiency (bound (b) over mse; with seeds alone). Further arguments are overrides of all
+runs.
+"""
+
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+import owtsweep
+from owtsweep.io.tables import write_table
+
+#: States that NEES counts: position and velocity, x and y.
+STATES = 4.0
+SHORT = ["measures.efficiency=false", "record.duration=600", "hme1.fix_rule=gate"]
+SCHEMES = ["schemes=[MKF,HME1,SKFA]", "baselines=[NONE]"]
+FOUR = ["grid.natural_period=[4]", "grid.amplitude=[0.1,1]"]
+GNSS = "sensors.gnss"
+#: Name -> what is changed.
+DEPARTURES = {
+    "none": FOUR,
+    "outliers 1 %": [*FOUR, f"{GNSS}.outliers.rate=0.01"],
+    "outliers 5 %": [*FOUR, f"{GNSS}.outliers.rate=0.05"],
+    "bursts of 5, 5 %": [*FOUR, f"{GNSS}.outliers.rate=0.05", f"{GNSS}.outliers.length=5"],
+    "red noise .1 m, 300 s": [
+        *FOUR, f"{GNSS}.correlation.sigma=0.1", f"{GNSS}.correlation.time=300",
+    ],
+    "unknown tilt": [
+        "grid.natural_period=[8]", "grid.amplitude=[0.1,2]", "sensors.imu.tilt=0.0137",
+        "skf.tilt=0", "mkf.tilt=0", "hme1.tilt=0",
+    ],
+}  # fmt: skip
+SEAS = ["motion=plant", "motion.hs=[1,2,3]", "motion.tp=[4,6,8]", "record.duration=1000"]
+SEEDS = (1, 2)
+COLUMNS = [
+    "departure", "natural_period", "amplitude", "hs", "tp", "scheme", "mse", "nees", "efficiency",
+]  # fmt: skip
+
+
+def run(name, words):
+    """Return the settled errors of one run, with the columns COLUMNS."""
+    summary = owtsweep.run(words).summary()
+    kept = summary[summary["window"] == "settled"]
+    cell = [each for each in ("natural_period", "amplitude", "hs", "tp") if each in kept]
+    place = [*cell, "scheme"]
+    parts = {
+        "mse": kept[kept["measure"] == "position"].set_index(place)["mean"],
+        "nees": kept[kept["measure"] == "nees"].set_index(place)["mean"] / STATES,
+    }
+    if "efficiency_b" in kept:
+        parts["efficiency"] = kept[kept["measure"] == "position"].set_index(place)["efficiency_b"]
+    table = pd.concat(parts, axis=1).reset_index().assign(departure=name)
+    print(f"{name}: {len(table)} rows", flush=True)
+    return table.reindex(columns=COLUMNS)
+
+
+def main(folder, records, overrides):
+    folder.mkdir(parents=True, exist_ok=True)
+    common = ["experiment=better", f"grid.replicates={records}"]
+    tables = [
+        run(name, [*common, *SHORT, *SCHEMES, *words, *overrides])
+        for name, words in DEPARTURES.items()
+    ]
+    tables.append(run("plant", [*common, *SHORT, *SCHEMES, *SEAS, *overrides]))
+    for seed in SEEDS:
+        words = [f"seed={seed}", "schemes=[HME1,SKF,SKFA]", "baselines=[]"]
+        tables.append(run(f"seed {seed}", [*common, *words, *overrides]))
+    print(write_table(folder, "departures", pd.concat(tables, ignore_index=True)))
+
+
+if __name__ == "__main__":
+    given = [word for word in sys.argv[1:] if "=" not in word]
+    main(
+        Path(given[0] if given else "results/better"),
+        int(given[1]) if len(given) > 1 else 8,
+        [word for word in sys.argv[1:] if "=" in word],
+    )
