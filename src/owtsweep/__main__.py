@@ -13,8 +13,8 @@ from typing import Any, NoReturn
 STOPS = ("SIGINT", "SIGTERM", "SIGHUP")
 #: The variables by which the libraries of linear algebra learn how many threads they may start.
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-#: A stopped command may take this many seconds to end. Threads and processes that schemes have
-#: started may outlive the command by as many seconds.
+#: A stopped command may take this many seconds to end. Threads that schemes have started may
+#: outlive the command by as many seconds.
 GRACE = 5
 
 #: Time (s) after which a stop that Python has lost is raised again.
@@ -40,8 +40,10 @@ def run() -> NoReturn:
     sys.warnoptions.append("ignore:resource_tracker:UserWarning")
     _open_missing_streams()
     try:
+        from owtsweep import compiled
         from owtsweep.cli import main
 
+        compiled.name_command()
         code = main()
     except BaseException:
         if not _stopped_by:
@@ -52,6 +54,7 @@ def run() -> NoReturn:
         # A library interrupted while it loads may abort the normal exit of the interpreter.
         _end(128 + _stopped_by)
     _flush()
+    _end_workers()
     for number in numbers:  # they would kill the interpreter while it ends
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_late, args=(code,), daemon=True).start()
@@ -132,7 +135,7 @@ def _end_late(code: int) -> None:
     Python's interpreter alone might wait for ever for a thread that does not end.
     """
     time.sleep(GRACE)
-    _say("a thread or process that was started here does not end, and is ended")
+    _say("a thread that was started here does not end, and is ended")
     _end(code)
 
 
@@ -142,12 +145,18 @@ def _say(text: str) -> None:
 
 
 def _end(code: int) -> NoReturn:
-    """End this process at once with the exit code `code`.
-
-    Before that, end the worker processes of joblib, and all processes that the workers have
-    started.
-    """
+    """End this process at once with the exit code `code`, after all of its worker processes."""
     _flush()
+    _end_workers()
+    os._exit(code)
+
+
+def _end_workers() -> None:
+    """End the worker processes of joblib, and all processes that the workers have started.
+
+    Their results are stored. Left to themselves, they would take seconds of computing to unload
+    their libraries, and this process would wait for them.
+    """
     if "joblib" in sys.modules:
         from multiprocessing import active_children
 
@@ -155,7 +164,6 @@ def _end(code: int) -> NoReturn:
 
         for child in active_children():
             kill_process_tree(child)
-    os._exit(code)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import os
 import re
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -24,6 +25,8 @@ _IMPORT = re.compile(r"^ *from owtsweep\.([\w.]+) import ", re.MULTILINE)
 
 #: The end of the cache folder's name, for all kernels that are imported from now on.
 variant = ""
+#: The environment variable that names a command to all of its processes.
+COMMAND = "OWTSWEEP_COMMAND"
 
 
 @cache
@@ -82,10 +85,37 @@ def cache_directory() -> Path:
 
 @cache
 def announce(directory: Path) -> None:
-    """Log and print to stderr, once per folder, that kernels are being compiled into the folder."""
+    """Log that kernels are being compiled into the folder, and print it to stderr.
+
+    It is printed once per folder and command, whichever of the command's processes is the first.
+    """
     text = f"compiling kernels, once (up to a minute); they are kept in {directory}"
     logging.getLogger(__name__).info(text)
-    print(f"owtsweep: {text}", file=sys.stderr)
+    if _is_first_to_tell(directory):
+        # A worker process does not know of the bar that another process draws: it erases the bar,
+        # which is drawn again one line below.
+        erase = "\r\x1b[K" if sys.stderr.isatty() else ""
+        print(f"{erase}owtsweep: {text}", file=sys.stderr, flush=True)
+
+
+def _is_first_to_tell(directory: Path) -> bool:
+    """Return whether no other process of this command has told of the folder yet."""
+    mine = directory / f"told-{os.environ.get(COMMAND, os.getpid())}"
+    try:
+        mine.touch(exist_ok=False)
+    except FileExistsError:
+        return False
+    except OSError:  # without the folder every process tells it
+        return True
+    for earlier in directory.glob("told-*"):
+        if earlier != mine:
+            earlier.unlink(missing_ok=True)
+    return True
+
+
+def name_command() -> None:
+    """Give this process and those that it starts a name in common, unless they have one."""
+    os.environ.setdefault(COMMAND, f"{os.getpid()}-{time.time_ns()}")
 
 
 @cache

@@ -6,6 +6,7 @@ conftest.
 
 from __future__ import annotations
 
+import atexit
 import logging
 import os
 import signal
@@ -62,7 +63,8 @@ class DummyStudy:
 
     `faults` says at which block (by its label) what happens: "raise", "memory", "exit", "silent"
     (no rows), "statusless" (rows of the wrong shape), "interrupt" (Ctrl-C to the sweep), "kill"
-    (the worker process dies), "thread" (one that never ends), "slow", "log", those of `BASE`, and
+    (the worker process dies), "thread" (one that never ends), "slow end" (of
+    the worker process), "slow", "log", those of `BASE`, and
     those of `ROWS`, where cases have no number.
     """
 
@@ -123,6 +125,8 @@ class DummyStudy:
                 os.kill(os.getpid(), signal.SIGKILL)
             if fault == "thread":
                 threading.Thread(target=threading.Event().wait, daemon=False).start()
+            if fault == "slow end" and os.getpid() != self.parent:
+                atexit.register(time.sleep, 60.0)
             if fault == "slow":
                 time.sleep(0.1)
             if fault == "log":

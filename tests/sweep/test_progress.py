@@ -84,10 +84,25 @@ def test_lines_come_every_30_seconds_with_rate_and_time_left():
     lines.stop()
     assert stream.getvalue().splitlines() == [
         "1000 cases, 200 of them stored already",
-        "300 of 1000 cases, 3 failed, 3.33/s, 4 min left",
-        "300 of 1000 cases, 3 failed, 1.67/s, 7 min left",
-        "300 of 1000 cases, 3 failed, 1.25/s, 9 min left",
+        "300 of 1000 cases, 3 failed, 3.33 cases/s, 4 min left",
+        "300 of 1000 cases, 3 failed, 1.67 cases/s, 7 min left",
+        "300 of 1000 cases, 3 failed, 1.25 cases/s, 9 min left",
     ]
+
+
+@pytest.mark.parametrize(
+    ("cases", "rate"),
+    [(139_049, "1 390 cases/s"), (123_456_789, "1 230 000 cases/s"), (99_960, "1 000 cases/s")],
+)
+def test_a_high_rate_is_told_in_digits(cases, rate):
+    now = [0.0]
+    stream = io.StringIO()
+    lines = LineProgress(stream, clock=lambda: now[0])
+    lines.start(2 * cases, 0)
+    lines.advance(cases)
+    now[0] = 100.0
+    lines.stop()
+    assert f" failed, {rate}, 2 min left" in stream.getvalue()
 
 
 def test_a_stream_that_is_gone_does_not_stop_a_sweep(study, config):

@@ -33,6 +33,7 @@ from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.multirun_record import PlannedRun, write_record
 from owtsweep.sweep.provenance import read_manifest
+from owtsweep.sweep.worker import end_with_parent
 
 logger = logging.getLogger(__name__)
 
@@ -96,7 +97,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
-        job = Job(str(folder), tuple(argv), located.study, options.config_dir)
+        job = Job(str(folder), tuple(argv), located.study, options.config_dir, os.getpid())
         _through_hydra(job, options, folder, located)
     except KeyboardInterrupt:
         _tell(folder, planned, options, stopped=True)
@@ -125,16 +126,21 @@ class Job:
         The study that the overrides name; None if they name none.
     config_dir
         The folder with further config groups; None if the user names none.
+    coordinator
+        The id of the process that started the multirun.
     """
 
     folder: str
     argv: tuple[str, ...]
     study: str | None
     config_dir: str | None
+    coordinator: int
 
     def __call__(self, composed: Any) -> None:
         from hydra.core.hydra_config import HydraConfig
 
+        if os.getppid() == self.coordinator:  # a process of the joblib launcher
+            end_with_parent(self.coordinator)
         task = [str(o) for o in HydraConfig.get().overrides.task if not _is_results(str(o))]
         if self.study:
             task.insert(0, f"study={self.study}")

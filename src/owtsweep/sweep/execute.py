@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import signal
 import threading
@@ -15,6 +16,7 @@ from pathlib import Path
 from pickle import PicklingError
 from typing import TYPE_CHECKING, Any
 
+from owtsweep import compiled  # in this form the module counts as no source of kernels
 from owtsweep.io.search_path import no_modules_of_this_folder
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback
@@ -25,6 +27,7 @@ from owtsweep.sweep.worker import (
     Local,
     TaskResult,
     Work,
+    begin_process,
     is_disk_full,
     one_line,
     run_task,
@@ -194,6 +197,9 @@ class Executor:
                 "backend": self.work.backend,
                 "pre_dispatch": 1 if workers == 1 else "2*n_jobs",
             }
+            if self.work.backend == "loky":
+                compiled.name_command()
+                options |= {"initializer": begin_process, "initargs": (os.getpid(),)}
         return Parallel(return_as="generator_unordered", batch_size=1, **options)
 
     def _store_returned(self, result: TaskResult) -> None:

@@ -95,7 +95,7 @@ class LineProgress(Progress):
             done, failed = self._done, self._failed
         seconds = self._clock() - self._began
         rate = (done - self._reused) / seconds if seconds > 0.0 else 0.0
-        line = f"{done} of {self._total} cases, {failed} failed, {rate:.3g}/s"
+        line = f"{done} of {self._total} cases, {failed} failed, {_rate(rate)}"
         if rate > 0.0 and done < self._total:
             line += f", {_duration((self._total - done) / rate)} left"
         return line
@@ -124,7 +124,7 @@ class BarProgress(Progress):
 
         class RateColumn(TextColumn):
             def render(self, task: Task) -> Text:
-                return Text("" if task.speed is None else f"{task.speed:.3g}/s")
+                return Text("" if task.speed is None else _rate(task.speed))
 
         self._bar = Progress(
             BarColumn(),
@@ -166,6 +166,13 @@ def make_progress() -> Progress:
     from rich.console import Console
 
     return BarProgress(Console(stderr=True))
+
+
+def _rate(rate: float) -> str:
+    """Return cases per second as text with three digits that count, e.g. "1 390 cases/s"."""
+    if rate < 999.5:
+        return f"{rate:.3g} cases/s"
+    return f"{float(f'{rate:.3g}'):,.0f} cases/s".replace(",", " ")
 
 
 def _duration(seconds: float) -> str:

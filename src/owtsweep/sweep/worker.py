@@ -9,12 +9,14 @@ exception escapes.
 from __future__ import annotations
 
 import errno
+import os
 import signal
 import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Config
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
 #: Error numbers of a full disk or quota; after such an error a sweep stops.
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 NOT_COMPUTED = "not computed, because the disk is full"
+#: Seconds after which a worker process looks again whether its parent is there.
+LOOK = 1.0
 
 
 @dataclass(frozen=True)
@@ -151,9 +155,6 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
     if differs:
         result.failures += [Setback(b.label, differs, b.cases) for b in blocks.values()]
         return result
-    if work.backend == "loky":
-        _leave_interrupts_to_the_coordinator()
-        keep_freed_memory()
     with collect_entries(work.backend != "threading") as entries:
         try:
             _Task(work, blocks, local, result).run()
@@ -276,7 +277,28 @@ def is_disk_full(error: BaseException) -> bool:
     return isinstance(error, OSError) and error.errno in DISK_FULL
 
 
-def _leave_interrupts_to_the_coordinator() -> None:
+def begin_process(parent: int) -> None:
+    """Prepare a new worker process, before its first task.
+
+    `parent` is the id of the process that started the sweep. If that process is killed, nobody ends
+    its workers, so each worker looks for its parent and ends by itself.
+    """
     # Ctrl-C reaches the whole process group. A worker killed by it would break the pool.
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    keep_freed_memory()
+    end_with_parent(parent)
+
+
+@cache
+def end_with_parent(parent: int) -> None:
+    """End this process at most `LOOK` seconds after the process `parent`, which has started it.
+
+    On Windows a process keeps the id of its parent, so there nothing is noticed.
+    """
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(LOOK)
+        os._exit(1)  # as the parent was ended: at once
+
+    threading.Thread(target=watch, daemon=True).start()
