@@ -113,6 +113,7 @@ def read_numbers(fields: list[str]) -> Iterator[float]:
 
 
 if __name__ == "__main__":
+    sys.stdin.reconfigure(errors="replace")  # a byte that is no UTF-8 makes its own line bad
     try:
         sys.exit(main(sys.argv[1:]))
     except (BrokenPipeError, KeyboardInterrupt):  # nobody reads the output, or the user stops it

@@ -6,6 +6,7 @@ import pickle
 
 import pytest
 
+import owtsweep
 from owtsweep.errors import InputError, as_text, printable
 
 HOSTILE = "a\x1b[31mb\nc\rd\x07e\u202ef\ud800g\x00h\u2028i"
@@ -29,3 +30,16 @@ def test_an_exception_that_cannot_be_printed_is_named() -> None:
     assert as_text(Broken()) == "Broken: its message cannot be made"
     with pytest.raises(InputError):
         raise InputError(as_text(Broken()))
+
+
+@pytest.mark.parametrize("wrong", [None, [5], [b"x"], "seed=1"])
+@pytest.mark.parametrize("function", ["estimate", "run"])
+def test_overrides_that_are_no_list_of_texts_are_told(function: str, wrong: object) -> None:
+    with pytest.raises(owtsweep.InputError, match=r"^overrides: .* list of texts"):
+        getattr(owtsweep, function)(wrong)
+
+
+@pytest.mark.parametrize("wrong", [None, 5, [5]])
+def test_files_that_are_no_paths_are_told(wrong: object) -> None:
+    with pytest.raises(owtsweep.InputError, match=r"^files: .* is no path; give one, or a list"):
+        owtsweep.replay(wrong)  # type: ignore[arg-type]

@@ -188,3 +188,21 @@ def test_joblib_runs_the_jobs_elsewhere_and_their_failures_come_back():
     folder, written = record()
     assert all((folder / run["folder"] / "summary.csv").is_file() for run in written["runs"])
     assert done.stderr.count("  retry: ") == 2
+
+
+def test_a_results_folder_of_special_characters_holds_the_runs():
+    assert main(["sweep", "-m", *SMALL, DELAYS, "results='a[b]{c},d'"]) == 0
+    (folder,) = Path("a[b]{c},d").iterdir()
+    assert len(list(folder.glob("*/summary.csv"))) == 2
+    # Hydra's copy of its settings would name the working folder.
+    assert not (folder / "multirun.yaml").exists()
+    assert str(Path.cwd()) not in (folder / "multirun.json").read_text()
+
+
+@pytest.mark.parametrize("text", ["it's", "a\\b", "end\\", "q\\'x", "a[b]{c},d", "a=b c"])
+def test_a_quoted_text_is_read_back(text):
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+
+    from owtsweep.cli.multirun import quoted
+
+    assert OverridesParser.create().parse_override(f"x={quoted(text)}").value() == text

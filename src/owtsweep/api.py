@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep import studies
+from owtsweep.errors import require
 from owtsweep.studies.estimating import estimate
 
 if TYPE_CHECKING:
@@ -90,5 +91,10 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     """
     from owtsweep.studies.replay.running import Replay, configure, execute
 
-    words = [str(files)] if isinstance(files, str | PathLike) else [str(file) for file in files]
+    named = [files] if isinstance(files, str | PathLike) else files
+    require(
+        isinstance(named, Sequence) and all(isinstance(file, str | PathLike) for file in named),
+        f"files: {files!r} is no path; give one, or a list of paths",
+    )
+    words = [str(file) for file in named]
     return Replay(execute(configure(words, overrides)).run)

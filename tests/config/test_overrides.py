@@ -84,7 +84,7 @@ def test_what_hydra_stumbles_over_is_one_line(tmp_path: Path, content: str) -> N
     assert str(caught.value).isprintable()
 
 
-@pytest.mark.parametrize("folder", ["a\0b", "x" * 5000, "loop", "nowhere"])
+@pytest.mark.parametrize("folder", ["a\0b", "x" * 5000, "loop", "nowhere", ""])
 def test_a_folder_that_is_none_is_told(tmp_path, monkeypatch, folder: str) -> None:
     monkeypatch.chdir(tmp_path)
     Path("loop").symlink_to("loop")

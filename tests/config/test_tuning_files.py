@@ -68,3 +68,8 @@ def test_messages_name_the_file_as_the_user_did(mine: Path) -> None:
 def test_a_multirun_takes_no_files(mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sweep", "-m", f"tuning=matched,{mine}"]) == BAD_INPUT
     assert "--config-dir" in capsys.readouterr().err
+
+
+def test_a_name_that_is_too_long_is_no_file() -> None:
+    with pytest.raises(InputError, match=r"^tuning: there is no file a+ "):
+        compose([f"tuning={'a' * 300}.yaml"])

@@ -168,7 +168,7 @@ def test_expectations_are_compared_with_each_other_only(folder, tmp_path):
     assert any("no records" in note for note in found.notes)
     best = found.findings.tables["best_schemes"]
     for run in runs:
-        own = run.best_scheme().query("criterion == 'position'").reset_index(drop=True)
+        own = run.table("best_scheme").query("criterion == 'position'").reset_index(drop=True)
         own = own.sort_values(["natural_period", "amplitude"], ignore_index=True)
         told = best[best.folder == run.folder.name][own.columns].reset_index(drop=True)
         pd.testing.assert_frame_equal(told, own, check_dtype=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import runpy
 import subprocess
 import sys
@@ -123,6 +124,26 @@ def test_a_bad_line_is_named(
     error = capsys.readouterr().err
     assert error.startswith(f"online_from_pipe: {message}")
     assert error.count("\n") == 1
+
+
+def test_a_byte_that_is_no_text_is_named() -> None:
+    done = subprocess.run(
+        [sys.executable, SCRIPT, "MKF", *SENSORS],
+        input=b"0,0,0\n0.05,\xff,0\n", capture_output=True, check=False,
+        env={**os.environ, "PYTHONUTF8": "1"},
+    )  # fmt: skip
+    assert done.returncode == 2
+    told = done.stderr.decode().splitlines()[-1]
+    assert told.startswith("online_from_pipe: line 2: '") and told.endswith("is not a number")
+
+
+def test_the_switching_scheme_runs_on_board(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    main = runpy.run_path(str(SCRIPT))["main"]
+    monkeypatch.setattr(sys, "stdin", io.StringIO("0,0,0,1,1\n0.05,0,0\n"))
+    assert main(["SWITCH", *SENSORS]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 3
 
 
 def test_a_bad_override_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -169,7 +169,7 @@ def test_a_run_has_tables_and_maps_over_sea_states(tmp_path):
     outcome = sweep(get_study("hub"), config)
     assert not outcome.failed
     best = outcome.run.best_scheme()
-    assert list(best)[:4] == ["hs", "tp", "blades", "friction_angle"]
+    assert list(best)[:5] == ["tuning", "hs", "tp", "blades", "friction_angle"]
     here = best[(best["criterion"] == "position") & (best["window"] == "full")]
     assert len(here) == 8
     run = outcome.run

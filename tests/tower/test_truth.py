@@ -153,6 +153,14 @@ def test_recorded_loads_come_from_their_file(tmp_path):
     table.assign(side=1e150).to_csv(file, index=False)
     with pytest.raises(InputError, match=r"side holds 1e\+150 in SI units, and no load reaches"):
         make_top_loads(wind, streams(), steps=5000, step=STEP)
+    table.head(0).to_csv(file, index=False)
+    with pytest.raises(InputError, match="holds no row of numbers below its names"):
+        make_top_loads(wind, streams(), steps=5000, step=STEP)
+    table.to_csv(tmp_path / "top.csv.gz", index=False)
+    cut = tmp_path / "cut.csv.gz"
+    cut.write_bytes((tmp_path / "top.csv.gz").read_bytes()[:-200])
+    with pytest.raises(InputError, match=r"wind.file: .* cannot be read"):
+        make_top_loads(wind.model_copy(update={"file": str(cut)}), streams(), steps=5000, step=STEP)
     table.drop(columns="side").to_csv(file, index=False)
     with pytest.raises(InputError, match="lacks the columns side"):
         make_top_loads(wind, streams(), steps=5000, step=STEP)

@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import logging
 import os
+import re
 import shlex
 import shutil
 import sys
@@ -147,7 +148,7 @@ class Job:
         name = "refused-" + hashlib.blake2b("\n".join(task).encode(), digest_size=5).hexdigest()
         try:
             # composed anew: Hydra would lay several tunings on top of each other
-            config = compose([*task, f"results={self.folder}"], self.config_dir)
+            config = compose([*task, f"results={quoted(self.folder)}"], self.config_dir)
             name = run_folder(config).name
             code = run_one(config, self.argv)
             reason = _describe_failures(run_folder(config)) if code else ""
@@ -202,12 +203,21 @@ def _tell(
             print(f"{NOT_FINISHED}: {outcome.folder}", file=sys.stderr)
             continue
         extra = ["--config-dir", options.config_dir] if options.config_dir else []
-        command = shlex.join(["sweep", *extra, *outcome.overrides, f"results={folder}"])
+        plain = re.fullmatch(r"[\w./~-]+", str(folder)) is not None
+        results = f"results={folder if plain else quoted(str(folder))}"
+        command = shlex.join(["sweep", *extra, *outcome.overrides, results])
         print(f"failed: {outcome.folder}: {outcome.reason}", file=sys.stderr)
         print(f"  retry: {program_here()} {command}", file=sys.stderr)
     if bad and not stopped:
         print(f"{len(bad)} of {len(outcomes)} runs failed", file=sys.stderr)
     return outcomes
+
+
+def quoted(text: str) -> str:
+    """Return a text in Hydra's quotes, in which every character stands for itself."""
+    escaped = re.sub(r"(\\*)'", r"\1\1\'", text)  # backslashes count only before a quote
+    escaped = re.sub(r"(\\+)$", r"\1\1", escaped)
+    return f"'{escaped}'"
 
 
 def _refuse_tuning_files(overrides: Sequence[str]) -> None:
@@ -286,10 +296,10 @@ def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located:
     import hydra
 
     settings = [
-        f"++results={folder}",
-        f"hydra.sweep.dir={folder}",
+        f"++results={quoted(str(folder))}",
+        f"hydra.sweep.dir={quoted(str(folder))}",
         "hydra.sweep.subdir=.",
-        f"hydra.run.dir={folder}",
+        f"hydra.run.dir={quoted(str(folder))}",
         "hydra.output_subdir=null",
         "hydra/job_logging=none",
         "hydra/hydra_logging=none",
@@ -306,6 +316,8 @@ def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located:
         with hydra_in_one_line(tree):
             main(job)()
     finally:
+        # Hydra's copy of its settings names the working folder; multirun.json has what matters.
+        (folder / "multirun.yaml").unlink(missing_ok=True)
         sys.argv = before
         if full_error is None:
             del os.environ["HYDRA_FULL_ERROR"]

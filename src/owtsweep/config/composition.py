@@ -272,10 +272,10 @@ def _listed_keys(tree: Tree) -> dict[str, Any]:
 def _find_folder(config_dir: str) -> Path:
     try:
         directory = Path(config_dir).resolve()
-        there = directory.is_dir()
+        there = config_dir != "" and directory.is_dir()
     except (OSError, ValueError, RuntimeError):  # too long, a null character, a loop of links
         there = False
-    require(there, f"--config-dir: {config_dir} is no folder")
+    require(there, f"--config-dir: {config_dir!r} is no folder")
     return directory
 
 

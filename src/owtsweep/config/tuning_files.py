@@ -15,7 +15,7 @@ from pathlib import Path
 
 from owtsweep.config.stored import read_stored
 from owtsweep.config.tunings import GROUP
-from owtsweep.errors import InputError, require
+from owtsweep.errors import InputError, require, shorten
 
 
 def names_file(word: str) -> bool:
@@ -89,8 +89,11 @@ def _checked_text(path: Path, tuned: Sequence[str]) -> str:
     """Read a tuning file; return its values as the text of a file of Hydra's config group."""
     import yaml
 
-    if not path.exists():
-        raise InputError(f"{GROUP}: there is no file {path}")
+    try:
+        there = path.exists()
+    except OSError:  # e.g. a name that is too long
+        there = False
+    require(there, f"{GROUP}: there is no file {shorten(str(path), 200)}")
     plain, _ = read_stored(path)
     others = sorted(set(plain) - {*tuned, GROUP})
     require(

@@ -146,12 +146,16 @@ def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
     Raises
     ------
     InputError
-        If `overrides` is a single text instead of a list, or names an unknown study, several
-        studies, or an empty name.
+        If `overrides` is no list of texts, or names an unknown study, several studies, or an empty
+        name.
     """
     require(
         not isinstance(overrides, str),
         f"overrides: {overrides!r} is one text; give a list of texts, e.g. ['tuning=matched']",
+    )
+    require(
+        isinstance(overrides, Sequence) and all(isinstance(word, str) for word in overrides),
+        f"overrides: {overrides!r} is no list of texts; give one, e.g. ['tuning=matched']",
     )
     name, others = None, []
     for override in overrides:

@@ -35,6 +35,11 @@ class SwitchingEstimator:
     def __init__(self, below: Any, above: Any, supervisor: Supervisor) -> None:
         self._below, self._above, self.supervisor = below, above, supervisor
 
+    @property
+    def step(self) -> float:
+        """The interval between two IMU samples, s, of estimators that run on board."""
+        return float(self._below.step)
+
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
