@@ -57,11 +57,11 @@ def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
     """
     lines: list[str] = []
     told = []
-    for kind, words, unit, size in (
-        ("theta", "inclinometer", "microrad", 1e-6),
-        ("a", "accelerometer", "micro-g", 1e-6 * GRAVITY),
+    for name, words, unit, size in (
+        (QUIETEST["theta"], "inclinometer", "microrad", 1e-6),
+        (QUIETEST["a"], "accelerometer", "micro-g", 1e-6 * GRAVITY),
     ):
-        part = summary[summary["measure"] == QUIETEST[kind]]
+        part = summary[summary["measure"] == name]
         if len(part):
             told.append(f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}")
     if told:

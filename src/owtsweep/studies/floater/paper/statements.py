@@ -201,8 +201,9 @@ def _claim_exactly(
 
 def _find_record() -> dict[tuple[str, str, str], float]:
     """Return (measure, estimate, state) -> what the author's record says."""
-    table = read_author_record().set_index(["measure", "estimate", "state"])["value"]
-    return {key: float(value) for key, value in table.items()}
+    table = read_author_record()
+    keys = zip(table["measure"], table["estimate"], table["state"], strict=True)
+    return dict(zip(keys, table["value"].astype(float), strict=True))
 
 
 #: Statement -> its test.
