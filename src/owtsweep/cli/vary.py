@@ -151,8 +151,8 @@ def _list_defaults(study: Study) -> Sequence[str]:
     if not isinstance(study, Varying):
         raise InputError(
             f"study: {study.name!r} cannot vary a key; leave out study={study.name}, because "
-            f"`vary` serves {list_serving(Varying)} only; `owtsweep sweep --multirun study={study.name}` "
-            "takes several values of a key"
+            f"`vary` serves {list_serving(Varying)} only; `owtsweep sweep --multirun "
+            f"study={study.name}` takes several values of a key"
         )
     return study.list_vary_defaults()
 
