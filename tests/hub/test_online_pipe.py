@@ -134,7 +134,8 @@ def test_a_byte_that_is_no_text_is_named() -> None:
     )  # fmt: skip
     assert done.returncode == 2
     told = done.stderr.decode().splitlines()[-1]
-    assert told.startswith("online_from_pipe: line 2: '") and told.endswith("is not a number")
+    assert told.startswith("online_from_pipe: line 2: '")
+    assert told.endswith("is not a number")
 
 
 def test_the_switching_scheme_runs_on_board(
