@@ -144,8 +144,8 @@ def draw(
         for tuning, cells in shown.items()
         for sentence in style.explain_coinciding(_find_groups(results[tuning], cells, second=room))
     ]
-    told = [*outlined, *second, EXPLANATION, *same, *notes, OTHER_WINDOW[window]]
-    style.footnote(figure, " ".join(told))
+    footnotes = [*outlined, *second, EXPLANATION, *same, *notes, OTHER_WINDOW[window]]
+    style.footnote(figure, " ".join(footnotes))
     return figure
 
 
