@@ -17,7 +17,7 @@ from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, find_data, wr
 from owtsweep.sweep.runs import Run
 
 PAGE = (ROOT / "docs/replay.md").read_text(encoding="utf-8")
-LINES = re.findall(r"^python -m owtsweep (replay .*)$", PAGE, flags=re.MULTILINE)
+LINES = re.findall(r"^owtsweep (replay .*)$", PAGE, flags=re.MULTILINE)
 COMMANDS = [shlex.split(line, comments=True) for line in LINES]
 
 
