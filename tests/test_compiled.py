@@ -46,6 +46,17 @@ def test_compiling_is_told_when_it_happens(tmp_path, monkeypatch) -> None:
     assert _errors(CALLED, tmp_path, monkeypatch) == ""  # read from the cache
 
 
+def test_compiling_is_told_once_by_all_processes_of_a_command(tmp_path, monkeypatch) -> None:
+    """Workers find out side by side that kernels are missing."""
+    say = f"import pathlib, owtsweep.compiled as c; c.announce(pathlib.Path({str(tmp_path)!r}))"
+    told = []
+    for command in ("1", "1", "2"):
+        monkeypatch.setenv(compiled.COMMAND, command)
+        told.append(_errors(say, tmp_path, monkeypatch).count("owtsweep: compiling kernels, once"))
+    assert told == [1, 0, 1]
+    assert [path.name for path in tmp_path.glob("told-*")] == ["told-2"]
+
+
 def test_a_folder_that_cannot_be_written_stops_nobody(tmp_path, monkeypatch) -> None:
     occupied = tmp_path / "file"
     occupied.write_text("")

@@ -13,6 +13,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.forecast import forecast
 from owtsweep.sweep.run import sweep
+from owtsweep.sweep.study import Predicting
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -72,3 +73,11 @@ def test_the_command_line_says_it_and_writes_nothing(tmp_path, monkeypatch, caps
     assert "folder  results/multirun-" in out
     assert main(["sweep", "--dry-run", "-m", "hydra/sweeper=other", "seed=1,2"]) == 2
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("study", ["hub", "tower", "floater", "blade", "mating"])
+def test_only_the_hub_study_knows_time_and_memory_before_any_block_has_been_run(study):
+    """README says so."""
+    words = [] if study == "hub" else ["experiment=quick"]
+    config = compose([f"study={study}", *words])
+    assert isinstance(get_study(study).engine(config), Predicting) == (study == "hub")

@@ -42,6 +42,9 @@ MOST_PARTS = 300
 #: Shortest tube, and shortest piece of a tube that is computed by itself, m. Elements far shorter
 #: than this would spoil the stiffness by rounding.
 SHORTEST = 1e-3
+#: Largest numbers that a structure may have, far above those of any: mass in kg, moment of inertia
+#: in kg m^2, density in kg/m^3, distance in m. Larger ones cannot be computed with.
+MOST_MASS, MOST_INERTIA, MOST_DENSITY, MOST_OFFSET = 1e9, 1e14, 1e5, 1e3
 
 
 class Tube(Section):
@@ -55,7 +58,7 @@ class Tube(Section):
     top: Finite = key("height of the upper end", unit="m")
     diameter: list[Positive] = key("outer, at bottom and top", unit="m", min_length=2, max_length=2)
     thickness: list[Positive] = key("wall, at bottom and top", unit="m", min_length=2, max_length=2)
-    density: Positive = key("of the wall, with paint and flanges", unit="kg/m^3")
+    density: Positive = key("of the wall, with paint and flanges", unit="kg/m^3", le=MOST_DENSITY)
     youngs_modulus: Positive = key("Young's modulus", unit="Pa", default=2.1e11)
     poissons_ratio: float = key("Poisson's ratio", default=0.3, ge=0.0, lt=0.5)
 
@@ -103,17 +106,22 @@ class Point(Section):
 
     name: str = key("name of the body, for messages")
     height: Finite = key("where the body is fixed to a tube", unit="m")
-    mass: NotNegative = key("mass", unit="kg")
-    offset: Finite = key("of the centre of mass above `height`", unit="m", default=0.0)
+    mass: NotNegative = key("mass", unit="kg", le=MOST_MASS)
+    offset: Finite = key(
+        "of the centre of mass above `height`", unit="m", default=0.0,
+        ge=-MOST_OFFSET, le=MOST_OFFSET,
+    )  # fmt: skip
     inertia: NotNegative = key(
         "mass moment of inertia about the horizontal axis through the centre of mass",
         unit="kg m^2",
         default=0.0,
+        le=MOST_INERTIA,
     )
     inertia_side: NotNegative | None = key(
         "of motion across the wind; null: as `inertia`, which then holds for every direction",
         unit="kg m^2",
         default=None,
+        le=MOST_INERTIA,
         younger=True,
     )
 
@@ -126,14 +134,20 @@ class Blade(Section):
     multiplies the mass and the inertia.
     """
 
-    mass: Positive = key("mass of one blade", unit="kg")
-    offset: Finite = key("of the hub above the top of the structure", unit="m", default=0.0)
+    mass: Positive = key("mass of one blade", unit="kg", le=MOST_MASS)
+    offset: Finite = key(
+        "of the hub above the top of the structure", unit="m", default=0.0,
+        ge=-MOST_OFFSET, le=MOST_OFFSET,
+    )  # fmt: skip
     inertia: NotNegative = key(
         "of one blade about the hub's lateral axis, mean over the rotor's positions",
         unit="kg m^2",
         default=0.0,
+        le=MOST_INERTIA,
     )
-    flap_factor: float = key("growth of mass and inertia by the blade's bending", default=1.0, ge=1)
+    flap_factor: float = key(
+        "growth of mass and inertia by the blade's bending", default=1.0, ge=1, le=1e3
+    )
 
 
 class Layer(Section):
@@ -181,8 +195,8 @@ class Foundation(Section):
 class Water(Section):
     """The water around the structure, from the mudline to mean sea level."""
 
-    density: Positive = key("density", unit="kg/m^3", default=1025.0)
-    added_mass: NotNegative = key("coefficient C_a of the water outside", default=1.0)
+    density: Positive = key("density", unit="kg/m^3", default=1025.0, le=MOST_DENSITY)
+    added_mass: NotNegative = key("coefficient C_a of the water outside", default=1.0, le=1e3)
     drag: NotNegative = key("coefficient C_D of Morison's equation", default=1.0)
     level: Finite = key(
         "up to which height water adds mass; waves are about mean sea level, whatever it is",
