@@ -47,7 +47,6 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
         raise InputError(f"wind.file: {file} cannot be read ({error})") from None
     missing = [name for name in ("time", *names) if name not in table.columns]
     require(not missing, f"wind.file: {file} lacks the columns {', '.join(missing)}")
-    require(len(table) > 0, f"wind.file: {file} has no row below its header; give loads there")
     values = table[["time", *names]].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
     require(len(values) > 0, f"wind.file: {file} holds no row of numbers below its names")
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
