@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +11,13 @@ import pandas as pd
 import pytest
 from pymap3d import enu2geodetic
 from pynmeagps import GET, NMEAMessage
+from pynmeagps.nmeahelpers import calc_checksum
 from scipy.spatial.transform import Rotation
 
 import owtsweep
 from owtsweep.evaluation.estimated_record import EstimatedRecord
 from owtsweep.studies import compose
+from owtsweep.studies.blade.recorded_files import read_fixes
 
 SHORT = [
     "unit=fog", "record.duration=60", "record.settling=20", "sensors.outage_every=40",
@@ -114,7 +118,6 @@ def test_positions_on_the_globe_are_those_of_the_table(kind: str, lift: Estimate
 
 
 def test_float_solutions_of_nmea_are_told() -> None:
-    from owtsweep.studies.blade.recorded_files import read_fixes
 
     _write_nmea(quality=5)
     fixes = read_fixes(Path("fixes.nmea"), [])
@@ -259,6 +262,49 @@ def test_a_damaged_sentence_is_refused() -> None:
     Path("fixes.nmea").write_bytes(text.replace(b"GNGGA", b"GNGGX", 1))
     with pytest.raises(owtsweep.InputError, match=r"^fixes.nmea: sentence 1 cannot be read"):
         compose([*RECORDED, *CELL, "recorded.gnss=[fixes.nmea]", "recorded.heading=0"])
+
+
+def _edit_nmea(edit: Callable[[list[str]], None], first: int = 0, count: int = 10**9) -> None:
+    """Change the fields of some sentences (0: GNGGA, 1: time, ...), and make their sums right."""
+    lines = Path("fixes.nmea").read_text().splitlines()
+    for i in range(first, min(first + count, len(lines))):
+        fields = lines[i][1:].partition("*")[0].split(",")
+        edit(fields)
+        body = ",".join(fields)
+        lines[i] = f"${body}*{calc_checksum(body)}"
+    Path("fixes.nmea").write_text("\r\n".join(lines) + "\r\n")
+
+
+def test_an_empty_geoid_separation_is_read() -> None:
+    """Heights are altitudes then: all differ by the separation, so nothing else does."""
+    _write_nmea()
+    whole = read_fixes(Path("fixes.nmea"), [])
+    _edit_nmea(lambda fields: fields.__setitem__(slice(11, 13), ["", ""]))
+    fixes = read_fixes(Path("fixes.nmea"), [])
+    assert np.allclose(whole.position - fixes.position, [0.0, 0.0, 38.0], atol=1e-9)
+    assert (fixes.time == whole.time).all()
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "says"),
+    [
+        (1, "996140.00", "GGA sentence 3 with a fix has no readable time; cut damaged"),
+        (1, "", "GGA sentence 3 with a fix has no readable time; cut damaged"),
+        (6, "", "GGA sentence 3 with a fix has no readable quality; cut damaged"),
+        (6, "x", "sentence 3 cannot be read (Incorrect type for attribute quality"),
+        (2, "", "GGA sentence 3 with a fix has no readable latitude; cut damaged"),
+        (9, "", "GGA sentence 3 with a fix has no readable height; cut damaged"),
+        (9, "nan", "GGA sentence 3 with a fix has no readable height; cut damaged"),
+        (11, "nan", "GGA sentence 3 with a fix has no readable height; cut damaged"),
+        (11, "", "some GGA sentences have a geoid separation and others have none"),
+    ],
+)
+def test_a_bad_field_of_nmea_is_one_line(field: int, value: str, says: str) -> None:
+    _write_nmea()
+    _edit_nmea(lambda fields: fields.__setitem__(field, value), first=2, count=1)
+    with pytest.raises(owtsweep.InputError, match="^fixes.nmea: " + re.escape(says)) as error:
+        read_fixes(Path("fixes.nmea"), [])
+    assert "\n" not in str(error.value)
 
 
 def test_the_experiment_needs_a_file() -> None:

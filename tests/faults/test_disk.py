@@ -13,6 +13,7 @@ from fault_tools import content
 
 from owtsweep import studies
 from owtsweep.cli import running as command
+from owtsweep.cli.program import main
 from owtsweep.errors import InputError
 from owtsweep.io import files
 from owtsweep.sweep.keys import run_folder
@@ -125,6 +126,45 @@ def test_full_disk_is_told_in_plain_lines(study, config, disk, monkeypatch, caps
     assert err.splitlines()[-1].endswith("owtsweep sweep 'a=b c'")
     assert "Traceback" not in err
     assert out.startswith("2 cases computed")
+
+
+TINY = (
+    "experiment=study", "tuning=paper", "grid.natural_period=[4.0]", "grid.amplitude=[1.0]",
+    "grid.replicates=1", "record.duration=25", "schemes=[MKF]", "baselines=[]", "seed=1,2",
+)  # fmt: skip
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize(
+    ("onwards", "code", "says"),
+    [
+        ("multirun.json", 2, "multirun.json: cannot be written (No space left on device); see to"),
+        ("study-", 1, "its process ended without a word, or the disk is full; see its run.log"),
+    ],
+)
+def test_a_multirun_on_a_full_disk_is_told_in_lines(
+    onwards, code, says, tmp_path, monkeypatch, capsys
+):
+    """The disk is full from the first file of that name on: the record's, or an outcome's."""
+    monkeypatch.chdir(tmp_path)
+    through, full = files._write_through, []
+
+    def write(path, data):
+        if path.name.startswith(f".{onwards}"):
+            full.append(path)
+        if full:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        through(path, data)
+
+    monkeypatch.setattr(files, "_write_through", write)
+    assert main(["sweep", "-m", *TINY]) == code
+    err = capsys.readouterr().err
+    assert "Traceback" not in err
+    assert "OSError" not in err
+    assert says in err
+    assert "Error executing job" not in err
+    told = [line for line in err.splitlines() if line.startswith(("failed: ", "owtsweep: res"))]
+    assert len(told) == (1 if code == 2 else 2)  # the whole multirun, or each run
 
 
 @pytest.mark.faults

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import logging
 import os
@@ -27,7 +28,7 @@ from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.tuning_files import names_file
 from owtsweep.config.tunings import GROUP
 from owtsweep.errors import InputError, as_text, require
-from owtsweep.io.files import check_writable
+from owtsweep.io.files import check_writable, refuse_in_one_line
 from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
 from owtsweep.studies.composing import Located
@@ -39,6 +40,7 @@ from owtsweep.sweep.worker import end_with_parent
 logger = logging.getLogger(__name__)
 
 NOT_FINISHED = "not finished"
+NO_OUTCOME = "its process ended without a word, or the disk is full; see its run.log"
 #: Most runs of a multirun: the configurations of all are made and checked before the first run.
 MOST_RUNS = 10_000
 
@@ -94,8 +96,9 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if settings:  # refuses launchers and sweepers that are not installed
         compose_hydra(located.tree, settings, settings=True)
     shutil.rmtree(folder / OUTCOMES, ignore_errors=True)  # outcomes of an earlier multirun
-    (folder / OUTCOMES).mkdir(parents=True)
-    write_record(folder, options.overrides, planned)
+    with refuse_in_one_line(folder):
+        (folder / OUTCOMES).mkdir(parents=True)
+        write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
         job = Job(str(folder), tuple(argv), located.study, options.config_dir, os.getpid())
@@ -157,7 +160,8 @@ class Job:
             refused = isinstance(error, InputError)
             code, reason = (BAD_INPUT, str(error)) if refused else (FAILED, as_text(error))
             logger.debug("run %s", name, exc_info=True)
-        write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
+        with contextlib.suppress(OSError):  # a full disk; `_tell` says that the outcome is missing
+            write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
 
 
 def _describe_failures(run_folder: Path) -> str:
@@ -188,7 +192,7 @@ def _tell(
     stopped
         Whether the user has stopped the multirun. If so, also print how many runs are done.
     """
-    silent = NOT_FINISHED if stopped else "its process ended without a word; see its run.log"
+    silent = NOT_FINISHED if stopped else NO_OUTCOME
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
     # `planned` is empty for other sweepers than Hydra's basic one; their runs are found here.
     for file in sorted((folder / OUTCOMES).glob("*.json")):

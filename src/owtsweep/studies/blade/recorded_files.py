@@ -159,28 +159,56 @@ def _read_table(path: Path, columns: Sequence[str]) -> Fixes:
 
 
 def _read_nmea(path: Path) -> Fixes:
-    """Read GGA sentences: times are seconds of the first day, heights are above the ellipsoid."""
+    """Read GGA sentences: times are seconds of the first day, heights are above the ellipsoid.
+
+    Where the geoid's separation is empty, the height is the altitude: only differences of heights
+    matter here. So it must be empty in all sentences or in none.
+    """
     try:
         from pynmeagps import ERR_RAISE, NMEAReader
-        from pynmeagps.exceptions import NMEAParseError, NMEAStreamError
+        from pynmeagps.exceptions import (
+            NMEAMessageError,
+            NMEAParseError,
+            NMEAStreamError,
+            NMEATypeError,
+        )
     except ModuleNotFoundError:
         raise InputError(f"{path}: NMEA needs the package pynmeagps; {EXTRA}") from None
     from io import BytesIO
 
     rows = []
+    separated = set()
     try:
         for _, said in NMEAReader(BytesIO(read_bytes(path, MOST_BYTES)), quitonerror=ERR_RAISE):
             if said is None or not said.identity.endswith("GGA") or said.quality == NO_FIX:
                 continue
+            apart = getattr(said, "sep", "")
+            separated.add(apart != "")
+            altitude = getattr(said, "alt", "")
+            height = "" if altitude == "" else altitude + (apart or 0.0)
             at = said.time
+            found = {"time": at, "quality": said.quality}
+            found |= dict(zip(GLOBE, (said.lat, said.lon, height), strict=True))
+            wrong = [name for name, value in found.items() if value in ("", None)]
+            wrong += [name for name in GLOBE if found[name] != found[name]]
+            require(
+                not wrong,
+                f"{path}: GGA sentence {len(rows) + 1} with a fix has no readable "
+                f"{' and no readable '.join(wrong)}; cut damaged sentences out",
+            )
             second = 3600.0 * at.hour + 60.0 * at.minute + at.second + 1e-6 * at.microsecond
-            rows.append((second, said.lat, said.lon, said.alt + said.sep, said.quality == FLOAT))
-    except (NMEAParseError, NMEAStreamError) as error:
+            rows.append((second, said.lat, said.lon, height, said.quality == FLOAT))
+    except (NMEAMessageError, NMEAParseError, NMEAStreamError, NMEATypeError) as error:
         raise InputError(
             f"{path}: sentence {len(rows) + 1} cannot be read ({shorten(str(error), 120)}); cut "
             "damaged sentences out"
         ) from None
     require(bool(rows), f"{path}: no GGA sentence has a fix")
+    require(
+        len(separated) == 1,
+        f"{path}: some GGA sentences have a geoid separation and others have none, so heights "
+        "jump; keep one kind",
+    )
     table = np.array(rows, dtype=float)
     time = table[:, 0] + DAY * np.cumsum(np.diff(table[:, 0], prepend=table[0, 0]) < -0.5 * DAY)
     return Fixes(time, table[:, 1:4], True, table[:, 4] > 0.0)
