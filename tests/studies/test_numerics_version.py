@@ -18,7 +18,7 @@ from owtsweep.sweep.study import add_versions
         ("hub", 4),
         ("readings", 4),
         ("replay", 4),
-        ("tower", 2),
+        ("tower", 3),
         ("floater", 1),
         ("blade", 1),
         ("mating", 6),
