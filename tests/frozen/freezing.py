@@ -1,7 +1,7 @@
 """Frozen runs: the rows and random streams of small runs, kept before the house is rebuilt.
 
-    OPENBLAS_NUM_THREADS=1 python tests/frozen/freezing.py --make     # write rows.parquet, streams.json
-    OPENBLAS_NUM_THREADS=1 python tests/frozen/freezing.py [STUDY...] # compare; all studies by default
+    OPENBLAS_NUM_THREADS=1 python tests/frozen/freezing.py --make      # rows.parquet, streams.json
+    OPENBLAS_NUM_THREADS=1 python tests/frozen/freezing.py [STUDY...]  # compare; all by default
 
 `runs.yaml` names the runs. Rows are those of `Run.cases()`, with all columns. Rows are matched by
 what identifies them (study, run, conditions, replicate, scheme, measure, window and so on), not by
@@ -35,6 +35,7 @@ import runpy
 import shutil
 import sys
 import tempfile
+import time
 import zlib
 from collections.abc import Iterator, Sequence
 from importlib.metadata import version
@@ -64,6 +65,10 @@ EXACT = ("n_samples", "status", "reason")
 #: Columns with which the largest magnitude is sought, besides the run.
 SCALES = ("tuning", "scheme", "measure", "window")
 HERE_AGAIN, ELSEWHERE = 1e-12, {"tower": 1e-4, "readings": 1e-4, "": 1e-9}
+#: Run -> seconds of the processor that it took in this process.
+SECONDS: dict[str, float] = {}
+#: Words of runs of the hub in which other code than its batch kernels makes numbers.
+NOT_COMPILED = ("engine=", "efficiency", "better", "SKF", "_target_", "fix_rule", "constraints")
 #: Normals that are kept of each stream.
 NORMALS = 3
 
@@ -99,19 +104,22 @@ def make_rows(study: str, runs: Sequence[str] = ()) -> tuple[pd.DataFrame, list[
         asked for, each once (`listen`).
     """
     for cached in gc.get_objects():  # or a truth that is kept would draw nothing
-        if isinstance(cached, functools._lru_cache_wrapper):
-            if str(getattr(cached, "__module__", "")).startswith("owtsweep."):
-                cached.cache_clear()
+        if isinstance(cached, functools._lru_cache_wrapper) and (
+            str(getattr(cached, "__module__", "")).startswith("owtsweep.")
+        ):
+            cached.cache_clear()
     tables, heard = [], {}
     with _elsewhere(), listen(heard):
         write_inputs()
         for name, words in list_runs(study).items():
             if runs and name not in runs:
                 continue
+            before = time.process_time()
             table = _run(study, [*words, f"name={name}"]).cases()
             table.insert(0, "study", study)
             table.insert(1, "run", name)
             tables.append(table)
+            SECONDS[f"{study} {name}"] = time.process_time() - before
     return _tidy(pd.concat(tables, ignore_index=True)), [heard[key] for key in sorted(heard)]
 
 
@@ -155,7 +163,7 @@ def listen(heard: dict) -> Iterator[None]:
         def __getattr__(self, name: str) -> object:
             return getattr(np.random, name)
 
-        def Generator(self, bits: np.random.BitGenerator) -> np.random.Generator:  # noqa: N802
+        def Generator(self, bits: np.random.BitGenerator) -> np.random.Generator:
             seeds = bits.seed_seq
             key = tuple(int(part) for part in seeds.spawn_key)
             if (seeds.entropy, *key) not in heard:
@@ -260,11 +268,12 @@ def _tidy(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.sort_values(keys, kind="stable", ignore_index=True)
 
 
-def read_rows(study: str) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return the frozen rows of a study, and the machine that made them."""
-    table = pq.read_table(ROWS, filters=[("study", "=", study)])
-    made_on = json.loads(table.schema.metadata[b"machine"])
-    return _tidy(table.to_pandas()), made_on
+def read_rows(study: str, runs: Sequence[str] = ()) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the frozen rows of a study (of all runs, or of those named), and who made them."""
+    table = pq.read_table(ROWS)
+    rows = table.to_pandas()
+    wanted = (rows["study"] == study) & (rows["run"].isin(runs) if runs else True)
+    return _tidy(rows[wanted]), json.loads(table.schema.metadata[b"machine"])
 
 
 def compare(study: str, made: pd.DataFrame, kept: pd.DataFrame, *, same: bool) -> list[str]:
@@ -315,28 +324,32 @@ def _differs(study: str, both: pd.DataFrame, name: str, *, same: bool) -> np.nda
 def _is_compiled(study: str, run: str) -> bool:
     """Return whether all rows of a run come from the hub's compiled batch kernels alone."""
     words = " ".join(list_runs(study)[run])
-    return study == "hub" and not any(
-        word in words for word in ("engine=", "efficiency", "SKF", "_target_", "better")
-    )
+    return study == "hub" and not any(word in words for word in NOT_COMPILED)
 
 
-def check(study: str) -> list[str]:
-    """Make the runs of a study, and return how rows and streams differ from the frozen ones."""
-    made, heard = make_rows(study)
-    kept, made_on = read_rows(study)
+def check(study: str, runs: Sequence[str] = ()) -> list[str]:
+    """Make the runs of a study (all, or those named), and say how they differ from frozen ones."""
+    made, heard = make_rows(study, runs)
+    kept, made_on = read_rows(study, runs)
+    frozen = json.loads(STREAMS.read_text("utf-8"))[study]
     return [
         *compare(study, made, kept, same=made_on == machine()),
-        *compare_streams(study, heard, json.loads(STREAMS.read_text("utf-8"))[study]),
+        *compare_streams(study, heard, frozen, whole=not runs),
     ]
 
 
-def compare_streams(study: str, heard: list[dict], kept: list[dict]) -> list[str]:
-    """Return which random streams are new, gone or have other numbers."""
+def compare_streams(
+    study: str, heard: list[dict], kept: list[dict], *, whole: bool = True
+) -> list[str]:
+    """Return which random streams are new, gone or have other numbers.
+
+    `whole` says whether all runs of the study were made, so that no stream may be missing.
+    """
     made, frozen = ({json.dumps([s["seed"], s["key"], s["generator"]]): s["normals"] for s in some}
                     for some in (heard, kept))  # fmt: skip
     return [
         *(f"{study}: the random stream {key} is new" for key in sorted(made.keys() - frozen)),
-        *(f"{study}: nobody draws from {key}" for key in sorted(frozen.keys() - made)),
+        *(f"{study}: nobody draws from {key}" for key in sorted(frozen.keys() - made) if whole),
         *(f"{study}: {key} begins with {made[key]} instead of {frozen[key]}"
           for key in sorted(made.keys() & frozen) if made[key] != frozen[key]),
     ]  # fmt: skip
