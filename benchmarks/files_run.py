@@ -58,9 +58,7 @@ def trace(function: Callable[[], object]) -> set[str]:
         threading.setprofile(None)  # type: ignore[arg-type]  # None takes the function away
     functions = (code for code in seen if code.co_flags & inspect.CO_OPTIMIZED)
     paths = {Path(code.co_filename) for code in functions}
-    return {
-        path.relative_to(PACKAGE).as_posix() for path in paths if path.is_relative_to(PACKAGE)
-    }
+    return {path.relative_to(PACKAGE).as_posix() for path in paths if path.is_relative_to(PACKAGE)}
 
 
 def run_case(overrides: Sequence[str] = ()) -> None:

@@ -8,7 +8,14 @@ import numpy as np
 from PIL import Image  # comes with matplotlib
 from PIL.PngImagePlugin import PngInfo
 
-from agreement import PROVENANCE, compare_folders, largest_difference
+from agreement import (
+    NEAR,
+    PROVENANCE,
+    compare_folders,
+    compare_numbers,
+    compare_rows,
+    largest_difference,
+)
 
 REFERENCE = Path("results/reference")
 #: Colours of a kept picture, and how many of them at most are taken from its flat areas.
@@ -81,7 +88,7 @@ class Keeper:
     """
 
     def __init__(self, results: Path, *, copies: bool) -> None:
-        self.results, self.copies = results, copies
+        self.results, self.copies, self.reference = results, copies, REFERENCE
         self.differing: list[str] = []
 
     def keep(self, name: str) -> None:
@@ -115,6 +122,9 @@ class Keeper:
             if differences and self.copies:
                 shutil.copy(made / file.name, reference / file.name)
 
+    def keep_rows(self, name: str) -> None:
+        """Do nothing: results/reference holds no rows. `NumbersKeeper` compares them."""
+
     def tell(self, name: str, differences: dict[str, str], largest: float) -> None:
         """Print whether a part agrees with results/reference, and remember the files that do not.
 
@@ -122,10 +132,57 @@ class Keeper:
         """
         if not differences:
             exact = "to the last digit" if largest == 0.0 else f"to {largest:.1e}"
-            print(f"{name}: agrees with {REFERENCE / name}, numbers {exact}", flush=True)
+            print(f"{name}: agrees with {self.reference / name}, numbers {exact}", flush=True)
         for file, text in differences.items():
             print(f"{name}: {file} {text}", flush=True)
         self.differing += [f"{name}/{file}" for file in differences]
+
+
+class NumbersKeeper(Keeper):
+    """Compares the numbers of tables and rows with those in `reference`, and copies nothing.
+
+    `reference` is laid out as results/reference, or is a folder of results as `make reproduce`
+    leaves it; only the latter holds the rows of runs.
+    """
+
+    def __init__(self, results: Path, reference: Path) -> None:
+        super().__init__(results, copies=False)
+        self.reference = reference
+
+    def keep(self, name: str) -> None:
+        """Compare the tables of a part that are kept in results/reference."""
+        self._compare(
+            name, find_tables(self.results / name, name), find_tables(self.reference / name, name)
+        )
+
+    def keep_file(self, file: Path, reference: Path | None = None) -> None:
+        """Compare one table; a picture is not compared."""
+        if file.suffix == ".csv":
+            other = (reference or self.reference) / file.name
+            self._compare(file.name, {file.name: file}, {file.name: other})
+
+    def keep_rows(self, name: str) -> None:
+        """Compare the rows of a run, if `reference` has them."""
+        if (self.reference / name / "cases").is_dir():
+            text = compare_rows(self.results / name, self.reference / name)
+            self.tell(f"rows of {name}", {"cases": text} if text else {}, NEAR)
+
+    def _compare(self, name: str, made: dict[str, Path], kept: dict[str, Path]) -> None:
+        with tempfile.TemporaryDirectory() as scratch:
+            folders = [Path(scratch) / part for part in ("made", "kept")]
+            for folder, files in zip(folders, (made, kept), strict=True):
+                folder.mkdir()
+                for target, file in files.items():
+                    if file.is_file():
+                        shutil.copy(file, folder / target)
+            self.tell(name, compare_numbers(*folders), NEAR)
+
+
+def find_tables(folder: Path, name: str) -> dict[str, Path]:
+    """Return name -> file of the tables that are kept of a part, in a run or all in one folder."""
+    patterns = [pattern for pattern in KEPT[name] if pattern.endswith(".csv")]
+    places = [place for pattern in patterns for place in (Path(pattern).name, pattern)]
+    return {file.name: file for place in places for file in folder.glob(place)}
 
 
 def copy_small(source: Path, target: Path) -> None:

@@ -1,12 +1,20 @@
 """Make everything behind the reports and pictures of docs/: searches, runs, figures.
 
-    python experiments/reproduce.py [REPLICATES] [--check]
+    python experiments/reproduce.py [REPLICATES] [--check[=numbers]] [--against FOLDER]
 
 The script runs what is missing below results/ (100 records per cell by default), draws the figures
 and writes the reports. Then it compares the small outputs with results/reference/, says how far
 they agree, and copies those that differ to results/reference/. With --check everything is computed
 anew in a temporary folder, nothing is copied, and the exit code is 1 if something differs. `make
 reproduce` calls this script.
+
+--check=numbers is for a change of the program that should move no number, on one machine: make all
+before the change, then compare after it. It compares rows and tables to 1e-9, and differences and
+intervals to 1e-9 of the larger error in their row; names of winners must be equal unless the gap is
+below that (`agreement.compare_numbers`). It looks at no times, texts and pictures. --against names
+what was made before, which is results/reference by default; a whole folder of results, as a run of
+this script without --check leaves it, also has the rows. On another machine the numbers of
+results/reference differ by up to 1e-2: use --check there, and judge.
 """
 
 import argparse
@@ -18,7 +26,7 @@ from pathlib import Path
 
 import owtsweep
 import plant
-from keeping import Keeper
+from keeping import REFERENCE, Keeper, NumbersKeeper
 from owtsweep.cli import main
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
@@ -78,13 +86,13 @@ MATING = {
 class Reproduction:
     """Everything made below one folder, and compared with results/reference."""
 
-    def __init__(self, results: Path, replicates: str, *, check: bool) -> None:
-        self.results, self.replicates = results, replicates
-        self.keeper = Keeper(results, copies=not check)
+    def __init__(self, results: Path, replicates: str, keeper: Keeper) -> None:
+        self.results, self.replicates, self.keeper = results, replicates, keeper
 
     def sweep(self, name: str, *overrides: str) -> None:
         """Run one study under a name; if it fails, end the program with the exit code."""
         run_command("sweep", f"results={self.results}", f"name={name}", *overrides)
+        self.keeper.keep_rows(name)
 
     def report(self, name: str) -> None:
         """Draw all figures of a run, and write the report that compares it with the paper."""
@@ -273,12 +281,29 @@ if __name__ == "__main__":
         description="Make everything behind the reports and pictures of docs/."
     )
     parser.add_argument("replicates", nargs="?", default="100", help="records per cell")
-    parser.add_argument("--check", action="store_true", help="compute anew, compare, copy nothing")
+    parser.add_argument(
+        "--check",
+        nargs="?",
+        choices=("all", "numbers"),
+        const="all",
+        help="compute anew, compare (all, or numbers alone), copy nothing",
+    )
+    parser.add_argument(
+        "--against",
+        type=Path,
+        metavar="FOLDER",
+        help="with --check=numbers: compare with this folder, not with results/reference",
+    )
     options = parser.parse_args()
+    if options.against and options.check != "numbers":
+        parser.error("--against: use it with --check=numbers")
+    if options.against and not options.against.is_dir():
+        parser.error(f"--against: there is no folder {options.against}")
     with tempfile.TemporaryDirectory() as scratch:
         results = Path(scratch) if options.check else Path("results")
-        reproduction = Reproduction(results, options.replicates, check=options.check)
-        reproduction.make_all()
-    differing = reproduction.keeper.differing
-    if options.check and differing:
-        sys.exit(f"{len(differing)} files differ: {', '.join(differing)}")
+        keeper = Keeper(results, copies=not options.check)
+        if options.check == "numbers":
+            keeper = NumbersKeeper(results, options.against or REFERENCE)
+        Reproduction(results, options.replicates, keeper).make_all()
+    if options.check and keeper.differing:
+        sys.exit(f"{len(keeper.differing)} files differ: {', '.join(keeper.differing)}")

@@ -144,3 +144,74 @@ def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch):
         picture = f"results/reference/plant/{name}.png"
         assert (ROOT / picture).is_file()
         assert f"](../{picture})" in page
+
+
+@pytest.fixture
+def numbers(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    for name in ("agreement", "keeping"):
+        sys.modules.pop(name, None)
+    import keeping
+
+    return keeping
+
+
+BEST = "best,runner_up,mse_best,mse_runner_up,difference,ci_low,ci_high\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "agrees"),
+    [
+        ("MKF,EKF,1.0,2.0,1.0,0.5,1.5", True),
+        ("MKF,EKF,1.0000000001,2.0,1.0,0.5,1.5", True),
+        ("MKF,EKF,1.00000001,2.0,1.0,0.5,1.5", False),
+        ("MKF,EKF,1.0,2.0,1.0,0.5,1.500000001", True),  # 1e-9 of 2, the larger error
+        ("MKF,EKF,1.0,2.0,1.0,0.5,1.50000001", False),
+        ("EKF,MKF,1.0,2.0,1.0,0.5,1.5", False),
+        ("MKF,EKF,1.0,2.0,1.0,0.5,nan", False),
+    ],
+)
+def test_numbers_alone(numbers, tmp_path, line, agrees):
+    for name, text in (("kept", "MKF,EKF,1.0,2.0,1.0,0.5,1.5"), ("made", line)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "best.csv").write_text(f"{BEST}{text}\n")
+        (tmp_path / name / "report.md").write_text(name)
+    found = numbers.compare_numbers(tmp_path / "made", tmp_path / "kept")
+    assert (found == {}) == agrees
+
+
+def test_a_winner_by_nothing_may_be_the_other(numbers, tmp_path):
+    for name, line in (("kept", "A,B,1.0,1.0,1e-12,0,0"), ("made", "B,A,1.0,1.0,-1e-12,0,0")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "best.csv").write_text(f"{BEST}{line}\n")
+    assert numbers.compare_numbers(tmp_path / "made", tmp_path / "kept") == {}
+
+
+def test_numbers_of_a_folder_of_results_are_compared_with_its_rows(numbers, tmp_path):
+    import pandas as pd
+
+    made, kept = tmp_path / "made", tmp_path / "kept"
+    for folder in (made, kept):
+        (folder / "paper" / "figures").mkdir(parents=True)
+        (folder / "paper" / "figures" / "consistency.csv").write_text("nees\n1.0\n")
+        (folder / "paper" / "summary.csv").write_text("scheme,mean\nMKF,1.0\n")
+        (folder / "paper" / "cases").mkdir()
+    rows = pd.DataFrame({"scheme": ["A", "A", "B"], "replicate": [0, 1, 0], "value": [1.0, 2, 3]})
+    rows.to_parquet(kept / "paper" / "cases" / "part-1.parquet")
+    rows.iloc[::-1].to_parquet(made / "paper" / "cases" / "part-2.parquet")
+    keeper = numbers.NumbersKeeper(made, kept)
+    keeper.keep("paper")
+    keeper.keep_rows("paper")
+    assert keeper.differing == []
+    rows.assign(value=[1.0, 2.1, 3]).to_parquet(made / "paper" / "cases" / "part-2.parquet")
+    (made / "paper" / "figures" / "consistency.csv").write_text("nees\n1.1\n")
+    keeper.keep("paper")
+    keeper.keep_rows("paper")
+    assert keeper.differing == ["paper/consistency.csv", "rows of paper/cases"]
+
+
+def test_kept_files_of_results_have_the_numbers_of_themselves(numbers):
+    keeper = numbers.NumbersKeeper(KEPT.parent, KEPT.parent)
+    for name in numbers.KEPT:
+        keeper.keep(name)
+    assert keeper.differing == []
