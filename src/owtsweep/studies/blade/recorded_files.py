@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -176,15 +176,15 @@ def _read_nmea(path: Path) -> Fixes:
         raise InputError(f"{path}: NMEA needs the package pynmeagps; {EXTRA}") from None
     from io import BytesIO
 
-    rows = []
+    rows: list[tuple[Any, ...]] = []
     separated = set()
     try:
         for _, said in NMEAReader(BytesIO(read_bytes(path, MOST_BYTES)), quitonerror=ERR_RAISE):
             if said is None or not said.identity.endswith("GGA") or said.quality == NO_FIX:
                 continue
-            apart = getattr(said, "sep", "")
+            apart: Any = getattr(said, "sep", "")
             separated.add(apart != "")
-            altitude = getattr(said, "alt", "")
+            altitude: Any = getattr(said, "alt", "")
             height = "" if altitude == "" else altitude + (apart or 0.0)
             at = said.time
             found = {"time": at, "quality": said.quality}
