@@ -13,8 +13,11 @@ How near numbers must be depends on where they are made:
   threads), numbers of the hub's compiled kernels are equal bit for bit. All others are equal to
   1e-12 of the largest magnitude of their column in the same run, scheme, measure and window: there
   a change of the order in which a library adds numbers is no change of the study.
-- On another machine, all numbers are equal to `ELSEWHERE` of that magnitude. Another processor has
-  other BLAS kernels, and the tower's filters are ill-conditioned: see `ELSEWHERE`.
+- On another machine, numbers are equal to `ELSEWHERE` of that magnitude, 1e-9. There are two
+  exceptions. They are from the machine that made the fixture with the kernels of an old processor
+  (OPENBLAS_CORETYPE=Nehalem, numpy without AVX2 and FMA), where all else differed by 5e-11 or less.
+  The tower's damage did by 1.4e-5 (MDE's stress cycles on the default turbine): 1e-4 is asked of
+  the tower. What a replay fits to a record, by an optimiser, did by 4e-3: 1e-2 is asked of that.
 
 Texts, statuses, counts and gaps (NaN) are equal everywhere. A run whose rows are in the fixture but
 are not made, or the reverse, is a difference.
@@ -64,7 +67,11 @@ RESULTS = (
 EXACT = ("n_samples", "status", "reason")
 #: Columns with which the largest magnitude is sought, besides the run.
 SCALES = ("tuning", "scheme", "measure", "window")
-HERE_AGAIN, ELSEWHERE = 1e-12, {"tower": 1e-4, "readings": 1e-4, "": 1e-9}
+HERE_AGAIN = 1e-12
+#: Study -> how near numbers must be on another machine; "" is all others.
+ELSEWHERE = {"tower": 1e-4, "": 1e-9}
+#: Values of the column `scheme` in rows that hold what a replay fits; how near these must be.
+FITTED, NEAR_FITS = ("", "noise_of_record"), 1e-2
 #: Run -> seconds of the processor that it took in this process.
 SECONDS: dict[str, float] = {}
 #: Words of runs of the hub in which other code than its batch kernels makes numbers.
@@ -264,8 +271,13 @@ def _tidy(rows: pd.DataFrame) -> pd.DataFrame:
         elif not pd.api.types.is_integer_dtype(column):
             rows[name] = column.astype(float)
     rows = rows.dropna(axis="columns", how="all")
-    keys = [name for name in rows if name not in RESULTS]
-    return rows.sort_values(keys, kind="stable", ignore_index=True)
+    return rows.sort_values(find_keys(rows), kind="stable", ignore_index=True)
+
+
+def find_keys(rows: pd.DataFrame) -> list[str]:
+    """Return the columns that say which row it is; `noise` is an axis of the tower."""
+    results = RESULTS if "motion" in rows else [name for name in RESULTS if name != "noise"]
+    return [name for name in rows if name not in results]
 
 
 def read_rows(study: str, runs: Sequence[str] = ()) -> tuple[pd.DataFrame, dict[str, str]]:
@@ -283,7 +295,7 @@ def compare(study: str, made: pd.DataFrame, kept: pd.DataFrame, *, same: bool) -
     """
     if set(made) != set(kept):
         return [f"{study}: columns {sorted(set(made) ^ set(kept))} are in one of both alone"]
-    keys = [name for name in kept if name not in RESULTS]
+    keys = find_keys(kept)
     made, kept = (rows.assign(turn=rows.groupby(keys, dropna=False).cumcount()) for rows in
                   (made, kept))  # fmt: skip
     both = kept.merge(made, "outer", on=[*keys, "turn"], suffixes=("", " made"), indicator="side")
@@ -315,7 +327,9 @@ def _differs(study: str, both: pd.DataFrame, name: str, *, same: bool) -> np.nda
         return unequal.astype(bool)
     scales = ["run", *(key for key in SCALES if key in both)]
     most = one.abs().groupby([both[key] for key in scales], dropna=False).transform("max")
-    near = HERE_AGAIN if same else ELSEWHERE.get(study, ELSEWHERE[""])
+    near = np.full(len(both), HERE_AGAIN if same else ELSEWHERE.get(study, ELSEWHERE[""]))
+    if study == "replay" and not same:
+        near[both["scheme"].fillna("").isin(FITTED)] = NEAR_FITS
     far = (one - other).abs().to_numpy() > near * most.to_numpy()
     compiled = both["run"].map(lambda run: _is_compiled(study, run)).to_numpy(dtype=bool)
     return unequal.astype(bool) & (far | gaps | (compiled & same))
@@ -378,4 +392,4 @@ if __name__ == "__main__":
         make()
     else:
         found = [line for study in sys.argv[1:] or STUDIES for line in check(study)]
-        sys.exit("\n".join(found))
+        sys.exit("\n".join(found) or 0)
