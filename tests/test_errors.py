@@ -37,6 +37,16 @@ def test_an_exception_that_cannot_be_printed_is_named() -> None:
 def test_overrides_that_are_no_list_of_texts_are_told(function: str, wrong: object) -> None:
     with pytest.raises(owtsweep.InputError, match=r"^overrides: .* list of texts"):
         getattr(owtsweep, function)(wrong)
+    with pytest.raises(owtsweep.InputError, match=r"^overrides: .* list of texts"):
+        owtsweep.online("HME1", wrong)  # type: ignore[arg-type]
+    with pytest.raises(owtsweep.InputError, match=r"^overrides: .* list of texts"):
+        owtsweep.replay("record.csv", wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("wrong", [None, 5, b"run"])
+def test_a_run_that_is_no_path_is_told(wrong: object) -> None:
+    with pytest.raises(owtsweep.InputError, match=r"^path: .* is no path"):
+        owtsweep.load(wrong)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("wrong", [None, 5, [5]])

@@ -60,6 +60,7 @@ def load(path: str | PathLike[str]) -> Run:
     """
     from owtsweep.studies.opening import open_run
 
+    require(isinstance(path, str | PathLike), f"path: {path!r} is no path; give that of a folder")
     return open_run(Path(os.path.expanduser(path)))
 
 
@@ -89,6 +90,7 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
         If no file can be used, a file does not exist, or an override is wrong. Nothing has been
         written in this case.
     """
+    from owtsweep.studies.composing import require_texts
     from owtsweep.studies.replay.running import Replay, configure, execute
 
     named = [files] if isinstance(files, str | PathLike) else files
@@ -96,5 +98,6 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
         isinstance(named, Sequence) and all(isinstance(file, str | PathLike) for file in named),
         f"files: {files!r} is no path; give one, or a list of paths",
     )
+    require_texts(overrides)
     words = [str(file) for file in named]
     return Replay(execute(configure(words, overrides)).run)

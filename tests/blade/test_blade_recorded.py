@@ -285,12 +285,30 @@ def test_an_empty_geoid_separation_is_read() -> None:
     assert (fixes.time == whole.time).all()
 
 
+def test_a_cut_sentence_is_one_line() -> None:
+    _write_nmea()
+    _edit_nmea(lambda fields: fields.__delitem__(slice(3, None)), first=2, count=1)
+    told = r"GGA sentence 3 with a fix has no readable"
+    with pytest.raises(owtsweep.InputError, match=told):
+        read_fixes(Path("fixes.nmea"), [])
+
+
+def test_heights_above_the_geoid_and_above_the_ellipsoid_are_not_mixed() -> None:
+    _write_nmea()
+    Path("whole.nmea").write_bytes(Path("fixes.nmea").read_bytes())
+    _edit_nmea(lambda fields: fields.__setitem__(slice(11, 13), ["", ""]))
+    told = r"^recorded.gnss: no sentence of fixes.nmea states the geoid's separation"
+    with pytest.raises(owtsweep.InputError, match=told):
+        compose([*RECORDED, *CELL, "recorded.gnss=[whole.nmea,fixes.nmea]"])
+
+
 @pytest.mark.parametrize(
     ("field", "value", "says"),
     [
         (1, "996140.00", "GGA sentence 3 with a fix has no readable time; cut damaged"),
         (1, "", "GGA sentence 3 with a fix has no readable time; cut damaged"),
         (6, "", "GGA sentence 3 with a fix has no readable quality; cut damaged"),
+        (6, "99", "GGA sentence 3 has the quality 99, and NMEA has 0 to 9"),
         (6, "x", "sentence 3 cannot be read (Incorrect type for attribute quality"),
         (2, "", "GGA sentence 3 with a fix has no readable latitude; cut damaged"),
         (9, "", "GGA sentence 3 with a fix has no readable height; cut damaged"),

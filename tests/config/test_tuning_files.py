@@ -73,3 +73,7 @@ def test_a_multirun_takes_no_files(mine: Path, capsys: pytest.CaptureFixture[str
 def test_a_name_that_is_too_long_is_no_file() -> None:
     with pytest.raises(InputError, match=r"^tuning: there is no file a+ "):
         compose([f"tuning={'a' * 300}.yaml"])
+    with pytest.raises(InputError, match=r"^structure: there is no file a+"):
+        compose(["motion=plant", f"structure={'a' * 300}.yaml"])
+    with pytest.raises(InputError, match=r"^tuning: there is no file ~no_such_user/mine.yaml"):
+        compose(["tuning=~no_such_user/mine.yaml"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from functools import partial
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from owtsweep.errors import InputError
 from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.conditions import CONDITIONS
 from owtsweep.sweep import compare as comparing
+from owtsweep.sweep import shard
 from owtsweep.sweep.compare import Compared
 
 GRID = ["grid.natural_period=[4.0,8.0]", "grid.amplitude=[0.1,0.25,1.0]", "grid.replicates=5"]
@@ -154,6 +156,23 @@ def test_runs_without_a_common_cell_or_criterion_are_refused(folder):
         with pytest.raises(InputError, match=says):
             compare([str(folder / "late"), str(folder / name)])
     assert set(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [("noise", np.nan), ("noise", np.inf), ("motion", -np.inf), ("scheme", "OTHER")],
+)
+def test_sealed_rows_without_a_usable_number_are_one_line(folder, tmp_path, column, value):
+    """The seal of a shard shows damage, not forgery: whoever writes a shard can seal it."""
+    for name in ("early", "late"):
+        shutil.copytree(folder / name, tmp_path / name)
+        run = owtsweep.load(tmp_path / name)
+        for key in run.plan():
+            path = run.store.path(key)
+            rows = shard.decode(path.read_bytes(), key, {}).to_pandas()
+            path.write_bytes(shard.encode(key, rows.assign(**{column: value}), {}))
+    with pytest.raises(InputError, match=r"^runs: none has a finite number of"):
+        compare([str(tmp_path / "early"), str(tmp_path / "late")])
 
 
 def test_expectations_are_compared_with_each_other_only(folder, tmp_path):

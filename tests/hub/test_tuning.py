@@ -106,6 +106,7 @@ def test_an_interrupt_keeps_the_best_so_far(
         (["study=readings"], "nothing to tune"),
         (["study=tower"], "study: 'tower' has nothing to tune; `tune` serves hub only"),
         (["--output", "mine.txt"], "ends in .yaml"),
+        (["--output", f"{'a' * 300}.yaml"], "the name has more than 255 bytes"),
         (["tune.seed=2019"], "tune.seed"),
         (["tune.amplitude=[2,1]"], "reversed"),
         (["schemes=[{_target_:hold_last_fix.HoldLastFix}]"], "knows the numbers of"),

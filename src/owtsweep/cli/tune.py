@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -14,6 +15,8 @@ from owtsweep.cli.program import DONE, INTERRUPTED
 from owtsweep.config import Config, dump, require
 from owtsweep.config.tunings import GROUP
 from owtsweep.errors import InputError
+from owtsweep.io.reading import expand_home
+from owtsweep.sweep.keys import LONGEST_NAME
 
 #: The tuning that a search begins with, and that its result is compared with.
 START = "matched"
@@ -88,13 +91,17 @@ def _choose_path(output: str | None, config: Config) -> Path:
     if output is None:
         digest = hashlib.blake2b(dump(config).encode(), digest_size=5).hexdigest()
         return Path(f"tuned-{digest}.yaml")
-    path = Path(output).expanduser()
+    path = expand_home(output)
     require(
         path.suffix == ".yaml" and re.search(r"[,\[\]'\"]", output) is None,
         f"--output: {output!r} is no name of a tuning file; use one that ends in .yaml, without "
         "commas, brackets and quotes",
     )
-    require(not path.is_dir(), f"--output: {output} is a folder; name a file")
+    require(not os.path.isdir(path), f"--output: {output} is a folder; name a file")
+    require(
+        len(os.fsencode(path.name)) <= LONGEST_NAME,
+        f"--output: the name has more than {LONGEST_NAME} bytes; use a shorter one",
+    )
     return path
 
 

@@ -11,7 +11,7 @@ from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import Judged, find_common, judge
 from owtsweep.comparing.comparison import Candidate, Comparison, Findings, Pair
 from owtsweep.comparing.origin import describe_origins
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,7 +43,8 @@ def compare(
     Raises
     ------
     InputError
-        If the runs cannot be compared, for example because they have no scheme in common.
+        If the runs cannot be compared, for example because they have no scheme in common, or no
+        run has a usable number: a stranger may seal NaN, or the name of another scheme.
     """
     import pandas as pd
 
@@ -52,6 +53,11 @@ def compare(
     aspects = [describe(run) for run in comparison.runs]
     shared, left_out = find_common(comparison.runs, aspects)
     runs = [judge(run, told, shared) for run, told in zip(comparison.runs, aspects, strict=True)]
+    require(
+        any(run.samples.shape[1] > 0 for run in runs),
+        f"runs: none has a finite number of {', '.join(shared.schemes)} in a cell; sweep them "
+        "again with --fresh",
+    )
     tables = {
         "runs": pd.DataFrame(
             [{"folder": run.name, "hash": run.hash} | run.written for run in comparison.runs]

@@ -7,6 +7,7 @@ then handed to Hydra as one more file of the config group.
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -18,6 +19,7 @@ from owtsweep.config.stored import read_stored
 from owtsweep.config.tuning_files import names_file
 from owtsweep.config.typed import typed
 from owtsweep.errors import InputError
+from owtsweep.io.reading import expand_home
 
 
 @contextmanager
@@ -55,7 +57,7 @@ def place_section_files(
             options[override] = f"{group}={group}-file-{number}"
             path = Path(folder) / group / f"{group}-file-{number}.yaml"
             path.parent.mkdir(exist_ok=True)
-            path.write_text(_checked_text(Path(word).expanduser(), group, model), encoding="utf-8")
+            path.write_text(_checked_text(expand_home(word), group, model), encoding="utf-8")
         yield [options.get(override, override) for override in overrides], [Path(folder)]
 
 
@@ -70,7 +72,7 @@ def _checked_text(path: Path, group: str, model: type[Config]) -> str:
     """Read a file of a section; return its values as the text of a file of the config group."""
     import yaml
 
-    if not path.exists():
+    if not os.path.exists(path):  # `Path.exists` raises for a name that is too long
         raise InputError(f"{group}: there is no file {path}")
     plain, _ = read_stored(path)
     try:

@@ -8,6 +8,7 @@ more file of the config group `tuning`.
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ from pathlib import Path
 from owtsweep.config.stored import read_stored
 from owtsweep.config.tunings import GROUP
 from owtsweep.errors import InputError, require, shorten
+from owtsweep.io.reading import expand_home
 
 
 def names_file(word: str) -> bool:
@@ -67,7 +69,7 @@ def place_files(
         group.mkdir()
         options = {word: f"tuning-file-{n}" for n, word in enumerate(dict.fromkeys(files))}
         for word, option in options.items():
-            text = _checked_text(Path(word).expanduser(), tuned)
+            text = _checked_text(expand_home(word), tuned)
             (group / f"{option}.yaml").write_text(text, encoding="utf-8")
         try:
             yield [_replace(override, options) for override in overrides], [Path(folder)]
@@ -89,11 +91,9 @@ def _checked_text(path: Path, tuned: Sequence[str]) -> str:
     """Read a tuning file; return its values as the text of a file of Hydra's config group."""
     import yaml
 
-    try:
-        there = path.exists()
-    except OSError:  # e.g. a name that is too long
-        there = False
-    require(there, f"{GROUP}: there is no file {shorten(str(path), 200)}")
+    require(  # `Path.exists` raises for a name that is too long
+        os.path.exists(path), f"{GROUP}: there is no file {shorten(str(path), 200)}"
+    )
     plain, _ = read_stored(path)
     others = sorted(set(plain) - {*tuned, GROUP})
     require(

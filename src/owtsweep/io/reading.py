@@ -16,6 +16,11 @@ from owtsweep.errors import InputError
 MOST_SPARSE = 100_000_000
 
 
+def expand_home(path: str) -> Path:
+    """Return the path with the user's home folder in place of `~`; `~nobody` stays as it is."""
+    return Path(os.path.expanduser(path))  # `Path.expanduser` raises for an unknown user
+
+
 def require_regular(path: Path, *, links: bool = True) -> None:
     """Check that a path is a regular file. (Reading a pipe could block; a device may never end.)
 

@@ -28,6 +28,7 @@ from owtsweep.config import (
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
+from owtsweep.io.reading import expand_home
 
 #: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
 ANGLES = (28.0, 40.0)
@@ -352,7 +353,7 @@ def find_structure(name: str) -> Structure:
     """
     folder = conf_directory() / "structure"
     if name.endswith((".yaml", ".yml")):
-        return read_structure(Path(name).expanduser())
+        return read_structure(expand_home(name))
     names = sorted(path.stem for path in folder.glob("*.yaml"))
     require(
         name in names,

@@ -134,6 +134,18 @@ def _check_command(study: str, primary: str) -> None:
     raise InputError(f"study: {study!r} replays no record; leave out study={study}")
 
 
+def require_texts(overrides: Sequence[str]) -> None:
+    """Raise `InputError` unless `overrides` is a list of texts: a caller may give anything."""
+    require(
+        not isinstance(overrides, str),
+        f"overrides: {overrides!r} is one text; give a list of texts, e.g. ['tuning=matched']",
+    )
+    require(
+        isinstance(overrides, Sequence) and all(isinstance(word, str) for word in overrides),
+        f"overrides: {overrides!r} is no list of texts; give one, e.g. ['tuning=matched']",
+    )
+
+
 def _key(override: str) -> str:
     return override.lstrip("+~").partition("=")[0]
 
@@ -149,14 +161,7 @@ def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
         If `overrides` is no list of texts, or names an unknown study, several studies, or an empty
         name.
     """
-    require(
-        not isinstance(overrides, str),
-        f"overrides: {overrides!r} is one text; give a list of texts, e.g. ['tuning=matched']",
-    )
-    require(
-        isinstance(overrides, Sequence) and all(isinstance(word, str) for word in overrides),
-        f"overrides: {overrides!r} is no list of texts; give one, e.g. ['tuning=matched']",
-    )
+    require_texts(overrides)
     name, others = None, []
     for override in overrides:
         key, _, value = override.partition("=")

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.io.reading import hash_file
+from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.blade.case import Conditions, list_cases
 from owtsweep.studies.blade.cases import Case, make_cases
@@ -82,7 +81,7 @@ def _describe_content(config: BladeConfig) -> dict[str, Any]:
     content = {name: whole[name] for name in SHARED if name in whole}  # some are younger
     recorded = config.recorded
     if recorded.imu is not None:
-        imu, *gnss = (hash_file(Path(name).expanduser()) for name in (recorded.imu, *recorded.gnss))
+        imu, *gnss = (hash_file(expand_home(name)) for name in (recorded.imu, *recorded.gnss))
         content["recorded"] |= {"imu": imu, "gnss": gnss}
         content["reference"] = config.grid.sigma[0]
     return content

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
+from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded.timing import fit_comb
 from owtsweep.studies.blade.aligning import align
 from owtsweep.studies.blade.believed import believe
@@ -52,8 +53,8 @@ def load_lift(config: BladeConfig) -> Lift:
         the inertial unit, or the heading is unknown.
     """
     recorded, rate, steps = config.recorded, config.record.rate, config.record.steps
-    path = Path(str(recorded.imu)).expanduser()
-    files = [Path(name).expanduser() for name in recorded.gnss]
+    path = expand_home(str(recorded.imu))
+    files = [expand_home(name) for name in recorded.gnss]
     check_columns(recorded.columns, path, files)
     inertial = read_inertial(path, recorded.columns)
     comb = fit_comb(inertial.time)
@@ -110,12 +111,19 @@ def place_fixes(
     Raises
     ------
     InputError
-        If files differ in kind, GNSS is faster than the samples, or a package is missing.
+        If files differ in kind or in what heights are above, GNSS is faster than the samples, or a
+        package is missing.
     """
     globe = {fixes.globe for fixes in antennas}
     require(
         len(globe) == 1,
         "recorded.gnss: some files have x, y, z and others latitude and longitude; give one kind",
+    )
+    bare = [file for file, fixes in zip(files, antennas, strict=True) if fixes.above_geoid]
+    require(
+        len(bare) in (0, len(files)),
+        f"recorded.gnss: no sentence of {bare[0] if bare else ''} states the geoid's separation, "
+        "and heights of other files are above the ellipsoid; add the separation",
     )
     step = float(time[1] - time[0])
     placed = np.full((len(time), len(antennas), 3), np.nan)

@@ -29,8 +29,8 @@ UNITS = {
     **dict.fromkeys(("latitude", "longitude"), "deg"),
 }
 DIMENSIONS = {"s": "time", "m": "length", "m/s^2": "acceleration"}
-#: Qualities of an NMEA fix: no fix, and a float solution.
-NO_FIX, FLOAT = 0, 5
+#: Qualities of an NMEA fix: those that there are, no fix, and a float solution.
+QUALITIES, NO_FIX, FLOAT = range(10), 0, 5
 #: Largest NMEA file, bytes; seconds of a day.
 MOST_BYTES, DAY = 200_000_000, 86_400.0
 #: What to do about an absurdly large number.
@@ -59,12 +59,15 @@ class Fixes(NamedTuple):
         Whether positions are on the globe.
     floating
         Whether a solution is float, shape (n,).
+    above_geoid
+        Whether heights are above the geoid, because the file does not state its separation.
     """
 
     time: Array
     position: Array
     globe: bool
     floating: NDArray[np.bool_]
+    above_geoid: bool = False
 
 
 def read_inertial(path: Path, columns: Sequence[str]) -> Inertial:
@@ -180,15 +183,21 @@ def _read_nmea(path: Path) -> Fixes:
     separated = set()
     try:
         for _, said in NMEAReader(BytesIO(read_bytes(path, MOST_BYTES)), quitonerror=ERR_RAISE):
-            if said is None or not said.identity.endswith("GGA") or said.quality == NO_FIX:
+            quality = getattr(said, "quality", "")  # a sentence that is cut has none
+            if said is None or not said.identity.endswith("GGA") or quality == NO_FIX:
                 continue
+            require(
+                quality == "" or quality in QUALITIES,
+                f"{path}: GGA sentence {len(rows) + 1} has the quality {quality}, and NMEA has 0 "
+                f"to {QUALITIES[-1]}; cut damaged sentences out",
+            )
             apart: Any = getattr(said, "sep", "")
             separated.add(apart != "")
             altitude: Any = getattr(said, "alt", "")
             height = "" if altitude == "" else altitude + (apart or 0.0)
-            at = said.time
-            found = {"time": at, "quality": said.quality}
-            found |= dict(zip(GLOBE, (said.lat, said.lon, height), strict=True))
+            at: Any = getattr(said, "time", "")
+            place = (getattr(said, "lat", ""), getattr(said, "lon", ""), height)
+            found = {"time": at, "quality": quality, **dict(zip(GLOBE, place, strict=True))}
             wrong = [name for name, value in found.items() if value in ("", None)]
             wrong += [name for name in GLOBE if found[name] != found[name]]
             require(
@@ -197,7 +206,7 @@ def _read_nmea(path: Path) -> Fixes:
                 f"{' and no readable '.join(wrong)}; cut damaged sentences out",
             )
             second = 3600.0 * at.hour + 60.0 * at.minute + at.second + 1e-6 * at.microsecond
-            rows.append((second, said.lat, said.lon, height, said.quality == FLOAT))
+            rows.append((second, *place, quality == FLOAT))
     except (NMEAMessageError, NMEAParseError, NMEAStreamError, NMEATypeError) as error:
         raise InputError(
             f"{path}: sentence {len(rows) + 1} cannot be read ({shorten(str(error), 120)}); cut "
@@ -211,7 +220,7 @@ def _read_nmea(path: Path) -> Fixes:
     )
     table = np.array(rows, dtype=float)
     time = table[:, 0] + DAY * np.cumsum(np.diff(table[:, 0], prepend=table[0, 0]) < -0.5 * DAY)
-    return Fixes(time, table[:, 1:4], True, table[:, 4] > 0.0)
+    return Fixes(time, table[:, 1:4], True, table[:, 4] > 0.0, separated == {False})
 
 
 def _load(table: ChannelTable, signals: Sequence[str], given: Sequence[str]) -> dict[str, Array]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.io.reading import hash_file
+from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.contest.planning import plan_blocks
 from owtsweep.studies.contest.rows import Judgement, make_rows
@@ -93,5 +92,5 @@ def _describe_content(config: FloaterConfig) -> dict[str, Any]:
     whole = as_mapping(config)
     content = {name: whole[name] for name in SHARED}
     if config.motion.kind == "recorded" and config.motion.file is not None:
-        content["motion"] |= {"file": hash_file(Path(config.motion.file).expanduser())}
+        content["motion"] |= {"file": hash_file(expand_home(config.motion.file))}
     return content

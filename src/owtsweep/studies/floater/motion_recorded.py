@@ -9,13 +9,13 @@ v, w, p, q, r (derivatives of the six, in the basin's frame as in section 2.3) a
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require, shorten
+from owtsweep.io.reading import expand_home
 from owtsweep.motion.lines import Series
 from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.columns import guess_roles
@@ -57,7 +57,7 @@ def read_motion(motion: MotionSection, *, steps: int, step: float, lead: int) ->
         motion.file is not None,
         "motion.file: kind=recorded needs a file; give motion.file=basin.csv",
     )
-    table = open_table(Path(str(motion.file)).expanduser())
+    table = open_table(expand_home(str(motion.file)))
     columns = _find_columns(motion.columns, table)
     used = dict.fromkeys(column.name for column in columns.values())
     loaded = table.load(list(used), None)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.io.reading import hash_file
+from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
@@ -100,9 +99,9 @@ def _describe_content(config: TowerConfig) -> dict[str, Any]:
         content[section] = {k: v for k, v in content[section].items() if k not in names}
     content["cuts"] = list(config.heights)
     if config.wind.file is not None:
-        content["loads"] = hash_file(Path(config.wind.file).expanduser())
+        content["loads"] = hash_file(expand_home(config.wind.file))
     if config.recorded.file is not None:
-        content["recorded"] |= {"file": hash_file(Path(config.recorded.file).expanduser())}
+        content["recorded"] |= {"file": hash_file(expand_home(config.recorded.file))}
     return content
 
 

@@ -7,11 +7,11 @@ there. What no column holds is NaN.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 
 from owtsweep.errors import require
+from owtsweep.io.reading import expand_home
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.contract import Estimates, Kind
 from owtsweep.studies.tower.measures import scatter
@@ -100,7 +100,7 @@ def load_motions(
     InputError
         If the file cannot be used, lacks a sensor's column, is too short or has another step.
     """
-    record = read_record(Path(str(recorded.file)).expanduser(), recorded.list_names())
+    record = read_record(expand_home(str(recorded.file)), recorded.list_names())
     require(
         abs(record.step - step) <= 1e-6 * step,
         f"record.rate: {1.0 / step:g} Hz, but {record.path} has a row every {record.step:g} s; "

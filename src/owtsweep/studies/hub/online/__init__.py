@@ -49,6 +49,7 @@ def online(
         If the scheme cannot run on board, or the overrides or the origin are wrong.
     """
     from owtsweep.studies import compose
+    from owtsweep.studies.composing import require_texts
     from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.schemes import resolve
@@ -59,11 +60,10 @@ def online(
         raise InputError(
             f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH"
         )
-    if not isinstance(overrides, str):  # a string is refused below
-        given = {override.partition("=")[0] for override in overrides}
-        ours = [word for word in DEFAULTS if word.partition("=")[0] not in given]
-        overrides = [*ours, *overrides, f"schemes=[{scheme}]"]
-    config = compose(overrides)
+    require_texts(overrides)
+    given = {override.partition("=")[0] for override in overrides}
+    ours = [word for word in DEFAULTS if word.partition("=")[0] not in given]
+    config = compose([*ours, *overrides, f"schemes=[{scheme}]"])
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
     compute = config.compute

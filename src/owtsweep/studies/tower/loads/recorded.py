@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
+from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded.checks import require_possible
 from owtsweep.motion.recorded.formats.streams import TextStream
 
@@ -39,7 +39,7 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
     """
     import pandas as pd
 
-    path = Path(file).expanduser()
+    path = expand_home(file)
     try:
         with TextStream(path) as stream:  # refuses devices, and what unpacks to too much
             table = pd.read_csv(stream)
