@@ -19,14 +19,13 @@ Further arguments are overrides of all runs, e.g. results=elsewhere.
 import sys
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 import owtsweep
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.io.tables import write_table
-from owtsweep.statistics.student import t_quantile
+from owtsweep.statistics.contrasts import gap
 from owtsweep.studies import compose
 from owtsweep.studies.hub.conditions import make_cube
 from owtsweep.studies.hub.switching.boundary import compute_boundary
@@ -61,9 +60,8 @@ KEYS = ["run", "tuning", "natural_period", "amplitude", "scheme", "measure"]
 
 def average(values):
     """Return mean, both ends of its 95 % interval, and number of values."""
-    mean, count = float(np.mean(values)), len(values)
-    half = float(t_quantile(count - 1)) * np.std(values, ddof=1) / np.sqrt(count)
-    return mean, mean - half, mean + half, count
+    found = gap(values)
+    return float(found.value), float(found.low), float(found.high), len(values)
 
 
 def run_one(name, overrides):
