@@ -12,6 +12,7 @@ import yaml
 
 import owtsweep
 from owtsweep.cli import main
+from owtsweep.cli.program import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 SMALL = [
@@ -35,6 +36,14 @@ def only_run(folder: str = "results") -> Path:
     """The one run folder below `folder`."""
     (config,) = Path(folder).glob("*/config.yaml")
     return config.parent
+
+
+def test_the_examples_of_the_help_are_one_line(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    for command in COMMANDS:
+        with pytest.raises(SystemExit):
+            main([command, "--help"])
+        assert capsys.readouterr().out.splitlines()[-1].startswith(f"example: owtsweep {command}")
 
 
 def test_sweep_writes_what_the_readme_says(capsys):

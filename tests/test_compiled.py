@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,11 @@ CALLED = """
 import numpy as np
 from owtsweep.studies.hub.kernels.feeding import keep_lead
 keep_lead(0, np.zeros((1, 1, 8)))
+"""
+NAMED = """
+import os, sys, owtsweep.__main__ as process, owtsweep.cli as cli
+cli.main = lambda: print(os.environ["OWTSWEEP_COMMAND"], file=sys.stderr) or 0
+process.run()
 """
 
 
@@ -55,6 +61,27 @@ def test_compiling_is_told_once_by_all_processes_of_a_command(tmp_path, monkeypa
         told.append(_errors(say, tmp_path, monkeypatch).count("owtsweep: compiling kernels, once"))
     assert told == [1, 0, 1]
     assert [path.name for path in tmp_path.glob("told-*")] == ["told-2"]
+
+
+def test_a_command_has_one_name_in_all_of_its_processes(tmp_path, monkeypatch) -> None:
+    monkeypatch.delenv(compiled.COMMAND, raising=False)
+    assert _errors(NAMED, tmp_path, monkeypatch).strip()
+    monkeypatch.setenv(compiled.COMMAND, "outer")
+    assert _errors(NAMED, tmp_path, monkeypatch) == "outer\n"
+
+
+def test_on_a_terminal_the_bar_of_another_process_is_erased(tmp_path, monkeypatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    for command, stream in (("one", Terminal()), ("two", io.StringIO())):
+        monkeypatch.setenv(compiled.COMMAND, command)
+        monkeypatch.setattr(sys, "stderr", stream)
+        compiled.announce.cache_clear()
+        compiled.announce(tmp_path)
+        erased = stream.getvalue().startswith("\r\x1b[Kowtsweep: compiling")
+        assert erased == (command == "one")
 
 
 def test_a_folder_that_cannot_be_written_stops_nobody(tmp_path, monkeypatch) -> None:

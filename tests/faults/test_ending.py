@@ -22,6 +22,26 @@ TINY = (
     "record.duration=30", "measures.settling_time=5", "schemes=[MKF]",
 )  # fmt: skip
 
+#: A command with a worker at work, which goes on after Ctrl-C.
+SWALLOWS = """
+import signal, subprocess, time
+from joblib.externals.loky import get_reusable_executor
+import owtsweep.__main__ as process
+import owtsweep.cli as cli
+
+def main():
+    get_reusable_executor(1).submit(subprocess.run, ["sleep", "60"])
+    while True:
+        try:
+            time.sleep(60)
+        except KeyboardInterrupt:
+            print("swallowed", flush=True)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+cli.main = main
+process.run()
+"""
+
 
 def command(*words, folder, **options):
     """The command line in a session of its own, where Ctrl-C is not ignored."""
@@ -81,6 +101,24 @@ def test_every_way_to_stop_is_told_and_leaves_no_process(tmp_path, number, group
 
 @pytest.mark.faults
 def test_a_second_ctrl_c_ends_at_once_with_all_workers(tmp_path):
+    """And with what workers have started, also where a library swallows each Ctrl-C."""
+    with subprocess.Popen(
+        [sys.executable, "-c", SWALLOWS], env=environment(), start_new_session=True, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    ) as process:  # fmt: skip
+        while len(members(process.pid)) < 4:  # the last of them sleeps
+            time.sleep(0.02)
+        os.kill(process.pid, signal.SIGINT)
+        assert process.stdout.readline() == "swallowed\n"
+        os.kill(process.pid, signal.SIGINT)
+        _, err = process.communicate(timeout=4)  # before it would be stopped again by itself
+    assert process.returncode == 130
+    assert err == "owtsweep: stopped at once; finished blocks are kept\n"
+    wait_until_all_are_gone(process.pid)
+
+
+@pytest.mark.faults
+def test_two_ctrl_c_together_end_a_sweep(tmp_path):
     process = child(tmp_path / "results", "loky", 60, 2)
     while len(members(process.pid)) < 4:
         time.sleep(0.02)
@@ -95,8 +133,8 @@ def test_a_second_ctrl_c_ends_at_once_with_all_workers(tmp_path):
 
 @pytest.mark.faults
 def test_workers_end_soon_after_the_sweep_is_killed(tmp_path):
-    process = child(tmp_path / "results", "loky", 60, 2)
-    while len(members(process.pid)) < 4:
+    process = child(tmp_path / "results", "loky", 0, 2, faults={"B1.0": "long", "B2.0": "long"})
+    while len(list(tmp_path.glob("results/*/cases/part-*"))) < 2:  # then both workers are at B
         time.sleep(0.02)
     os.kill(process.pid, signal.SIGKILL)  # the process alone, not its workers
     process.communicate(timeout=10)

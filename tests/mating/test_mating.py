@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import runpy
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import owtsweep
+from owtsweep.cli import main
 from owtsweep.evaluation.mating import Limits, compare_chances, find_chances
 from owtsweep.studies import compose
 from owtsweep.studies.mating.joining import Relative, find_told_motion, find_true_motion
 from owtsweep.studies.mating.measures import compare
+from owtsweep.sweep import shard
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "mating.py"
 QUICK = ["study=mating", "experiment=quick", "record.duration=60", "record.settling=20"]
@@ -128,6 +131,52 @@ def test_a_sweep_from_plan_to_pictures(tmp_path: Path) -> None:
     assert set(calm["best"].astype(str)) == {"PENDULUM"}
 
 
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two runs of one cell, early and late."""
+    folder = tmp_path_factory.mktemp("pair")
+    cell = ["grid.sigma=[0.01]", "grid.outage=[0]", "schemes=[MEKF_HEADING,HOLD]"]
+    for seed, name in enumerate(("early", "late")):
+        owtsweep.run([*QUICK, *cell, f"seed={seed}", f"results={folder}", f"name={name}"])
+    return folder
+
+
+USELESS = "owtsweep: runs: none has a finite number of MEKF_HEADING, HOLD in a cell"
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "told"),
+    [
+        ("value", np.nan, USELESS), ("value", np.inf, USELESS), ("value", -np.inf, USELESS),
+        ("scheme", "OTHER", USELESS),
+        ("measure", "OTHER", "owtsweep: rows: two values for one case"),
+        *((name, None, "no run has a succeeded case") for name in ("value", "scheme", "sigma")),
+    ],
+)  # fmt: skip
+def test_sealed_rows_that_cannot_be_compared_are_one_line(
+    pair: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    column: str,
+    value: object,
+    told: str,
+) -> None:
+    """The seal of a shard shows damage, not forgery. The value None takes the column away."""
+    for name in ("early", "late"):
+        run = owtsweep.load(shutil.copytree(pair / name, tmp_path / name))
+        for key in run.plan():
+            path = run.store.path(key)
+            rows = shard.decode(path.read_bytes(), key, {}).to_pandas()
+            rows = rows.drop(columns=column) if value is None else rows.assign(**{column: value})
+            path.write_bytes(shard.encode(key, rows, {}))
+    assert main(["compare", str(tmp_path / "early"), str(tmp_path / "late")]) == 2
+    *warnings, last = capsys.readouterr().err.splitlines()
+    assert last.startswith("owtsweep: ")
+    assert told in last
+    assert all("holds no rows of this study: " in line for line in warnings)
+    assert bool(warnings) == (value is None)  # each such shard is named
+
+
 @pytest.mark.parametrize(
     ("override", "told"),
     [
@@ -152,14 +201,14 @@ def test_what_cannot_be_joined(override: str, told: str) -> None:
 def test_the_example_shows_one_record(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    main = runpy.run_path(str(EXAMPLE))["main"]
+    example = runpy.run_path(str(EXAMPLE))["main"]
     monkeypatch.chdir(tmp_path)
-    assert main(["20"]) == 0
+    assert example(["20"]) == 0
     told = capsys.readouterr().out.splitlines()
     errors = {line.split()[0]: float(line.split()[1]) for line in told[2:5]}
     assert errors["PENDULUM"] < errors["HOLD"]
     assert (tmp_path / "mating.png").stat().st_size > 10_000
-    assert main(["x"]) == 2
+    assert example(["x"]) == 2
     assert capsys.readouterr().err == (
         "mating.py: OUTAGE: 'x' is no such number; give one from 0 on, e.g. 20\n"
     )

@@ -64,7 +64,8 @@ class DummyStudy:
     `faults` says at which block (by its label) what happens: "raise", "memory", "exit", "silent"
     (no rows), "statusless" (rows of the wrong shape), "interrupt" (Ctrl-C to the sweep), "kill"
     (the worker process dies), "thread" (one that never ends), "slow end" (of the worker
-    process), "slow", "log", those of `BASE`, and those of `ROWS`, where cases have no number.
+    process), "slow", "long" (a minute), "log", those of `BASE`, and those of `ROWS`, where cases
+    have no number.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -128,6 +129,8 @@ class DummyStudy:
                 atexit.register(time.sleep, 60.0)
             if fault == "slow":
                 time.sleep(0.1)
+            if fault == "long":
+                time.sleep(60.0)
             if fault == "log":
                 logging.getLogger("owtsweep.dummy").info("at work")
                 logging.getLogger("mine").warning("a user's word")

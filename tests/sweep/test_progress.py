@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 
 import pytest
 from rich.console import Console
 
+from owtsweep.compiled import COMMAND
 from owtsweep.sweep.progress import BarProgress, LineProgress, make_progress
 from owtsweep.sweep.run import sweep
 
@@ -56,6 +58,19 @@ def test_bar_shows_cases_and_failures():
     assert "12 of 12 cases" in stream.getvalue()
     assert "12 of 12 cases, 6 failed" in stream.getvalue()
     assert stream.getvalue().count("failed: A[b]: it diverged") == 1  # not a line per failure
+
+
+def test_bar_shows_the_rate_of_the_last_minutes_in_digits():
+    now = [0.0]
+    stream = io.StringIO()
+    console = Console(file=stream, force_terminal=True, width=120, get_time=lambda: now[0])
+    bar = BarProgress(console)
+    bar.start(300_000, 0)
+    bar.advance(1)
+    now[0] = 100.0  # more than rich remembers by itself
+    bar.advance(139_049)
+    bar.stop()
+    assert "1 390 cases/s" in stream.getvalue()
 
 
 def test_bar_only_where_somebody_sees_it(monkeypatch):
@@ -118,3 +133,11 @@ def test_every_backend_tells_all_cases(faulty, config, backend):
     sweep(study, config(backend=backend, workers=2), progress=recorder)
     assert sum(call[1] for call in recorder.calls if call[0] == "advance") == 12
     assert sum(call[3] for call in recorder.calls if call[0] == "fail") == 3
+
+
+def test_workers_know_the_command_that_they_belong_to(study, config, monkeypatch):
+    """So that one of them tells of compiling, not each."""
+    monkeypatch.setenv(COMMAND, "")  # so that it is restored
+    monkeypatch.delenv(COMMAND)
+    sweep(study, config(backend="loky", workers=2))
+    assert os.environ[COMMAND].startswith(f"{os.getpid()}-")

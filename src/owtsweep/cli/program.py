@@ -129,12 +129,12 @@ def _add_flag(parser: Parser, *names: str, help: str) -> None:
 COMMANDS = {
     "sweep": (
         "Run a study, or finish one that was stopped, and draw its map.",
-        "sweep grid.replicates=2 record.duration=300 schemes=[MKF,HME1] sensors.gnss.delay=0.4",
+        "sweep grid.replicates=2 schemes=[MKF,HME1] tuning=matched",
         _add_sweep,
     ),
     "replay": (
         "Run the schemes on recorded motion or recorded sensors; say which one to run.",
-        "replay towertop.outb columns.position_x=TwHt1TPxi sensors.gnss.rate=5",
+        "replay towertop.outb columns.position_x=TwHt1TPxi",
         _add_replay,
     ),
     "figures": (
@@ -159,12 +159,12 @@ COMMANDS = {
     ),
     "tune": (
         "Search each scheme's best numbers for these sensors (study=hub); writes a tuning=FILE.",
-        "tune sensors.gnss.rate=5 tune.amplitude=[0.2,3] --output mine.yaml",
+        "tune sensors.gnss.rate=5 --output mine.yaml",
         _add_tune,
     ),
     "vary": (
         "Draw each scheme's error over the values of one key, e.g. a GNSS rate (study=hub).",
-        "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4] grid.amplitude=[0.5]",
+        "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4]",
         _add_vary,
     ),
     "show": (
