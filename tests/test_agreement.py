@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -128,14 +129,29 @@ def test_what_differs_is_listed_and_copied_if_asked(copies, monkeypatch, tmp_pat
     assert (kept / "summary_a.csv").read_text() == f"mean\n{'2.0' if copies else '1.0'}\n"
 
 
-def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch):
-    """The run of the plant has the sea, `make reproduce` copies the figures, the docs show them."""
+@pytest.fixture
+def reproduction(monkeypatch, tmp_path):
+    """`make reproduce` without runs, and the names of the scripts that it would run."""
     monkeypatch.syspath_prepend(str(ROOT / "experiments"))
     import reproduce
+
+    scripts = []
+    monkeypatch.setattr(reproduce, "run_script", lambda name, *words: scripts.append(name))
+    monkeypatch.setattr(reproduce.plant, "make_all", lambda *folders: None)
+    keeper = SimpleNamespace(keep=lambda name: None, keep_file=lambda *names: None)
+    whole = reproduce.Reproduction(tmp_path, "1", keeper)
+    for name in ("sweep", "report"):
+        monkeypatch.setattr(whole, name, lambda *words: None)
+    return reproduce, whole, scripts
+
+
+def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(reproduction, tmp_path):
+    """The run of the plant has the sea, `make reproduce` copies the figures, the docs show them."""
     from owtsweep.studies import compose
     from owtsweep.studies.hub.figures import TIME_HISTORIES
     from owtsweep.studies.hub.histories import choose_sea
 
+    reproduce, whole, _ = reproduction
     overrides = [*reproduce.PLANT["plant_seas"], "tuning=paper"]
     sea = choose_sea(compose(overrides))
     assert (sea["hs"], sea["tp"]) == (2.0, 6.0)
@@ -144,6 +160,21 @@ def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch):
         picture = f"results/reference/plant/{name}.png"
         assert (ROOT / picture).is_file()
         assert f"](../{picture})" in page
+    drawn = [f"{name}_{tuning}" for name in TIME_HISTORIES for tuning in ("paper", "matched")]
+    files = [f"figures/{name}.png" for name in (*drawn, "figure_03_record", "figure_04_spectrum")]
+    files += [f"fidelity/{tuning}/fidelity_claims.csv" for tuning in ("paper", "matched")]
+    for file in files:
+        (tmp_path / "plant_seas" / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "plant_seas" / file).write_text(file)
+    whole.make_plant()
+    for name in TIME_HISTORIES:
+        assert (tmp_path / "plant" / f"{name}.png").read_text() == f"figures/{name}_paper.png"
+
+
+def test_the_numbers_of_switch_are_made_anew(reproduction):
+    _, whole, scripts = reproduction
+    whole.make_better()
+    assert "switching.py" in scripts
 
 
 @pytest.fixture

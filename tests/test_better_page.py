@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -160,6 +161,24 @@ def test_the_boundary_that_switch_computes() -> None:
     table = pd.read_csv(TABLES / "switching_boundary.csv").query("tuning == 'paper'")
     told = find(r"([\d.]+), ([\d.]+), ([\d.]+), ([\d.]+) m at 3, 4, 6, 8 s")
     assert told == table["boundary"].round(1).tolist()
+
+
+def test_the_conditions_and_settings_of_switch(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    from owtsweep.studies import compose
+    from switching import BASE
+
+    config: Any = compose(BASE)
+    told = find(r"(\d+) records of (\d+) s per cell, seed (\d+), errors after the first (\d+) s\.")
+    assert told == [
+        config.grid.replicates, config.record.duration, config.seed, config.measures.settling_time,
+    ]  # fmt: skip
+    switch = config.switch
+    assert find(r"\(`switch.memory`, (\d+) s\)") == [switch.memory]
+    assert find(r"`switch.crest` \((\d\.\d)\) times rms\(position\)") == [switch.crest]
+    up, down = find(r"upwards at (\d\.\d) times the boundary, .* divided by (\d\.\d)\.")
+    assert up == down == switch.hysteresis
+    assert find(r"weighted mean within (\d) s\.") == [switch.blend]
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """The README's example is the one that the tests run, and the files it names exist."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pandas as pd
@@ -16,6 +17,18 @@ def test_the_example_scheme_is_the_tested_one():
     tested = (ROOT / "tests/hub/hold_last_fix.py").read_text(encoding="utf-8")
     _, _, code = tested.split('"""', 2)
     assert example.strip() == code.strip()
+
+
+def test_each_extra_that_is_named_is_declared_and_tested():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"][
+        "optional-dependencies"
+    ]
+    files = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "src").rglob("*.py")]
+    text = " ".join(file.read_text("utf-8") for file in files)
+    named = set(re.findall(r"owtsweep\[(\w+)\]", text))
+    assert "launchers" in named
+    assert named <= set(extras)
+    assert all(set(extras[name]) <= set(extras["test"]) for name in named - {"test", "bench"})
 
 
 def test_the_readings_name_every_key():

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 from rich.console import Console
@@ -239,8 +239,9 @@ def test_mse_figure_draws_the_means_and_the_published_points():
         assert len(lines) == 2 * len(SCHEMES)
         count = len(SCHEMES)
         bands = [band for band in axes.collections if isinstance(band, PolyCollection)]
-        drawn = zip(SCHEMES, lines[:count], lines[count:], bands, strict=True)
-        for scheme, line, points, band in drawn:
+        bars = [bar for bar in axes.collections if isinstance(bar, LineCollection)]
+        drawn = zip(SCHEMES, lines[:count], lines[count:], bands, bars, strict=True)
+        for scheme, line, points, band, bar in drawn:
             own = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
             own = own.sort_values("amplitude")
             assert line.get_xdata().tolist() == amplitudes
@@ -248,6 +249,9 @@ def test_mse_figure_draws_the_means_and_the_published_points():
             ends = {tuple(point) for point in band.get_paths()[0].vertices}
             for interval in ("ci_low", "ci_high"):  # the table's, whatever draws them
                 assert set(zip(amplitudes, own[interval], strict=True)) <= ends
+            assert sorted(tuple(end[:, 1]) for end in bar.get_segments()) == sorted(
+                zip(own["ci_low"], own["ci_high"], strict=True)
+            )
             assert (to_hex(line.get_color()), line.get_marker()) == (
                 LOOKS[scheme].color.lower(), LOOKS[scheme].marker,
             )  # fmt: skip
