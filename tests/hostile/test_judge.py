@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -80,3 +81,18 @@ def test_a_broken_promise_is_seen(
     monkeypatch.chdir(tmp_path)
     with pytest.raises(AssertionError):
         judge(bad, [], tmp_path)
+
+
+def test_a_command_that_hangs_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also one that refuses whatever it cannot read."""
+
+    def hang(argv: list[str]) -> int:
+        try:
+            time.sleep(10)
+        except OSError:
+            return refuse(argv)
+        return 0
+
+    monkeypatch.setattr("judge.PATIENCE", 1)
+    with pytest.raises(pytest.fail.Exception, match="took more than 1 s"):
+        judge(hang, [], tmp_path)

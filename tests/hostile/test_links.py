@@ -86,3 +86,11 @@ def test_no_command_follows_a_link_beside_the_runs_of_a_multirun(
     digest = hashlib.blake2b("\n".join(sorted(words)).encode(), digest_size=5).hexdigest()
     whole.rename(tmp_path / f"multirun-{digest}")  # what this command would go on with
     refused(["sweep", "-m", *words], tmp_path, f"multirun-{digest}/{name}")
+
+
+def test_no_command_follows_a_link_in_a_comparison(copy, tmp_path: Path) -> None:
+    folder = copy("m") / "comparison"
+    folder.mkdir()
+    (tmp_path / "profile").write_text("alias ll='ls -l'\n")
+    (folder / "comparison.md").symlink_to(tmp_path / "profile")
+    refused(["compare", "m"], tmp_path, "m/comparison/comparison.md")
