@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 from hanging import QUIET
 
-from owtsweep.studies.blade.paper import goals, statements
-from owtsweep.studies.blade.paper.judging import ALONE, SCENARIOS, score
-from owtsweep.studies.blade.paper.processing import process
-from owtsweep.studies.blade.paper.report import write_report
-from owtsweep.studies.blade.paper.scenarios import REFERENCE, make_record
-from owtsweep.studies.blade.paper.scores import score_boom, score_geometry, score_reference
+from experiments.maes2018 import goals, statements
+from experiments.maes2018.collecting import ALONE, SCENARIOS, score
+from experiments.maes2018.fidelity import write_report
+from experiments.maes2018.processing import process
+from experiments.maes2018.scenarios import REFERENCE, make_record
+from experiments.maes2018.scores import score_boom, score_geometry, score_reference
 from owtsweep.verdicts.scores import Scores
 
 SHORT = ("record.duration=100", "record.settling=20")

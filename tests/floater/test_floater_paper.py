@@ -6,21 +6,21 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from owtsweep.estimation.kinematic_predictor import predict_steady
-from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.paper import cells, judging
-from owtsweep.studies.floater.paper.closed_loop import find_error_of_line
-from owtsweep.studies.floater.paper.figures import FIGURES, draw_figures
-from owtsweep.studies.floater.paper.goals import GOALS, list_lost_cells
-from owtsweep.studies.floater.paper.report import judge_goals, judge_statements, write_report
-from owtsweep.studies.floater.paper.scenarios import run_scenario
-from owtsweep.studies.floater.paper.scores import (
+from experiments.mehammer2018 import cells, collecting
+from experiments.mehammer2018.closed_loop import find_error_of_line
+from experiments.mehammer2018.fidelity import judge_goals, judge_statements, write_report
+from experiments.mehammer2018.figures import FIGURES, draw_figures
+from experiments.mehammer2018.goals import GOALS, list_lost_cells
+from experiments.mehammer2018.scenarios import run_scenario
+from experiments.mehammer2018.scores import (
     count_peaks,
     find_high,
     find_integration_error,
     score,
 )
-from owtsweep.studies.floater.paper.statements import STATEMENTS
+from experiments.mehammer2018.statements import STATEMENTS
+from owtsweep.estimation.kinematic_predictor import predict_steady
+from owtsweep.studies.floater.contract import DOF
 from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, all_of
 from owtsweep.verdicts.scores import Scores
 
@@ -31,7 +31,7 @@ RECORDS = 4
 @pytest.fixture(scope="module")
 def holding() -> pd.DataFrame:
     """Return scores with which all holds but what the author's files say."""
-    rows = [(name, m, value) for name in judging.SCENARIOS for m, value in _hold(name)]
+    rows = [(name, m, value) for name in collecting.SCENARIOS for m, value in _hold(name)]
     for plane in cells.PLANES:
         for scheme in (cells.CONSISTENT, *cells.RIVALS):
             rows.append(
@@ -155,7 +155,7 @@ def test_lost_cells_are_named(holding):
 
 
 def test_the_report_has_all_parts(holding, tmp_path):
-    config = judging.OWN["20 dB"].compose()
+    config = collecting.OWN["20 dB"].compose()
     files = write_report(Scores(holding), config, tmp_path)
     page = (tmp_path / "fidelity.md").read_text()
     assert "Goals G1-G10: 10 reproduced." in page
@@ -182,7 +182,7 @@ def test_the_closed_loop_is_what_the_predictor_does_with_a_sine(delay):
 
 def test_the_printed_truth_is_known_exactly_from_its_accelerations():
     """Noiseless, from the truth on: what is left of an estimate is rounding."""
-    outcome = run_scenario(judging.PAPER["noise 10 dB"], 0, SHORT)
+    outcome = run_scenario(collecting.PAPER["noise 10 dB"], 0, SHORT)
     error = outcome.estimates.position[:, :3] - outcome.truth.position[:, :3]
     assert np.abs(error).max() < 1e-4 * outcome.setting.position_sigma[:3].min()
 
@@ -206,7 +206,7 @@ def test_a_smooth_position_integrates_to_itself():
 
 
 def test_scores_are_those_of_the_estimates():
-    outcome = run_scenario(judging.OWN["delay of 4, KF_STEADY"], 0, ["record.duration=120"])
+    outcome = run_scenario(collecting.OWN["delay of 4, KF_STEADY"], 0, ["record.duration=120"])
     found = score(outcome)
     error = (outcome.estimates.position - outcome.truth.position)[outcome.settled :, 0]
     assert found["rms_x"] == pytest.approx(np.sqrt(np.mean(error**2)))
@@ -214,12 +214,12 @@ def test_scores_are_those_of_the_estimates():
 
 
 def test_each_record_has_its_own_number():
-    table = judging.score_scenario("20 dB", range(2), SHORT)
+    table = collecting.score_scenario("20 dB", range(2), SHORT)
     found = table.set_index(["replicate", "measure"])["value"]
     for number in range(2):
-        alone = score(run_scenario(judging.OWN["20 dB"], number, SHORT))
+        alone = score(run_scenario(collecting.OWN["20 dB"], number, SHORT))
         assert found[number].to_dict() == alone
-    first, second = (run_scenario(judging.OWN["20 dB"], number, SHORT) for number in range(2))
+    first, second = (run_scenario(collecting.OWN["20 dB"], number, SHORT) for number in range(2))
     assert not np.allclose(first.truth.position, second.truth.position)
     noises = [one.measured.position - one.truth.position for one in (first, second)]
     there = np.isfinite(noises).all(axis=(0, 2))
@@ -233,5 +233,5 @@ def test_the_figures_are_drawn(tmp_path):
 
 
 def test_every_scenario_runs():
-    for name in judging.SCENARIOS:
-        assert score(run_scenario(judging.SCENARIOS[name], 0, SHORT))["rms_x"] > 0.0
+    for name in collecting.SCENARIOS:
+        assert score(run_scenario(collecting.SCENARIOS[name], 0, SHORT))["rms_x"] > 0.0

@@ -34,7 +34,7 @@ class BladeStudy:
 
     name = "blade"
     #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/blade/fidelity.py"
+    judged_by = "experiments/maes2018/fidelity.py"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 

@@ -34,7 +34,7 @@ class FloaterStudy:
 
     name = "floater"
     #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/floater/fidelity.py"
+    judged_by = "experiments/mehammer2018/fidelity.py"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 

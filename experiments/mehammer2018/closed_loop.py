@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from experiments.mehammer2018.scenarios import Outcome
 from owtsweep.arrays import Array
 from owtsweep.estimation.kinematic_predictor import make_transition
-from owtsweep.studies.floater.paper.scenarios import Outcome
 from owtsweep.studies.floater.schemes.kf_steady import SteadyPredictor
 
 

@@ -1,7 +1,13 @@
-"""The paper's figures 9 to 13, drawn of one record of the study's truth."""
+"""Figures 9 to 13 of Maes et al. (2018) in our truth, and a picture of the blade itself.
+
+    python -m experiments.maes2018.figures [FOLDER]
+
+FOLDER (default: results/blade_paper) gets a PNG and an SVG of each, of one record.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -9,13 +15,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from experiments.maes2018.picture import draw_picture
+from experiments.maes2018.processing import COLUMNS, Motions, process
+from experiments.maes2018.scenarios import REFERENCE, make_record
 from owtsweep.arrays import Array
 from owtsweep.estimation.double_integration import RATE as BOOM_RATE
 from owtsweep.figures import style
 from owtsweep.figures.drawings import save_figure
 from owtsweep.studies.blade.boom import estimate_boom
-from owtsweep.studies.blade.paper.processing import COLUMNS, Motions, process
-from owtsweep.studies.blade.paper.scenarios import REFERENCE, make_record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -143,3 +150,9 @@ FIGURES: dict[str, Callable[[Shown], Figure]] = {
     "figure_12": partial(_draw_rotations, differences=True),
     "figure_13": _draw_boom,
 }
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1] if len(sys.argv) > 1 else "results/blade_paper")
+    for file in [*draw_figures(list(FIGURES), target), *draw_picture(target)]:
+        print(file)

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from experiments.maes2018.scenarios import make_record
 from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.drawings import save_figure
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, ROOT, UNIT, Truth
-from owtsweep.studies.blade.paper.scenarios import make_record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from owtsweep.studies.blade.paper.processing import ROTATIONS, TRANSLATIONS
+from experiments.maes2018.processing import ROTATIONS, TRANSLATIONS
 from owtsweep.verdicts.inference import Claim
 from owtsweep.verdicts.scores import Scores
 

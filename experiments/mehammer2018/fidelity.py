@@ -1,17 +1,29 @@
-"""Write the report on how well the study reproduces Mehammer et al. (2018)."""
+"""Judge what Mehammer et al. (2018) say, F1 to F10, and the study's own goals, on many records.
+
+    python -m experiments.mehammer2018.fidelity [FOLDER] [RECORDS]
+
+FOLDER (default: results/floater_paper) gets fidelity.md, fidelity.html, scores.csv,
+stored_tests.csv, fidelity_claims.csv and the figures; RECORDS is 100 by default.
+
+The command `owtsweep fidelity RUN` is no way to this: a run of the study has one truth and one way
+of losses, and the statements compare several on the same records.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from experiments.mehammer2018.collecting import MOST, OWN, collect
+from experiments.mehammer2018.figures import FIGURES, draw_figures
+from experiments.mehammer2018.goals import GOALS, TEXTS, list_lost_cells
+from experiments.mehammer2018.published import read_facts
+from experiments.mehammer2018.statements import STATEMENTS
+from experiments.mehammer2018.stored import compare_stored, show_stored
+from owtsweep.io.steps import show_steps
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.studies.floater.paper.goals import GOALS, TEXTS, list_lost_cells
-from owtsweep.studies.floater.paper.judging import MOST
-from owtsweep.studies.floater.paper.statements import STATEMENTS
-from owtsweep.studies.floater.paper.stored import compare_stored, show_stored
-from owtsweep.studies.floater.published import read_facts
 from owtsweep.verdicts import report, sections
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph
 from owtsweep.verdicts.scores import Scores
@@ -46,7 +58,7 @@ def write_report(scores: Scores, config: FloaterConfig, folder: Path) -> list[Pa
     Parameters
     ----------
     scores
-        As `judging.collect` makes them.
+        As `collecting.collect` makes them.
     config
         The configuration of one scenario, for the page's head.
     folder
@@ -85,8 +97,8 @@ def _document(
             "is a motion of declared spectra, and a decay of declared periods, not the author's "
             "SIMA record and buoy: absolute numbers cannot agree, ratios and statements can. "
             "Numbers of the author's record are marked so: it is public (the paper's reference "
-            "[12]), has no licence, and is not kept here; experiments/floater/author_record.py "
-            "makes them. Brackets are 95 % intervals of means over the records."
+            "[12]), has no licence, and is not kept here; experiments/mehammer2018/"
+            "author_record.py makes them. Brackets are 95 % intervals of means over the records."
         ),
         Heading("In short"),
         Bullets(
@@ -107,3 +119,14 @@ def _document(
         Heading("Where velocities of a rival are as good"),
         Bullets(list_lost_cells(scores) or ["In no cell."]),
     ]
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1] if len(sys.argv) > 1 else "results/floater_paper")
+    records = int(sys.argv[2]) if len(sys.argv) > 2 else 100
+    with show_steps():
+        found = Scores(collect(range(records)))
+        files = write_report(found, OWN["20 dB"].compose(), target)
+        files += draw_figures(list(FIGURES), target / "figures")
+    for file in files:
+        print(file)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from experiments.maes2018 import scores
+from experiments.maes2018.scenarios import COASTING, REFERENCE, compose_cell, simulate
 from owtsweep.io.steps import tell_step
-from owtsweep.studies.blade.paper import scores
-from owtsweep.studies.blade.paper.scenarios import COASTING, REFERENCE, compose_cell, simulate
 from owtsweep.verdicts.scores import tabulate
 
 if TYPE_CHECKING:

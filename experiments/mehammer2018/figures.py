@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from experiments.mehammer2018.collecting import PAPER
+from experiments.mehammer2018.scenarios import Outcome, run_scenario
+from experiments.mehammer2018.scores import X, find_relative
 from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.drawings import save_figure
 from owtsweep.figures.lines import clip, make_line
 from owtsweep.studies.floater.looks import LOOKS
-from owtsweep.studies.floater.paper.judging import PAPER
-from owtsweep.studies.floater.paper.scenarios import Outcome, run_scenario
-from owtsweep.studies.floater.paper.scores import X, find_relative
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -131,7 +131,7 @@ def _finish(figure: Figure, axes: Axes, title: str, outcomes: Outcomes) -> None:
     )
 
 
-#: Figure -> what draws it, and the scenarios (of `judging.PAPER`) that it shows.
+#: Figure -> what draws it, and the scenarios (of `collecting.PAPER`) that it shows.
 FIGURES: dict[str, tuple[Callable[[Outcomes], Figure], tuple[str, ...]]] = {
     "figure_3": (
         partial(

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from experiments.mehammer2018.cells import PLANES, score_plane
+from experiments.mehammer2018.scenarios import Scenario, run_composed
+from experiments.mehammer2018.scores import score
 from owtsweep.io.steps import tell_step
-from owtsweep.studies.floater.paper.cells import PLANES, score_plane
-from owtsweep.studies.floater.paper.scenarios import Scenario, run_composed
-from owtsweep.studies.floater.paper.scores import score
 from owtsweep.verdicts.scores import tabulate
 
 if TYPE_CHECKING:

@@ -1,13 +1,22 @@
-"""Write the report on how well the study reproduces Maes et al. (2018)."""
+"""Judge what Maes et al. (2018) say, F1 to F10, and the study's own goals, on many records.
+
+    python -m experiments.maes2018.fidelity [FOLDER] [RECORDS]
+
+FOLDER (default: results/blade_paper) gets fidelity.md, fidelity.html, scores.csv and
+fidelity_claims.csv; RECORDS is 100 by default.
+"""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from owtsweep.studies.blade.paper import goals, statements
-from owtsweep.studies.blade.paper.processing import COLUMNS
-from owtsweep.studies.blade.paper.scenarios import REFERENCE
+from experiments.maes2018 import goals, statements
+from experiments.maes2018.collecting import collect
+from experiments.maes2018.processing import COLUMNS
+from experiments.maes2018.scenarios import REFERENCE
+from owtsweep.io.steps import show_steps
 from owtsweep.verdicts import report, sections
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
 from owtsweep.verdicts.scores import Scores
@@ -21,7 +30,7 @@ DEFINITIONS = "Thresholds were written down before any record was judged; protot
 def write_report(scores: Scores, folder: Path) -> list[Path]:
     """Write fidelity.md, fidelity.html and their tables into a folder; return the files.
 
-    `scores` are as `judging.collect` makes them. The folder is made if it does not exist.
+    `scores` are as `collecting.collect` makes them. The folder is made if it does not exist.
     """
     judged = judge(statements.TEXTS, statements.STATEMENTS, scores)
     reached = judge(goals.TEXTS, goals.GOALS, scores)
@@ -78,3 +87,12 @@ def _show(scores: Scores, name: str, column: str) -> str:
     if values is None:
         return sections.NO_VALUE
     return f"{1e3 * values.mean():.1f}" if "_" in column else f"{values.mean():.3f}"
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1] if len(sys.argv) > 1 else "results/blade_paper")
+    records = int(sys.argv[2]) if len(sys.argv) > 2 else 100
+    with show_steps():
+        files = write_report(Scores(collect(range(records))), target)
+    for file in files:
+        print(file)

@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from experiments.mehammer2018.published import read_author_record
 from owtsweep.arrays import Array
 from owtsweep.statistics.contrasts import gap
-from owtsweep.studies.floater.published import read_author_record
 from owtsweep.verdicts.claims import gather
 from owtsweep.verdicts.inference import Claim, Decision, Estimate, Side
 from owtsweep.verdicts.means import claim_means

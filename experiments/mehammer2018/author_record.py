@@ -1,11 +1,11 @@
 """Measure what the author's files say of figure 8 and of SIMA's record.
 
-    python experiments/floater/author_record.py FOLDER [TABLE]
+    python -m experiments.mehammer2018.author_record FOLDER [TABLE]
 
 FOLDER holds SIMA_data.mat, and truex.mat and truey.mat of "Test 15_1%", from the repository that
 the paper names (its reference [12]). These files have no licence, so this project keeps numbers of
-them only: TABLE (default: mehammer2018_record.csv), with the columns state, measure, estimate,
-value. The kept one is in src/owtsweep/studies/floater/data/.
+them only: TABLE (default: author_record.csv), with the columns state, measure, estimate, value.
+The kept one is beside this script.
 
 - Test 15 is the decay of the buoy at 300 Hz. KF is the steady predictor with the author's Q and R;
   its position errors are those that the author's files hold, within 2 %. OBSERVER is rows 7 to 9
@@ -25,10 +25,10 @@ from scipy.io import loadmat
 from scipy.linalg import solve_discrete_are
 from scipy.signal import butter, sosfiltfilt
 
+from experiments.mehammer2018.scenarios import integrate
+from experiments.mehammer2018.scores import SMOOTH, find_high
 from owtsweep.estimation.kinematic_predictor import predict_steady
 from owtsweep.evaluation.signals import find_lag
-from owtsweep.studies.floater.paper.scenarios import integrate
-from owtsweep.studies.floater.paper.scores import SMOOTH, find_high
 
 STEP, SIMA_STEP = 0.01 / 3.0, 0.05  # s
 STATES = ("x", "y", "z")
@@ -92,4 +92,4 @@ def main(folder, file):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2] if len(sys.argv) > 2 else "mehammer2018_record.csv"))
+    main(Path(sys.argv[1]), Path(sys.argv[2] if len(sys.argv) > 2 else "author_record.csv"))

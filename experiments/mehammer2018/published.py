@@ -5,15 +5,13 @@ Statements are in our words, each with the numeric reading by which it is judged
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
-
-from owtsweep.verdicts.published import read_published
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The package whose folder `data/` holds what is printed.
-PACKAGE = "owtsweep.studies.floater"
+HERE = Path(__file__).parent
 
 
 def read_facts() -> pd.DataFrame:
@@ -21,7 +19,7 @@ def read_facts() -> pd.DataFrame:
 
     Columns: id (F1 to F10), section, quantity, statement, reading.
     """
-    return read_published(PACKAGE, "mehammer2018_facts.csv", text=("section",))
+    return _read("facts", "section")
 
 
 def read_stored_tests() -> pd.DataFrame:
@@ -30,13 +28,20 @@ def read_stored_tests() -> pd.DataFrame:
     Columns: test, measure (rms_error or r2), state (x ... r: positions and velocities; m, rad, and
     per s), value.
     """
-    return read_published(PACKAGE, "mehammer2018_stored_tests.csv", text=("test",))
+    return _read("stored_tests", "test")
 
 
 def read_author_record() -> pd.DataFrame:
     """Read what the author's record of the buoy and SIMA's record say (reference [12]).
 
-    Made by experiments/floater/author_record.py, which says how. Columns: state (x, y, z), measure
-    (rms_error and drift, m; velocity_rms and high, m/s; lag, ms), estimate, value.
+    Made by author_record.py, which says how. Columns: state (x, y, z), measure (rms_error and
+    drift, m; velocity_rms and high, m/s; lag, ms), estimate, value.
     """
-    return read_published(PACKAGE, "mehammer2018_record.csv")
+    return _read("author_record")
+
+
+def _read(name: str, *text: str) -> pd.DataFrame:
+    """Read a table of this folder; columns in `text` are no numbers, although they look so."""
+    import pandas as pd
+
+    return pd.read_csv(HERE / f"{name}.csv", dtype=dict.fromkeys(text, str))

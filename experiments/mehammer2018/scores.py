@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.mehammer2018.closed_loop import predict_delayed_error
+from experiments.mehammer2018.scenarios import Outcome, integrate
 from owtsweep.arrays import Array
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.measures import compare
-from owtsweep.studies.floater.paper.closed_loop import predict_delayed_error
-from owtsweep.studies.floater.paper.scenarios import Outcome, integrate
 from owtsweep.studies.floater.schemes.kf_steady import SteadyPredictor
 
 #: Surge, of which the paper shows figures.

@@ -10,9 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from experiments.mehammer2018.cells import CONSISTENT, PLANES, RIVALS
 from owtsweep.arrays import Array
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.paper.cells import CONSISTENT, PLANES, RIVALS
 from owtsweep.verdicts.inference import Claim
 from owtsweep.verdicts.scores import Place, Scores
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from owtsweep.studies.blade.paper.scores import ALIKE
+from experiments.maes2018.scores import ALIKE
 from owtsweep.verdicts.inference import Claim
 from owtsweep.verdicts.scores import Place, Scores
 

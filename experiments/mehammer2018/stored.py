@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.studies.floater.published import read_stored_tests
+from experiments.mehammer2018.published import read_stored_tests
 from owtsweep.verdicts.page import TextTable
 from owtsweep.verdicts.scores import Scores
 

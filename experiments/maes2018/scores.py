@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from experiments.maes2018.processing import COLUMNS, ROTATIONS, Motions, process
+from experiments.maes2018.scenarios import Record
 from owtsweep.arrays import Array
 from owtsweep.estimation.blade_angles import (
     find_angles,
@@ -18,8 +20,6 @@ from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
 from owtsweep.studies.blade.contract import PRISMS, ROOT, UNIT
 from owtsweep.studies.blade.measures import compare
-from owtsweep.studies.blade.paper.processing import COLUMNS, ROTATIONS, Motions, process
-from owtsweep.studies.blade.paper.scenarios import Record
 
 #: Filters that should agree.
 ALIKE = ("UKF", "MEKF", "INVARIANT_EKF")
