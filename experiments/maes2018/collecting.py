@@ -3,29 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from experiments.maes2018 import scores
-from experiments.maes2018.scenarios import COASTING, REFERENCE, compose_cell, simulate
+from experiments.maes2018.scenarios import COASTING, REFERENCE, Record, compose_cell, simulate
 from owtsweep.io.steps import tell_step
-from owtsweep.verdicts.scores import tabulate
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Scenario -> overrides, and what is measured of it.
-SCENARIOS: dict[str, tuple[tuple[str, ...], Callable[..., dict[str, float]]]] = {
-    **{name: (words, scores.score_reference) for name, words in REFERENCE.items()},
-    "filters": ((), scores.score_filters),
-    "coasting": (COASTING, scores.score_coasting),
-    "boom": ((), scores.score_boom),
+
+class Scenario(NamedTuple):
+    """Overrides of the paper's system, the schemes that run, and what is measured of each."""
+
+    words: tuple[str, ...]
+    schemes: tuple[str, ...]
+    measure: Callable[[Record, str], dict[str, float]]
+
+
+SCENARIOS = {
+    **{
+        name: Scenario(words, ("SMOOTHER",), scores.score_reference)
+        for name, words in REFERENCE.items()
+    },
+    "filters": Scenario((), scores.FILTERS, scores.score_filter),
+    "coasting": Scenario(COASTING, ("UKF",), scores.score_coasting),
+    "boom": Scenario((), ("DOUBLE_INTEGRATION",), lambda record, _: scores.score_boom(record)),
+    "geometry": Scenario((), ("none",), lambda record, _: scores.score_geometry(record.replicate)),
 }
-#: What needs no record of the blade.
-ALONE = {"geometry": scores.score_geometry}
 
 
 def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
-    """Run all scenarios; return their scores (see `verdicts.scores.tabulate`).
+    """Run all scenarios; return their scores, as `score` does.
 
     Records have the numbers `replicates`. Scenarios run side by side, in as many processes as there
     are cores.
@@ -33,12 +42,11 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
     import pandas as pd
     from joblib import Parallel, delayed
 
-    names = [*SCENARIOS, *ALONE]
     tables = Parallel(n_jobs=-1, return_as="generator")(
-        delayed(score)(name, replicates, overrides) for name in names
+        delayed(score)(name, replicates, overrides) for name in SCENARIOS
     )
     found = []
-    for name, table in zip(names, tables, strict=True):
+    for name, table in zip(SCENARIOS, tables, strict=True):
         tell_step(f"{name}: judged")
         found.append(table)
     joined: pd.DataFrame = pd.concat(found, ignore_index=True)
@@ -46,9 +54,18 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
 
 
 def score(name: str, replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
-    """Return the scores of a scenario on records."""
-    if name in ALONE:
-        return tabulate(name, {k: ALONE[name](k) for k in replicates})
-    words, judge = SCENARIOS[name]
+    """Return the scores of a scenario on records.
+
+    Columns: scenario, scheme ("none" where none runs), measure, replicate, value.
+    """
+    import pandas as pd
+
+    words, schemes, measure = SCENARIOS[name]
     config = compose_cell([*words, *overrides])  # once, not per record: it takes .1 s
-    return tabulate(name, {k: judge(simulate(config, k)) for k in replicates})
+    rows = []
+    for replicate in replicates:
+        record = simulate(config, replicate)
+        for scheme in schemes:
+            found = measure(record, scheme)
+            rows += [(name, scheme, key, replicate, value) for key, value in found.items()]
+    return pd.DataFrame(rows, columns=["scenario", "scheme", "measure", "replicate", "value"])

@@ -37,8 +37,12 @@ COASTING = ("grid.outage=[10]", "sensors.outage_every=30")
 
 @dataclass(frozen=True)
 class Record:
-    """A record of a scenario: truth, measurements, what schemes know, and which samples count."""
+    """A record of a scenario: truth, measurements, what schemes know, and which samples count.
 
+    `replicate` is its number.
+    """
+
+    replicate: int
     config: BladeConfig
     truth: Truth
     measured: Measured
@@ -69,4 +73,4 @@ def simulate(config: BladeConfig, replicate: int) -> Record:
     measured = measure(config, motion, conditions, replicate)
     setting = make_setting(config, motion, conditions, replicate)
     judged = Judged(config.record.settled, find_last_outage(config, conditions.outage))
-    return Record(config, motion.truth, measured, setting, judged)
+    return Record(replicate, config, motion.truth, measured, setting, judged)

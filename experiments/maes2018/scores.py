@@ -21,13 +21,16 @@ from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
 from owtsweep.studies.blade.contract import PRISMS, ROOT, UNIT
 from owtsweep.studies.blade.measures import compare
 
-#: Filters that should agree.
-ALIKE = ("UKF", "MEKF", "INVARIANT_EKF")
+#: Filters that should agree, and the smoother.
+FILTERS = ("UKF", "MEKF", "INVARIANT_EKF", "SMOOTHER")
 
 
-def score_reference(record: Record) -> dict[str, float]:
-    """Compare both systems of the paper: rms differences in m and deg, and the clock's offset."""
-    estimates = record.run("SMOOTHER")
+def score_reference(record: Record, scheme: str = "SMOOTHER") -> dict[str, float]:
+    """Compare both systems of the paper: rms differences in m and deg, and the clock's offset.
+
+    The scheme is that of the inertial system.
+    """
+    estimates = record.run(scheme)
     motions = process(record.truth, estimates, record.measured)
     keep = motions.time >= record.config.record.settling
     difference = (motions.inertial - motions.stations)[keep]
@@ -69,23 +72,22 @@ def describe_motion(motions: Motions, keep: NDArray[np.bool_]) -> dict[str, floa
     }
 
 
-def score_filters(record: Record) -> dict[str, float]:
-    """Return the study's measures of filters and smoother, "<scheme> <measure>" each."""
-    found: dict[str, float] = {}
-    for name in (*ALIKE, "SMOOTHER"):
-        estimates = record.run(name)
-        measures = compare(record.truth, estimates, record.judged)
-        found |= {f"{name} {measure}": value for measure, value in measures.items()}
-        if name == "UKF":
-            assert estimates.attitude_covariance is not None
-            sigma = np.sqrt(estimates.attitude_covariance[[0, -1], 2, 2])
-            found["heading_kept"] = float(sigma[1] / sigma[0])
+def score_filter(record: Record, scheme: str) -> dict[str, float]:
+    """Return the study's measures of a filter or smoother, and what is left of the heading's sigma.
+
+    That is its standard deviation at the end over that at the start, of filters with a covariance.
+    """
+    estimates = record.run(scheme)
+    found = compare(record.truth, estimates, record.judged)
+    if estimates.attitude_covariance is not None:
+        sigma = np.sqrt(estimates.attitude_covariance[[0, -1], 2, 2])
+        found["heading_kept"] = float(sigma[1] / sigma[0])
     return found
 
 
-def score_coasting(record: Record) -> dict[str, float]:
-    """Return errors of UKF at the ends of outages over what its P says, and the worst one in m."""
-    estimates, measured = record.run("UKF"), record.measured
+def score_coasting(record: Record, scheme: str) -> dict[str, float]:
+    """Return errors at the ends of outages over what P says of them, and the worst one in m."""
+    estimates, measured = record.run(scheme), record.measured
     lost = np.isnan(measured.fixes[:, 0, 0]) & measured.due
     due = np.flatnonzero(measured.due)
     ends = due[:-1][lost[due][:-1] & ~lost[due][1:]]

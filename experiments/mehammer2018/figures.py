@@ -89,8 +89,8 @@ def draw_velocity(outcomes: Outcomes, title: str, view: tuple[float, float]) -> 
 
 
 def _look(outcome: Outcome) -> dict[str, Any]:
-    look = LOOKS[outcome.scenario.scheme]
-    label = style.label_of(outcome.scenario.scheme)
+    look = LOOKS[outcome.scheme]
+    label = style.label_of(outcome.scheme)
     return {
         "color": look.color, "linestyle": look.line, "linewidth": 1.1, "label": label,
         "zorder": 2.3,
@@ -131,14 +131,14 @@ def _finish(figure: Figure, axes: Axes, title: str, outcomes: Outcomes) -> None:
     )
 
 
-#: Figure -> what draws it, and the scenarios (of `collecting.PAPER`) that it shows.
-FIGURES: dict[str, tuple[Callable[[Outcomes], Figure], tuple[str, ...]]] = {
+#: Figure -> what draws it, and what it shows: scenarios of `collecting.PAPER`, and schemes.
+FIGURES: dict[str, tuple[Callable[[Outcomes], Figure], tuple[tuple[str, str], ...]]] = {
     "figure_3": (
         partial(
             draw_surge, title="Measurement noise of 10 dB (Fig. 3 of Mehammer et al. 2018)",
             limit=0.15, view=(250.0, 300.0),
         ),
-        ("noise 10 dB",),
+        (("noise 10 dB", "KF"),),
     ),
     "figure_4": (
         partial(
@@ -146,28 +146,28 @@ FIGURES: dict[str, tuple[Callable[[Outcomes], Figure], tuple[str, ...]]] = {
             title="Believed R ten times too large, 20 dB, a plant that wanders (Fig. 4)",
             limit=4.5, view=(420.0, 500.0),
         ),
-        ("disturbed, R x 10",),
+        (("disturbed, R x 10", "KF"),),
     ),
     "figure_5": (
         partial(
             draw_surge, title="Delay of one step, 50 ms (Fig. 5)", limit=0.5,
             view=(200.0, 205.0),
         ),
-        ("delay of a step",),
+        (("delay of a step", "KF"),),
     ),
     "figure_6": (
         partial(
             draw_surge, title="Four losses of .5 s, reported as zeros, 20 dB (Fig. 6)",
             limit=0.5, view=(195.0, 215.0),
         ),
-        ("losses as zeros, KF", "losses as zeros, KF_STEADY"),
+        (("losses as zeros", "KF"), ("losses as zeros", "KF_STEADY")),
     ),
     "figure_7": (
         partial(
             draw_surge, title="Decay of a buoy: steady-state and time-varying (Fig. 7)",
             limit=2.0, view=(20.0, 24.0),
         ),
-        ("decay, KF, R next to nothing", "decay, KF_STEADY, R next to nothing"),
+        (("decay, R next to nothing", "KF"), ("decay, R next to nothing", "KF_STEADY")),
     ),
     "figure_8": (
         partial(
@@ -175,8 +175,8 @@ FIGURES: dict[str, tuple[Callable[[Outcomes], Figure], tuple[str, ...]]] = {
             view=(20.0, 26.0),
         ),
         (
-            "decay, PASSIVE_OBSERVER", "decay, KF_STEADY, R next to nothing",
-            "decay, KF, R next to nothing",
+            ("decay", "PASSIVE_OBSERVER"), ("decay, R next to nothing", "KF_STEADY"),
+            ("decay, R next to nothing", "KF"),
         ),
     ),
 }  # fmt: skip
@@ -199,8 +199,9 @@ def draw_figures(
         Number of the record.
     """
     files = []
-    for name in names:
-        draw, needed = FIGURES[name]
-        outcomes = {need: run_scenario(PAPER[need], replicate, overrides) for need in needed}
-        files += save_figure(partial(draw, outcomes), None)(folder, name)
+    for number in names:
+        draw, needed = FIGURES[number]
+        run = {name: run_scenario(PAPER[name], replicate, overrides) for name in dict(needed)}
+        outcomes = {f"{name}, {scheme}": run[name][scheme] for name, scheme in needed}
+        files += save_figure(partial(draw, outcomes), None)(folder, number)
     return files

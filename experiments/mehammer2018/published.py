@@ -1,25 +1,12 @@
-"""What Mehammer et al. (2018) say, and the numbers in the author's files, as data.
-
-Statements are in our words, each with the numeric reading by which it is judged.
-"""
+"""Reads the numbers in the author's files. What the paper says stands in claims.toml."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import pandas as pd
+import pandas as pd
 
 HERE = Path(__file__).parent
-
-
-def read_facts() -> pd.DataFrame:
-    """Read what the text says about results.
-
-    Columns: id (F1 to F10), section, quantity, statement, reading.
-    """
-    return _read("facts", "section")
 
 
 def read_stored_tests() -> pd.DataFrame:
@@ -28,7 +15,7 @@ def read_stored_tests() -> pd.DataFrame:
     Columns: test, measure (rms_error or r2), state (x ... r: positions and velocities; m, rad, and
     per s), value.
     """
-    return _read("stored_tests", "test")
+    return pd.read_csv(HERE / "stored_tests.csv", dtype={"test": str})
 
 
 def read_author_record() -> pd.DataFrame:
@@ -37,11 +24,4 @@ def read_author_record() -> pd.DataFrame:
     Made by author_record.py, which says how. Columns: state (x, y, z), measure (rms_error and
     drift, m; velocity_rms and high, m/s; lag, ms), estimate, value.
     """
-    return _read("author_record")
-
-
-def _read(name: str, *text: str) -> pd.DataFrame:
-    """Read a table of this folder; columns in `text` are no numbers, although they look so."""
-    import pandas as pd
-
-    return pd.read_csv(HERE / f"{name}.csv", dtype=dict.fromkeys(text, str))
+    return pd.read_csv(HERE / "author_record.csv")

@@ -37,8 +37,8 @@ class Scenario:
 
     Attributes
     ----------
-    scheme
-        A scheme's name.
+    schemes
+        Names of the schemes that run on the same records.
     tuning, motion
         Files of conf/studies/floater.
     snr, delay, believed
@@ -50,7 +50,7 @@ class Scenario:
         integrated (Eqs. 6 to 9), which the printed filters know exactly.
     """
 
-    scheme: str
+    schemes: tuple[str, ...]
     tuning: str = "matched"
     motion: str = "floater"
     snr: float = 20.0
@@ -71,7 +71,7 @@ class Scenario:
                 f"grid.snr=[{self.snr}]",
                 f"grid.delay=[{self.delay}]",
                 f"grid.believed=[{self.believed}]",
-                f"schemes=[{self.scheme}]",
+                f"schemes=[{','.join(self.schemes)}]",
                 *(VIRTUAL if self.printed else ()),
                 *self.words,
                 *overrides,
@@ -83,9 +83,10 @@ class Scenario:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A scenario on one record: what was, what was measured, and what the scheme says."""
+    """A scenario on one record: what was, what was measured, and what one scheme says."""
 
     scenario: Scenario
+    scheme: str
     config: FloaterConfig
     setting: Setting
     prepared: Prepared
@@ -104,12 +105,14 @@ class Outcome:
         return self.config.record.settled
 
 
-def run_scenario(scenario: Scenario, replicate: int, overrides: Sequence[str] = ()) -> Outcome:
-    """Run a scenario on the record with a number."""
+def run_scenario(
+    scenario: Scenario, replicate: int, overrides: Sequence[str] = ()
+) -> dict[str, Outcome]:
+    """Run a scenario on the record with a number; return scheme -> outcome."""
     return run_composed(scenario, scenario.compose(overrides), replicate)
 
 
-def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> Outcome:
+def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> dict[str, Outcome]:
     """Run a scenario, of which `config` is the configuration, on the record with a number."""
     (cell,) = list_cases(config)
     motion = make_truth(config, replicate, cell.roll)
@@ -117,10 +120,14 @@ def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> O
         motion = integrate_as_printed(motion)
     measured = measure(config, motion, cell, replicate)
     setting = make_setting(config, motion, cell)
-    prepared = resolve(scenario.scheme).prepare(setting)
-    return Outcome(
-        scenario, config, setting, prepared, motion.truth, measured, prepared.run(measured)
-    )
+    outcomes = {}
+    for scheme in scenario.schemes:
+        prepared = resolve(scheme).prepare(setting)
+        estimates = prepared.run(measured)
+        outcomes[scheme] = Outcome(
+            scenario, scheme, config, setting, prepared, motion.truth, measured, estimates
+        )
+    return outcomes
 
 
 def integrate_as_printed(motion: Motion) -> Motion:

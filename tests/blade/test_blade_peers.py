@@ -12,11 +12,11 @@ import warnings
 
 import numpy as np
 import pytest
+from benchmarks.blade import PEER_STEPS, filter_by_peer
 from hanging import make, run
 from scipy.spatial.transform import Rotation
 from smsfusion import AidedINS, FixedIntervalSmoother
 
-from benchmarks.blade import PEER_STEPS, filter_by_peer
 from owtsweep.arrays import Array
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.blade.contract import Measured, Setting
