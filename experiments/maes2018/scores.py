@@ -6,15 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from experiments.maes2018.clock_offset import find_offset
+from experiments.maes2018.printed_angles import find_angles_as_printed
 from experiments.maes2018.processing import COLUMNS, ROTATIONS, Motions, process
 from experiments.maes2018.scenarios import Record
 from owtsweep.arrays import Array
-from owtsweep.estimation.blade_angles import (
-    find_angles,
-    find_angles_as_printed,
-    make_rotation,
-)
-from owtsweep.estimation.clock_offset import find_offset
+from owtsweep.estimation.blade_angles import find_angles, make_rotation
 from owtsweep.estimation.double_integration import RATE, pass_high
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
