@@ -20,7 +20,7 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies.composing import compose
 from owtsweep.studies.tower.measures import CRITERIA, WINDOW
-from owtsweep.studies.tower.model_errors import CONDITIONS, ERRORS, NOISE, SCHEMES, SETUPS, collect
+from owtsweep.studies.tower.model_errors import COMPARED, CONDITIONS, ERRORS, NOISE, SETUPS, collect
 from owtsweep.studies.tower.origin import describe_truth
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_model_errors")
@@ -30,7 +30,7 @@ config = compose(["study=tower", *overrides])
 with show_steps():
     rows = collect(range(records), overrides)
 cube = Cube.of_rows(
-    rows, SCHEMES, CONDITIONS, {"sensors": SETUPS, "model_error": list(ERRORS)},
+    rows, COMPARED, CONDITIONS, {"sensors": SETUPS, "model_error": list(ERRORS)},
     measures=["damage", "base_moment"],
 )  # fmt: skip
 folder.mkdir(parents=True, exist_ok=True)
@@ -41,7 +41,7 @@ for criterion in ("damage", "base_moment"):
     def draw(best=best, criterion=criterion):
         """Draw the map of one criterion."""
         figure = best_scheme_map.draw(
-            best, SCHEMES, CONDITIONS, criterion=criterion, window=WINDOW,
+            best, COMPARED, CONDITIONS, criterion=criterion, window=WINDOW,
             tuning=config.tuning_name, quantity=CRITERIA[criterion], score="error",
             replicates=records,
         )  # fmt: skip

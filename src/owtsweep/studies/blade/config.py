@@ -6,14 +6,15 @@ from typing import ClassVar, Literal
 
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
-from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.config.tuned import ABSENT
+from owtsweep.studies.base.config import ContestConfig
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
-from owtsweep.studies.scheme_names import SchemeNames
 
 
-class BladeConfig(TunedConfig):
+class BladeConfig(ContestConfig):
     """The configuration of the blade study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
@@ -49,13 +50,17 @@ class BladeConfig(TunedConfig):
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
 
     def describe_origin(self) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.base.origin import describe_origin
         from owtsweep.studies.blade.contest import CONTEST
-        from owtsweep.studies.contest.origin import describe_origin
 
         return describe_origin(CONTEST, self)
 
@@ -83,3 +88,7 @@ class BladeConfig(TunedConfig):
     def names_outside(self) -> str:
         """Return the key that names a file; "" if none does."""
         return "recorded.imu" if self.recorded.imu is not None else ""
+
+
+#: What `studies.base` looks for.
+CONFIG = BladeConfig

@@ -60,7 +60,7 @@ class MatingConfig(Config):
 
     def describe_origin(self) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.contest.origin import describe_origin
+        from owtsweep.studies.base.origin import describe_origin
         from owtsweep.studies.mating.contest import CONTEST
 
         return describe_origin(CONTEST, self)
@@ -87,3 +87,7 @@ class MatingConfig(Config):
     def names_outside(self) -> str:
         """Return a key of which another study's configuration is composed."""
         return "blade"
+
+
+#: What `studies.base` looks for.
+CONFIG = MatingConfig

@@ -5,62 +5,17 @@ Estimators of input and state on a structure between two cuts, after Simpson et 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
-from owtsweep.figures import palette
-from owtsweep.studies.tower.looks import LOOKS
+from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.sweep.study import add_versions
-
-if TYPE_CHECKING:
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
-    from owtsweep.results.conditions import Condition
-    from owtsweep.studies.tower.config import TowerConfig
-    from owtsweep.sweep.study import Engine
 
 __all__ = ["TowerStudy"]
 
-#: Packages whose code affects the numbers that the study stores.
-ROOMS = (waves, structures, sensing, motion, estimation, evaluation)
 
-palette.reserve(LOOKS)
-
-
-class TowerStudy:
+class TowerStudy(DeclaredStudy):
     """The study of a substructure between two cuts, an `owtsweep.sweep.study.Study`."""
 
     name = "tower"
     #: The script that judges the statements of the study's paper.
     judged_by = "experiments/tower/fidelity.py"
-    schema_version = 1
-    numerics_version = add_versions(3, *ROOMS)
-
-    def schemes(self) -> dict[str, str]:
-        """Return name -> description of each scheme."""
-        from owtsweep.studies.tower.schemes import REGISTERED
-
-        return REGISTERED
-
-    def config_type(self) -> type[TowerConfig]:
-        """Return the class of the study's configurations."""
-        from owtsweep.studies.tower.config import TowerConfig
-
-        return TowerConfig
-
-    def conditions(self, config: TowerConfig) -> tuple[Condition, ...]:
-        """Return the axes of the grid: sensor noise, and the soil of the schemes' model."""
-        from owtsweep.studies.tower.conditions import CONDITIONS
-
-        return CONDITIONS
-
-    def engine(self, config: TowerConfig) -> Engine:
-        """Return the study's only engine."""
-        from owtsweep.studies.tower.engine import TowerEngine
-
-        return TowerEngine()
-
-    def estimate(self, config: TowerConfig, replicate: int) -> EstimatedRecord:
-        """Return a record of the grid's only cell, with the estimates of all schemes."""
-        from owtsweep.studies.tower.estimating import estimate_record
-
-        return estimate_record(config, replicate)
+    numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)

@@ -9,12 +9,13 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import Config, Finite, key
 from owtsweep.config.record import Record
-from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.config.tuned import ABSENT
 from owtsweep.config.typed import as_plain
 from owtsweep.structures import Structure, find_structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
-from owtsweep.studies.scheme_names import SchemeNames
+from owtsweep.studies.base.config import ContestConfig
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.tower.loads.config import SeaState, Wind
 from owtsweep.studies.tower.measuring import Faults
 from owtsweep.studies.tower.recorded import Recorded
@@ -22,7 +23,7 @@ from owtsweep.studies.tower.sections import Grid, Model, Sensors, Truth
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 
-class TowerConfig(TunedConfig):
+class TowerConfig(ContestConfig):
     """The configuration of the tower study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
@@ -63,7 +64,11 @@ class TowerConfig(TunedConfig):
     filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )
@@ -131,3 +136,7 @@ class TowerConfig(TunedConfig):
         if self.wind.file is not None:
             return "wind.file"
         return "recorded.file" if self.recorded.file is not None else ""
+
+
+#: What `studies.base` looks for.
+CONFIG = TowerConfig

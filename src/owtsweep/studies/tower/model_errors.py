@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING
 from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Condition
 from owtsweep.results.status import OK, UNABLE
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.blocks import prepare
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors, tell
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import Unable
 from owtsweep.studies.tower.measures import WINDOW, Fatigue, compare, find_true_fatigue
-from owtsweep.studies.tower.schemes import resolve
+from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import model_substructure
 
 if TYPE_CHECKING:
@@ -41,7 +40,7 @@ ERRORS = {
 }
 #: Files of conf/studies/tower/sensors.
 SETUPS = ("dense_x_a", "dense_theta_a", "sparse_theta_a", "dry", "strain")
-SCHEMES = ("AKF", "AKF_LAGGED", "GDF", "AKF_WHOLE", "MDE")
+COMPARED = ("AKF", "AKF_LAGGED", "GDF", "AKF_WHOLE", "MDE")
 MODEL_ERROR = Condition("model_error", "what is wrong in the schemes' model")
 SENSORS = Condition("sensors", "sensors")
 CONDITIONS = (SENSORS, MODEL_ERROR)
@@ -81,7 +80,7 @@ def _try_all(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
             config = _compose(sensors, override, overrides)
             placed = place_sensors(config, case)
             wrong = replace(placed, part=model_substructure(config))
-            for name in SCHEMES:
+            for name in COMPARED:
                 where = {"sensors": sensors, "model_error": error, "scheme": name,
                          "replicate": replicate}  # fmt: skip
                 rows += [{**where, **row} for row in _try(config, wrong, name, true)]
@@ -97,7 +96,8 @@ def _try(
         channels = list_channels(config, case, direction, NOISE)
         measured = measure(config, case, direction, channels)
         try:
-            made = prepare(config, case, direction, 1.0, channels, resolve(name))
+            setting = tell(config, case, direction, 1.0, channels)
+            made = SCHEMES.resolve(name).prepare(setting)
         except Unable as reason:
             return [{"measure": "", "window": "", "value": float("nan"), "status": UNABLE,
                      "reason": str(reason)}]  # fmt: skip

@@ -187,11 +187,11 @@ def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[fl
         If the sensors see too little.
     """
     from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
-    from owtsweep.studies.tower.schemes import resolve
+    from owtsweep.studies.tower.schemes import SCHEMES
 
     channels = (*case.setting.channels, *(case.candidates[number] for number in chosen))
     setting = replace(case.setting, channels=channels)
-    prepared = resolve("AKF_STEADY").prepare(setting)
+    prepared = SCHEMES.resolve("AKF_STEADY").prepare(setting)
     sigma = np.array([channel.sigma for channel in channels])
     places = [(channel.kind, channel.node) for channel in channels]
     names = [f"{kind}_{node}" for kind, node in places]

@@ -8,7 +8,8 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
-from owtsweep.studies.contest.contest import WAIT, WINDOW, Contest
+from owtsweep.studies.base.contest import WAIT, WINDOW, Contest
+from owtsweep.studies.base.schemes import list_names
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,20 +22,38 @@ def make_tables(contest: Contest, config: Any, rows: pd.DataFrame) -> dict[str, 
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     measured = [name for name in contest.criteria if name in cube.measures]
     return {
-        "summary": summarise(make_cube(contest, config, rows, config.schemes)),
+        "summary": summarise(make_cube(contest, config, rows, list_names(config.schemes))),
         "best_scheme": find_best_schemes(cube, WINDOW, measured),
     }
 
 
 def make_cube(contest: Contest, config: Any, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
     """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
+    axes = contest.find_axes(config)
+    for axis in axes:
+        rows = spread(rows, axis, getattr(config.grid, axis))
     return Cube.of_rows(
         rows,
         schemes,
-        contest.find_conditions(config.axes),
-        {axis: getattr(config.grid, axis) for axis in config.axes},
+        contest.find_conditions(config),
+        {axis: getattr(config.grid, axis) for axis in axes},
         measures=contest.list_measures(rows["measure"][rows["status"] == OK].unique()),
     )
+
+
+def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFrame:
+    """Repeat each row without a value of an axis, which its scheme ignores, at every value."""
+    import pandas as pd
+
+    free = rows[axis].isna()
+    if not free.any():
+        return rows
+    everywhere = (
+        rows[free]
+        .drop(columns=axis)
+        .merge(pd.DataFrame({axis: [float(value) for value in values]}), how="cross")
+    )
+    return pd.concat([rows[~free], everywhere[rows.columns]], ignore_index=True)
 
 
 def find_waits(rows: pd.DataFrame) -> dict[str, float]:
@@ -49,4 +68,5 @@ def find_waits(rows: pd.DataFrame) -> dict[str, float]:
 def list_competing(config: Any, rows: pd.DataFrame) -> list[str]:
     """Return the schemes that do not wait; all of them if every one does."""
     waits = find_waits(rows)
-    return [name for name in config.schemes if name not in waits] or config.schemes
+    names = list_names(config.schemes)
+    return [name for name in names if name not in waits] or names

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from owtsweep.results.status import OK
-from owtsweep.studies.contest.contest import WINDOW
+from owtsweep.studies.base.contest import WINDOW
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,9 +22,9 @@ class Judgement(NamedTuple):
     reason: str = ""
 
     @classmethod
-    def none(cls, status: str, reason: Exception) -> Judgement:
+    def none(cls, status: str, reason: str) -> Judgement:
         """Return that of a scheme that has no estimates."""
-        return cls({"": float("nan")}, status, str(reason))
+        return cls({"": float("nan")}, status, reason)
 
 
 def make_rows(
@@ -38,7 +38,7 @@ def make_rows(
     Parameters
     ----------
     content
-        The block's content, with its scheme and a value of each axis.
+        The block's content, with its scheme and the values of axes.
     axes
         The names of all axes.
     replicates, judged
@@ -48,7 +48,8 @@ def make_rows(
 
     counts = [len(part.found) for part in judged]
     status = np.repeat([part.status for part in judged], counts)
-    cell = {axis: np.nan if content[axis] is None else float(content[axis]) for axis in axes}
+    values = {axis: content.get(axis) for axis in axes}
+    cell = {axis: np.nan if value is None else float(value) for axis, value in values.items()}
     return pd.DataFrame(
         {
             **cell,

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.results.winners import tell_winners
-from owtsweep.studies.contest.contest import WAIT, WINDOW, Contest
-from owtsweep.studies.contest.origin import describe_draws
+from owtsweep.studies.base.contest import WAIT, WINDOW, Contest
+from owtsweep.studies.base.origin import describe_draws
+from owtsweep.studies.base.schemes import list_names
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,16 +28,18 @@ def show(contest: Contest, config: Any, tables: Mapping[str, pd.DataFrame]) -> R
         f"Sensors: {contest.describe_sensors(config)}; {describe_draws(config)}",
     ]
     waiting = summary.loc[summary["measure"] == WAIT, "scheme"].unique()
-    schemes = [name for name in config.schemes if name not in waiting] or config.schemes
-    conditions = contest.find_conditions(config.axes)
+    names = list_names(config.schemes)
+    schemes = [name for name in names if name not in waiting] or names
+    conditions = contest.find_conditions(config)
     shown = grid(best, schemes, conditions, config.criterion, WINDOW, score="error")
     told = [
-        f"By {criterion}: {tell_winners(cells)}"
+        f"By {criterion.replace('_', ' ')}: {tell_winners(cells)}"
         for criterion in contest.criteria
         if len(cells := best[best["criterion"] == criterion])
     ]
-    if len(schemes) < len(config.schemes):
+    if len(schemes) < len(names):
         told.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
+    told += contest.tell_more(config, tables)
     return Group(
         *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in told)
     )

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
-from owtsweep.studies.contest.contest import WINDOW, Contest
-from owtsweep.studies.contest.origin import describe_draws
-from owtsweep.studies.contest.tables import find_waits, list_competing, make_cube
+from owtsweep.studies.base.contest import WINDOW, Contest
+from owtsweep.studies.base.origin import describe_draws
+from owtsweep.studies.base.schemes import list_names
+from owtsweep.studies.base.tables import find_waits, list_competing, make_cube
 
 #: Letters of the lines above a map that fit into an inch.
 LETTERS_PER_INCH = 9.5
@@ -112,7 +113,7 @@ def tell_unable(unable: pd.DataFrame) -> list[str]:
 def tell_waiting(config: Any, rows: pd.DataFrame) -> list[str]:
     """Return a sentence on schemes that wait for later measurements, if others do not."""
     waits = find_waits(rows)
-    if not waits or list_competing(config, rows) == config.schemes:
+    if not waits or list_competing(config, rows) == list_names(config.schemes):
         return []
     told = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in waits.items())
     return [f"In summary.csv, but not in the contest, because estimates wait: {told}."]
@@ -133,7 +134,7 @@ def _draw(
     figure = best_scheme_map.draw(
         best,
         schemes,
-        contest.find_conditions(config.axes),
+        contest.find_conditions(config),
         criterion=criterion,
         window=WINDOW,
         tuning=config.tuning_name,

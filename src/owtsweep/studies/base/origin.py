@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from owtsweep.studies.contest.contest import Contest
+from owtsweep.studies.base.contest import Contest
 
 
 def describe_draws(config: Any) -> str:
