@@ -118,7 +118,7 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
         (["grid.lever=[0,1]"], r"grid\.lever: it has 2 values, and the map is over sigma and out"),
         (["record.duration=1"], r"record\.duration: 1 s at 50 Hz are 50 samples; give 100 to"),
         (["record.settling=59"], r"record\.settling: 59 s leave 50 samples .* at least 100"),
-        (["schemes=[KF]"], r"schemes: there is no scheme 'KF' here \(but in study=floater\); use HO"),
+        (["schemes=[KF]"], r"schemes: there is no scheme 'KF' here \(but in study=floater\); u"),
         (["+motion.freedoms.x={period:3}"], r"motion.freedoms.* no degree of freedom is called x"),
         (["motion.freedoms.pitch.sigma=40"], r"motion\.freedoms\.pitch\.sigma: 40 deg reaches 120"),
         (["grid.heading=[60]"], r"grid\.heading: 60 deg reaches 180 deg; give less"),

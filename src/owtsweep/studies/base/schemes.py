@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, NoReturn
 
 from pydantic import BeforeValidator
 
@@ -48,6 +48,13 @@ class StoredScheme(dict[str, Any]):
     def __init__(self, entry: Mapping[str, Any], name: str) -> None:
         super().__init__(entry)
         self.name = name
+
+    def prepare(self, known: object) -> NoReturn:
+        """Raise `InputError`, because the code of a stored scheme is never run."""
+        raise InputError(
+            f"schemes: {self.name} is a scheme of the stored run's author, whose code is not run; "
+            "sweep with schemes=[{_target_: package.Class}] to run one of your own"
+        )
 
 
 def _check_entries(value: Any) -> Any:
@@ -105,6 +112,8 @@ class SchemeTable:
             If there is no such scheme, it cannot be made, lacks `name` or `prepare`, has the name
             of one of the study's, or is of another study.
         """
+        if isinstance(entry, StoredScheme):
+            return entry  # its run is read, not computed
         if isinstance(entry, Mapping):
             return self._check(make_scheme(entry), entry["_target_"])
         if entry in self.listed:
@@ -252,14 +261,8 @@ def make_scheme(entry: Mapping[str, Any]) -> Scheme[Any, Any, Any]:
     Raises
     ------
     InputError
-        If the class cannot be imported or made, or lacks `name` or `prepare`; or if the entry is
-        that of a stored run.
+        If the class cannot be imported or made, or lacks `name` or `prepare`.
     """
-    require(
-        not isinstance(entry, StoredScheme),
-        f"schemes: {getattr(entry, 'name', '')} is a scheme of the run's author, whose code is not "
-        "run; sweep with schemes=[{_target_: package.Class}] to run one of your own",
-    )
     target = str(entry["_target_"]).replace(":", ".")
     module_name, _, class_name = target.rpartition(".")
     require(
