@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import asdict, is_dataclass
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
@@ -42,7 +42,8 @@ def check_declared_scheme(scheme: Any, study: str, overrides: Sequence[str] = ()
     """
     found = get_study(study)
     assert isinstance(found, DeclaredStudy), f"study: {study!r} declares no estimates"
-    declaration, config = found.declaration(), compose([f"study={study}", *overrides])
+    declaration = found.declaration()
+    config: Any = compose([f"study={study}", *overrides])
     name = getattr(scheme, "name", None)
     assert isinstance(name, str), f"{type(scheme).__name__} lacks name (a non-empty str)"
     assert name, f"{type(scheme).__name__} lacks name (a non-empty str)"
@@ -61,10 +62,9 @@ def check_declared_scheme(scheme: Any, study: str, overrides: Sequence[str] = ()
         except NotFinite as reason:
             raise AssertionError(f"{name}: {reason}") from None
         for field in declaration.estimates:
-            one, other = getattr(first, field, None), getattr(second, field, None)
-            if one is None:
-                continue
-            assert np.array_equal(one, other, equal_nan=True), (
+            one: Any = getattr(first, field, None)
+            other: Any = getattr(second, field, None)
+            assert one is other is None or np.array_equal(one, other, equal_nan=True), (
                 f"{name}: {field} differs from run to run; keep no state in the scheme, and draw "
                 "no random numbers"
             )
@@ -75,8 +75,8 @@ def _equal(one: Any, other: Any) -> bool:
     if not is_dataclass(one):
         return bool(np.array_equal(one, other, equal_nan=True))
     return all(
-        np.array_equal(value, asdict(other)[key], equal_nan=_is_float(value))  # type: ignore[arg-type]
-        for key, value in asdict(one).items()  # type: ignore[arg-type]
+        np.array_equal(value, getattr(other, key), equal_nan=_is_float(value))
+        for key, value in vars(one).items()
         if isinstance(value, np.ndarray)
     )
 
