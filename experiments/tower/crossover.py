@@ -30,7 +30,7 @@ from owtsweep.errors import InputError
 from owtsweep.io.tables import write_table
 from owtsweep.results.conditions import Condition
 from owtsweep.results.status import OK, UNABLE
-from owtsweep.statistics.bootstrap import percentile_interval, resample_means
+from owtsweep.statistics.inference import percentile_interval, resample_means
 from owtsweep.streams import encode_value
 from owtsweep.studies.tower.conditions import CONDITIONS
 from owtsweep.studies.tower.measures import WINDOW
