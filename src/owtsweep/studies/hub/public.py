@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
-    from owtsweep.studies.hub.tilt_cost import believe
     from owtsweep.studies.hub.tuning.following import follow_sensors
+    from owtsweep.studies.hub.tuning.rules import believe
     from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 __all__ = [
@@ -75,8 +75,8 @@ _HOMES = {
     "schemes": ["BASELINES", "INSTEAD", "require_scheme", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
-    "tilt_cost": ["believe"],
     "tuning.following": ["follow_sensors"],
+    "tuning.rules": ["believe"],
     "winners": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.

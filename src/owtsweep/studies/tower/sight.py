@@ -35,18 +35,6 @@ TOLD = 0.05
 SHIFT, LEAN = "rigid translation", "rigid rotation"
 
 
-def observe(config: TowerConfig) -> tuple[Observability, list[str]]:
-    """Find what the set-up sees of the states and inputs of AKF's model.
-
-    Returns
-    -------
-    tuple
-        What is seen, and the names of the states, loads last.
-    """
-    setting, _ = _set(config)
-    return _observe(setting)
-
-
 def describe_sight(config: TowerConfig) -> list[str]:
     """Say in a few lines what the set-up sees in each direction, and why it misses the rest."""
     setting, places = _set(config)

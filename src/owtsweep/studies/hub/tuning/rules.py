@@ -9,15 +9,17 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
-from owtsweep.config import typed
+from owtsweep.config import changed, typed
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.config import TUNED
+from owtsweep.studies.hub.config import TUNED, HubConfig
 from owtsweep.studies.hub.sections import SensorConfig
 from owtsweep.studies.hub.tilt import find_tilt
 
 logger = logging.getLogger(__name__)
+
+C = TypeVar("C", bound=HubConfig)
 
 #: The value of a key that follows from the sensors.
 AUTO = "auto"
@@ -184,3 +186,9 @@ def _name(facts: Facts, bias_walk: float) -> dict[str, float]:
 def _clip(key: str, value: float) -> float:
     low, high = VALID[key]
     return min(max(value, low), high)
+
+
+def believe(config: C, tilt: float) -> C:
+    """Return the configuration with filters that believe in a tilt, rad/m."""
+    filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
+    return changed(config, **filters)

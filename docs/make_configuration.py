@@ -1,4 +1,4 @@
-"""Write docs/configuration.md: `python -m owtsweep.studies.reference docs/configuration.md`.
+"""Write docs/configuration.md: `python docs/make_configuration.py`.
 
 The page is made from the pydantic models of all studies' configurations. It lists the type, unit,
 default, bounds and meaning of each key.
@@ -6,7 +6,6 @@ default, bounds and meaning of each key.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin
@@ -36,7 +35,7 @@ and 20 m. Numbers between the ends are rounded to 12 digits. `config.yaml` store
 The magnitude of a number other than 0 lies between 1e-30 and 1e30: beyond them, squares of squares
 cannot be computed with. Grids, windows and horizons that would need more than 4 GB are refused.
 
-This page is written by `python -m owtsweep.studies.reference docs/configuration.md`."""
+This page is written by `python docs/make_configuration.py`."""
 
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")
 #: One row of a table of the page, about one key: the texts of the `COLUMNS`.
@@ -154,4 +153,4 @@ def _shown(value: Any) -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(reference(), encoding="utf-8")
+    Path(__file__).with_name("configuration.md").write_text(reference(), encoding="utf-8")

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from experiments.tower.crossover import find_crossings
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition
-from owtsweep.results.crossings import find_crossings
 
 NOISE = Condition("noise", "sensor noise", "%", "log")
 SOIL = Condition("soil_factor", "soil stiffness factor", scale="log")
