@@ -18,8 +18,7 @@ import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
-from owtsweep.studies.hub import batch, estimates, planning, winners
-from owtsweep.studies.hub.error_curves import cache
+from owtsweep.studies.hub import batch, cache, estimates, planning, winners
 from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import listing, maps_by_tuning, mse_over_amplitude

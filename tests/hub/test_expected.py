@@ -14,12 +14,12 @@ from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import displacement, lines, synthesise
 from owtsweep.streams import stream
-from owtsweep.studies.hub import batch, estimates
+from owtsweep.studies.hub import batch, cache, estimates, peak
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.error_curves import cache, inputs, peak, probing
+from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.error_curves.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.expected import answers, engine
