@@ -7,6 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.sweep.study import Study
+
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
     from owtsweep.evaluation.estimated_record import EstimatedRecord
@@ -16,14 +18,14 @@ if TYPE_CHECKING:
     from owtsweep.sweep.study import Engine
 
 
-class ContestStudy:
-    """A study (protocol `owtsweep.sweep.study.Study`) whose package has a module `contest`.
+class ContestStudy(Study):
+    """A study whose package has a module `contest`.
 
     A subclass has `name` and `numerics_version`. Its package has the configuration's class as
-    `CONFIG` in its module `config`, and `CONTEST` in its module `contest`.
+    `CONFIG` in its module `config`, `CONTEST` in its module `contest`, and the functions `check`
+    and `check_outside` of a configuration in its module `checks`.
     """
 
-    name: str
     schema_version = 1
 
     def config_type(self) -> type[Any]:
@@ -37,6 +39,26 @@ class ContestStudy:
     def contest(self) -> Contest:
         """Return the study's axes, criteria and words."""
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
+
+    def check(self, config: Any) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        self._find("checks", "check")(config)
+
+    def check_outside(self, config: Any) -> None:
+        """Raise `InputError` if a file or another study's configuration cannot be used."""
+        self._find("checks", "check_outside")(config)
+
+    def describe_origin(self, config: Any) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.base.origin import describe_origin
+
+        return describe_origin(self.contest(), config)
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
@@ -75,6 +97,18 @@ class DeclaredStudy(ContestStudy):
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme."""
         return self._find("schemes", "SCHEMES").describe()  # type: ignore[no-any-return]
+
+    def describe_code(self, config: Any) -> Any:
+        """Return the names of all schemes: a user's class is not made when a run is read."""
+        from owtsweep.studies.base.schemes import list_names
+
+        return list_names(config.schemes)
+
+    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """Return the keys of a stored run with a stand-in for each user's scheme."""
+        from owtsweep.studies.base.schemes import stand_in
+
+        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
 
     def declaration(self) -> Declaration[Any, Any, Any, Any, Any, Any]:
         """Return what is the study's own."""

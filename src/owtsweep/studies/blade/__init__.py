@@ -13,7 +13,7 @@ __all__ = ["BladeStudy"]
 
 
 class BladeStudy(DeclaredStudy):
-    """The study of a hoisted blade, an `owtsweep.sweep.study.Study`."""
+    """The study of a hoisted blade."""
 
     name = "blade"
     #: The script that judges the statements of the study's paper.

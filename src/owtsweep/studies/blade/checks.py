@@ -49,6 +49,14 @@ def check(config: BladeConfig) -> None:
     _check_boom(config)
 
 
+def check_outside(config: BladeConfig) -> None:
+    """Raise `InputError` if a file of a recorded lift cannot be used."""
+    from owtsweep.studies.blade.recorded_case import load_lift
+
+    if config.recorded.imu is not None:
+        load_lift(config)
+
+
 def _check_recorded(config: BladeConfig) -> None:
     """Check that nothing is asked of a recorded lift that it cannot answer."""
     grid = config.grid

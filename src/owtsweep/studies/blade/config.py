@@ -6,15 +6,14 @@ from typing import ClassVar, Literal
 
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
-from owtsweep.config.tuned import ABSENT
-from owtsweep.studies.base.config import ContestConfig
+from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
 
 
-class BladeConfig(ContestConfig):
+class BladeConfig(TunedConfig):
     """The configuration of the blade study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
@@ -56,34 +55,6 @@ class BladeConfig(ContestConfig):
         min_length=1,
     )
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.base.origin import describe_origin
-        from owtsweep.studies.blade.contest import CONTEST
-
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.blade.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if a file of a recorded lift cannot be used."""
-        from owtsweep.studies.blade.recorded_case import load_lift
-
-        if self.recorded.imu is not None:
-            load_lift(self)
 
     def names_outside(self) -> str:
         """Return the key that names a file; "" if none does."""

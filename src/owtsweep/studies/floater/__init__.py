@@ -13,7 +13,7 @@ __all__ = ["FloaterStudy"]
 
 
 class FloaterStudy(DeclaredStudy):
-    """The study of a floating structure in a basin, an `owtsweep.sweep.study.Study`."""
+    """The study of a floating structure in a basin."""
 
     name = "floater"
     #: The script that judges the statements of the study's paper.

@@ -34,6 +34,15 @@ def check(config: FloaterConfig) -> None:
     _check_times(config)
 
 
+def check_outside(config: FloaterConfig) -> None:
+    """Raise `InputError` if the file of a recorded motion cannot be used."""
+    from owtsweep.studies.floater.motion_recorded import read_motion
+
+    motion, record = config.motion, config.record
+    if motion.kind == "recorded":
+        read_motion(motion, steps=record.steps, step=1.0 / record.rate, lead=0)
+
+
 def _check_times(config: FloaterConfig) -> None:
     """Check that times that schemes are told lie within a record."""
     for tuning in config.by_tuning().values():

@@ -9,7 +9,6 @@ import numpy as np
 from owtsweep.config import require
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.motion_recorded import read_motion
 from owtsweep.studies.floater.schemes import SCHEMES
 
 if TYPE_CHECKING:
@@ -63,13 +62,6 @@ def check_motion(config: FloaterConfig) -> None:
             f"give {np.ceil(2e3 * highest) / 1e3:g} Hz or more",
         )
     _check_angles(config)
-
-
-def check_file(config: FloaterConfig) -> None:
-    """Raise `InputError` if the file of a recorded motion cannot be used."""
-    motion, record = config.motion, config.record
-    if motion.kind == "recorded":
-        read_motion(motion, steps=record.steps, step=1.0 / record.rate, lead=0)
 
 
 def _check_angles(config: FloaterConfig) -> None:

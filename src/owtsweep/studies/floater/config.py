@@ -6,14 +6,13 @@ from typing import ClassVar, Literal
 
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
-from owtsweep.config.tuned import ABSENT
-from owtsweep.studies.base.config import ContestConfig
+from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.sections import Grid, Motion, Sensors
 from owtsweep.studies.floater.tuning import Tuned, Tuning
 
 
-class FloaterConfig(ContestConfig):
+class FloaterConfig(TunedConfig):
     """The configuration of the floater study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
@@ -48,33 +47,6 @@ class FloaterConfig(ContestConfig):
         min_length=1,
     )
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.base.origin import describe_origin
-        from owtsweep.studies.floater.contest import CONTEST
-
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.floater.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if the file of a recorded motion cannot be used."""
-        from owtsweep.studies.floater.checks_record import check_file
-
-        check_file(self)
 
     def names_outside(self) -> str:
         """Return the key that names a file; "" if none does."""

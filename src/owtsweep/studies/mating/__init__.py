@@ -18,7 +18,7 @@ __all__ = ["MatingStudy"]
 
 
 class MatingStudy(ContestStudy):
-    """The study of a blade's mating with the hub, an `owtsweep.sweep.study.Study`."""
+    """The study of a blade's mating with the hub."""
 
     name = "mating"
     numerics_version = 1 + get_study("blade").numerics_version + get_study("hub").numerics_version

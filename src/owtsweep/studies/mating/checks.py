@@ -40,7 +40,7 @@ def check(config: MatingConfig) -> None:
     )
 
 
-def check_others(config: MatingConfig) -> None:
+def check_outside(config: MatingConfig) -> None:
     """Check the configurations of the other studies.
 
     Raises

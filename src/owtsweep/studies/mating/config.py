@@ -72,32 +72,6 @@ class MatingConfig(Config):
         """The name of the tuning."""
         return self.tuning
 
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.base.origin import describe_origin
-        from owtsweep.studies.mating.contest import CONTEST
-
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        from owtsweep.studies.mating.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if one of the other studies refuses its keys."""
-        from owtsweep.studies.mating.checks import check_others
-
-        check_others(self)
-
     def names_outside(self) -> str:
         """Return a key of which another study's configuration is composed."""
         return "blade"

@@ -58,7 +58,7 @@ def check(config: TowerConfig) -> None:
     )
 
 
-def check_files(config: TowerConfig) -> None:
+def check_outside(config: TowerConfig) -> None:
     """Check the files of recorded loads and of a recorded structure.
 
     Raises
