@@ -1,4 +1,4 @@
-"""The tower study: loads, motion and fatigue of a substructure from few sensors.
+"""The tower study: loads, motion and fatigue from few sensors, and where to place them (`place`).
 
 Estimators of input and state on a structure between two cuts, after Simpson et al. (2025).
 """
@@ -13,9 +13,12 @@ from owtsweep.studies.tower.looks import LOOKS
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from owtsweep.evaluation.estimated_record import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.tower.config import TowerConfig
+    from owtsweep.sweep.placing import Placed, Question
     from owtsweep.sweep.study import Engine
 
 __all__ = ["TowerStudy"]
@@ -64,3 +67,15 @@ class TowerStudy:
         from owtsweep.studies.tower.estimating import estimate_record
 
         return estimate_record(config, replicate)
+
+    def list_place_defaults(self, given: Collection[str]) -> list[str]:
+        """Return the overrides of `place`: one noise, and accelerometers if no sensor is given."""
+        from owtsweep.studies.tower.placing import list_defaults
+
+        return list_defaults(given)
+
+    def place(self, config: TowerConfig, question: Question) -> Placed:
+        """Choose inclinometers one by one by the error that the AKF's covariance predicts."""
+        from owtsweep.studies.tower.placing import place
+
+        return place(config, question)
