@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
-from owtsweep.cli import BAD_INPUT, DONE, main
+from owtsweep.cli import BAD_INPUT, DONE, INTERRUPTED, main
 from owtsweep.structures import find_structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.composing import compose
@@ -44,6 +45,9 @@ def test_it_says_how_many_and_where(quantity, unit, tmp_path, capsys):
     assert "Noise: 1 % of each signal's standard deviation" in told
     assert "Tuning paper" in told
     assert "It is no record" in told
+    (stored,) = tmp_path.glob("place-*/configuration.yaml")
+    sensors = yaml.safe_load(stored.read_text())["sensors"]
+    assert (len(sensors["accelerometers"]), sensors["every_node"]) == (5, [])
 
     # brute force: the best of all sets of three, then the best of all additions
     structure = find_structure("oc3_monopile")
@@ -79,6 +83,20 @@ def test_sensors_that_the_user_names_are_there_already(tmp_path, capsys):
     assert list(read(tmp_path)["inclinometers"]) == [2, 3]
     assert place(*named, "--heights", "10,30,80") == BAD_INPUT
     assert "an inclinometer is there already 30 m above the ground" in capsys.readouterr().err
+
+
+def test_nothing_is_written_if_it_is_stopped_or_cannot_write(tmp_path, capsys, monkeypatch):
+    (tmp_path / "file").write_text("")
+    assert place(f"results={tmp_path / 'file'}") == BAD_INPUT
+    assert capsys.readouterr().err.startswith("owtsweep: results: ")
+
+    def stopped(*words, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("owtsweep.studies.tower.placing.choose_greedily", stopped)
+    assert place(f"results={tmp_path / 'r'}") == INTERRUPTED
+    assert capsys.readouterr().err == "owtsweep: interrupted; nothing is written\n"
+    assert not (tmp_path / "r").exists()
 
 
 def test_heights_that_are_all_needed_are_not_called_enough(tmp_path, capsys):

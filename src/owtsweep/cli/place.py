@@ -68,7 +68,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         answer, texts = placed.answer(), dump_tables({"place": placed.table()})
     with refuse_in_one_line(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        texts["configuration.yaml"] = dump(config)
+        texts["configuration.yaml"] = dump(placed.config)
         write_all({folder / name: text for name, text in texts.items()})
     from rich.console import Console
 

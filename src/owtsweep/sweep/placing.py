@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.config import Config
+
 
 @dataclass(frozen=True)
 class Question:
@@ -35,6 +37,10 @@ class Question:
 
 class Placed(Protocol):
     """How many sensors are enough, and where they go."""
+
+    @property
+    def config(self) -> Config:
+        """The configuration, with the sensors that are there already."""
 
     def table(self) -> pd.DataFrame:
         """Return a row for each number of sensors, with their heights and the predicted error."""

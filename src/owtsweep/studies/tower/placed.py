@@ -46,7 +46,7 @@ class PlacedSensors:
     Attributes
     ----------
     config
-        The configuration, with the structure as it was given.
+        The configuration, with the structure as it was given, and the sensors that are there.
     case
         The structure with its sensors to choose from.
     quantity
@@ -213,10 +213,12 @@ class PlacedSensors:
             "inclinometers. It is white, and independent from sensor to sensor, so neighbours "
             "average it."
         )
-        there = [f"{KIND_NAMES[k]} at {_list(z)} m" for k, z in self._list_there().items()]
+        there = [f"{KIND_NAMES[k]} at {_list(z)} m" for k, z in self.case.list_there().items()]
         chosen = " (spread over the height, as no sensors are named)" if self.spread else ""
         lines.append(f"There already: {'; '.join(there)}{chosen}.")
-        loads = "declared steps" if config.filters.inputs == "declared" else "the truth's own steps"
+        loads = "the truth's own steps"
+        if config.filters.inputs == "declared":
+            loads = "declared steps; tuning=matched takes the truth's"
         lines.append(f"Tuning {config.tuning_name}: loads are random walks with {loads}.")
         return lines
 
@@ -244,7 +246,7 @@ class PlacedSensors:
 
     def _tell_sweep(self, chosen: Choice) -> str:
         """Return how a sweep runs records with the sensors, or what its mesh lacks for that."""
-        there = self._list_there()
+        there = self.case.list_there()
         sensors = {"inclinometers": sorted([*there.get("theta", ()), *chosen.heights])}
         if self.spread:
             sensors["accelerometers"] = there["a"]
@@ -256,14 +258,6 @@ class PlacedSensors:
             for name, heights in sensors.items()
         )
         return f"for errors on records run `sweep` with the same overrides and {' '.join(words)}"
-
-    def _list_there(self) -> dict[Kind, list[float]]:
-        """Return the heights above ground (m) of the sensors that are there, by kind."""
-        nodes = self.case.setting.cut.heights - self.case.ground
-        there: dict[Kind, list[float]] = {}
-        for channel in self.case.setting.channels:
-            there.setdefault(channel.kind, []).append(float(nodes[channel.node]))
-        return there
 
 
 def _find_added(choice: Choice, better: Choice) -> float:

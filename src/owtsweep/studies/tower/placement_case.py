@@ -89,6 +89,14 @@ class PlacementCase:
             wave=self.wave,
         )
 
+    def list_there(self) -> dict[Kind, list[float]]:
+        """Return the heights above ground (m) of the sensors that are there, by kind."""
+        there: dict[Kind, list[float]] = {}
+        for channel in self.setting.channels:
+            height = float(self.setting.cut.heights[channel.node] - self.ground)
+            there.setdefault(channel.kind, []).append(height)
+        return there
+
 
 def divide_tubes(structure: Structure, longest: float, heights: Sequence[float] = ()) -> Structure:
     """Divide tubes, so that sensors can be at the new ends.

@@ -74,23 +74,25 @@ def place(config: TowerConfig, question: Question) -> PlacedSensors:
     heights, (low, high) = question.heights, config.heights
     divided = divide_tubes(config.structure, (high - low) / ELEMENTS, heights or ())
     divided.check()
+    spread = not _name_sensors(question.given)
     tell_step(f"a record of {config.record.duration:g} s, for the size of every signal")
-    case = make_case(
-        changed(config, structure=divided),
-        inclinometers=heights,
-        spread=not _name_sensors(question.given),
-    )
+    case = make_case(changed(config, structure=divided), inclinometers=heights, spread=spread)
     problem, criterion = case.problem, QUANTITIES[quantity][0]
     candidates = len(problem.heights)
     count = min(COUNT, candidates) if question.count is None else question.count
     tell_step(f"inclinometers one by one, of {candidates} heights")
     choices = choose_greedily(problem, count, criterion)
     further = extend(problem, choices[-1])
+    if spread:
+        sensors = changed(
+            config.sensors, name="spread", every_node=[], accelerometers=case.list_there()["a"]
+        )
+        config = changed(config, sensors=sensors)
     return PlacedSensors(
         config=config,
         case=case,
         quantity=quantity,
-        spread=not _name_sensors(question.given),
+        spread=spread,
         choices=tuple(choices),
         further=min(further, key=lambda choice: choice.error(criterion)) if further else None,
         everywhere=predict(problem, range(candidates)),
