@@ -40,7 +40,7 @@ def test_it_says_how_many_and_where(quantity, unit, tmp_path, capsys):
     assert {path.name for path in tmp_path.glob("place-*/*")} == {"place.csv", "configuration.yaml"}
     assert list(table["inclinometers"]) == [3, 4, 5]
     assert "one more lowers the standard deviation of the error of" in told.splitlines()[0]
-    assert f"st. dev. ({unit})" in told
+    assert f"σ ({unit})" in told
     assert "Truth: oc3_monopile, wind 8 m/s, no waves, 30 s, fore-aft." in told
     assert "Noise: 1 % of each signal's standard deviation" in told
     assert "Tuning paper" in told

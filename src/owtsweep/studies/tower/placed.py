@@ -170,18 +170,19 @@ class PlacedSensors:
 
         unit = QUANTITIES[self.quantity][1]
         table = Table(
-            title=Text(f"Standard deviation of the error of {self._name_quantity()}"),
+            title=Text(f"Standard deviation σ of the error of {self._name_quantity()}"),
             title_style="bold",
             title_justify="left",
             box=box.SIMPLE,
             header_style="",
             padding=(0, 1, 0, 0),
         )
-        for name in ("inclinometers", "heights (m)", f"st. dev. (M{unit})", "of the signal"):
-            table.add_column(name, justify="left" if name == "heights (m)" else "right")
-        if self.quantity == "stress":
-            table.add_column("worst weld (m)", justify="right")
-        table.add_column("one more buys")
+        table.add_column("number", justify="right", no_wrap=True)
+        table.add_column("heights (m)")
+        weld = ["weld (m)"] if self.quantity == "stress" else []
+        for name in (f"σ (M{unit})", "of signal", *weld):
+            table.add_column(name, justify="right", no_wrap=True)
+        table.add_column("one more buys", no_wrap=True)
         for choice, better in self._steps():
             cells = [
                 str(len(choice.chosen)),
