@@ -5,11 +5,16 @@ Estimators of input and state on a structure between two cuts, after Simpson et 
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Collection
+from typing import TYPE_CHECKING, Any
 
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
 from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.sweep.study import add_versions
+
+if TYPE_CHECKING:
+    from owtsweep.studies.tower.config import TowerConfig
+    from owtsweep.sweep.placing import Placed, Question
 
 __all__ = ["TowerStudy"]
 
@@ -35,3 +40,15 @@ class TowerStudy(DeclaredStudy):
         if not isinstance(plain.get("structure"), str):
             return plain
         return {**plain, "structure": as_plain(structures.find_structure(plain["structure"]))}
+
+    def list_place_defaults(self, given: Collection[str]) -> list[str]:
+        """Return the overrides of `place`: one noise, and accelerometers if no sensor is given."""
+        from owtsweep.studies.tower.placing import list_defaults
+
+        return list_defaults(given)
+
+    def place(self, config: TowerConfig, question: Question) -> Placed:
+        """Choose inclinometers one by one by the error that the AKF's covariance predicts."""
+        from owtsweep.studies.tower.placing import place
+
+        return place(config, question)
