@@ -12,7 +12,7 @@ from owtsweep.studies.floater.case import Conditions, list_cases
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
 
 #: The default sweeps.
@@ -44,7 +44,7 @@ def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
             for scheme in (CONSISTENT, *RIVALS):
                 error = compare(
                     motion.truth,
-                    resolve(scheme).prepare(setting).run(measured),
+                    SCHEMES.resolve(scheme).prepare(setting).run(measured),
                     setting.position_sigma,
                     config.record.settled,
                 )["velocity"]

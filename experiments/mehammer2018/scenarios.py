@@ -19,7 +19,7 @@ from owtsweep.studies.floater.case import list_cases
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Estimates, Measured, Prepared, Setting, Truth
 from owtsweep.studies.floater.measuring import measure
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
 
 #: Sensors and start of the paper's tests with virtual data (section 3.1): accelerations have no
@@ -122,7 +122,7 @@ def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> d
     setting = make_setting(config, motion, cell)
     outcomes = {}
     for scheme in scenario.schemes:
-        prepared = resolve(scheme).prepare(setting)
+        prepared = SCHEMES.resolve(scheme).prepare(setting)
         estimates = prepared.run(measured)
         outcomes[scheme] = Outcome(
             scenario, scheme, config, setting, prepared, motion.truth, measured, estimates
