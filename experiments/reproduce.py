@@ -188,12 +188,12 @@ class Reproduction:
             write_table(folder, f"best_scheme_{tuning}", run.table("best_scheme"))
             for map_ in sorted((self.results / name / "figures").glob("map_*.png")):
                 shutil.copy(map_, folder / f"{map_.stem}_{tuning}.png")
-        run_script("tower/crossover.py", folder, f"results={self.results}")
-        run_script("tower/placement.py", folder)
-        run_script("tower/model_errors.py", folder)
-        run_script("tower/wave_yaw.py", folder)
-        run_script("tower/declared_noise.py", folder)
-        run_script("tower/fidelity.py", folder)
+        run_module("tower.crossover", folder, f"results={self.results}")
+        run_module("tower.placement", folder)
+        run_module("tower.model_errors", folder)
+        run_module("simpson2025.wave_yaw", folder)
+        run_module("tower.declared_noise", folder)
+        run_module("simpson2025.fidelity", folder)
         self.keeper.keep("tower")
 
     def make_floater(self) -> None:
@@ -269,7 +269,16 @@ def run_command(*words: str) -> None:
 
 def run_script(name: str, *words: object) -> None:
     """Run one script of this folder; if it fails, end the program with the exit code."""
-    command = [sys.executable, SCRIPTS / name, *words]
+    _run(SCRIPTS / name, *words)
+
+
+def run_module(name: str, *words: object) -> None:
+    """Run one module of this folder as a script, from the checkout's root."""
+    _run("-m", f"experiments.{name}", *words)
+
+
+def _run(*words: object) -> None:
+    command = [sys.executable, *words]
     print("$ python", *command[1:], flush=True)
     code = subprocess.run([str(word) for word in command], check=False).returncode
     if code:

@@ -6,15 +6,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from experiments.simpson2025 import scenarios, scores
+from experiments.simpson2025.evidence import Scores
+from experiments.simpson2025.figures import FIGURES
+from experiments.simpson2025.goals import GOALS
+from experiments.simpson2025.report import judge_goals, judge_statements, write_report
+from experiments.simpson2025.scenarios import Scenario, run_scenarios
+from experiments.simpson2025.statements import STATEMENTS
+from experiments.simpson2025.table_3 import compare_table, show_table
 from owtsweep.studies.tower.contract import INPUTS
-from owtsweep.studies.tower.paper import judging, scores
-from owtsweep.studies.tower.paper.evidence import Scores
-from owtsweep.studies.tower.paper.figures import FIGURES
-from owtsweep.studies.tower.paper.goals import GOALS
-from owtsweep.studies.tower.paper.report import judge_goals, judge_statements, write_report
-from owtsweep.studies.tower.paper.scenarios import Scenario, run_scenarios
-from owtsweep.studies.tower.paper.statements import STATEMENTS
-from owtsweep.studies.tower.paper.table_3 import compare_table, show_table
 from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, all_of
 
 SHORT = ["record.duration=14", "record.settling=2", "truth.subdivision=1"]
@@ -34,7 +34,7 @@ def results():
 def holding() -> pd.DataFrame:
     """Return a table of scores with which every statement and goal holds."""
     rows = []
-    for scenario in judging.ALL:
+    for scenario in scenarios.ALL:
         for direction in ("fa", "ss"):
             where = {
                 "sensors": scenario.sensors, "sea": scenario.sea, "gravity": scenario.gravity,
@@ -146,7 +146,7 @@ def test_sensors_are_those_of_table_2(results):
 
 
 def test_one_record_is_the_truth_of_all_scenarios(results):
-    first, *others = (results[scenario]["fa"] for scenario in judging.WIND.values())
+    first, *others = (results[scenario]["fa"] for scenario in scenarios.WIND.values())
     for other in others:
         assert other.truth is first.truth
 

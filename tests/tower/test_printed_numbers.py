@@ -1,11 +1,12 @@
 """What Simpson et al. (2025) print is read as printed."""
 
+from experiments.simpson2025.report import read_facts
+from experiments.simpson2025.table_3 import read_printed
 from owtsweep.config import conf_directory
-from owtsweep.studies.tower.published import read_facts, read_table3
 
 
 def test_table_3_is_whole():
-    table = read_table3()
+    table = read_printed()
     assert list(table.columns) == ["setup", "metric", "state", "value"]
     sizes = table.groupby(["setup", "metric"])["state"].nunique()
     assert len(table) == 72

@@ -31,7 +31,7 @@ class TowerStudy:
 
     name = "tower"
     #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/tower/fidelity.py"
+    judged_by = "experiments/simpson2025/fidelity.py"
     schema_version = 1
     numerics_version = add_versions(3, *ROOMS)
 

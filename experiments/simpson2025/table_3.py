@@ -1,18 +1,34 @@
-"""Table 3 of Simpson et al. (2025) beside what the study finds: 72 numbers."""
+"""Table 3 of Simpson et al. (2025) beside the study's numbers: 72 of each.
+
+    python -m experiments.simpson2025.table_3 [RECORDS]
+
+prints "printed / mean over RECORDS" (default: 2 records) in Markdown. MAE is in m and rad.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import sys
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from owtsweep.studies.tower.paper.evidence import Scores
-from owtsweep.studies.tower.paper.judging import WIND
-from owtsweep.studies.tower.published import read_table3
+from experiments.simpson2025.evidence import Scores
+from experiments.simpson2025.scenarios import WIND, run_scenarios
+from experiments.simpson2025.scores import tabulate
+from owtsweep.io import markdown
 from owtsweep.verdicts.page import TextTable
 
-if TYPE_CHECKING:
-    import pandas as pd
+
+def read_printed() -> pd.DataFrame:
+    """Read what is printed: TRAC, FRAC and MAE of eight states with three sensor set-ups.
+
+    Columns: setup (name in conf/studies/tower/sensors), metric (TRAC, FRAC or MAE), state (x0_FA,
+    theta15_SS, ...: quantity, metres above the ground, direction), value (MAE of x in m, of theta
+    in rad).
+    """
+    return pd.read_csv(Path(__file__).with_suffix(".csv"))
 
 
 def compare_table(scores: Scores) -> pd.DataFrame:
@@ -25,10 +41,8 @@ def compare_table(scores: Scores) -> pd.DataFrame:
         mean, least and greatest over the records, and relative: the mean over the true
         signal's standard deviation, for MAE.
     """
-    import pandas as pd
-
     rows = []
-    printed: Any = read_table3().itertuples(index=False)
+    printed: Any = read_printed().itertuples(index=False)
     for setup, metric, state, value in printed:
         quantity, direction = state.lower().split("_")
         found = scores.find(WIND[setup], direction, quantity, metric.lower())
@@ -64,3 +78,12 @@ def _format(metric: str, published: float, mean: float) -> str:
             f"{published:.0e} / {mean:.0e}" if published < 0.01 else f"{published:g} / {mean:.3g}"
         )
     return f"{published:.3f} / {mean:.4f}"
+
+
+if __name__ == "__main__":
+    tables = []
+    for replicate in range(int(sys.argv[1]) if len(sys.argv) > 1 else 2):
+        for _, outcomes in run_scenarios(WIND.values(), replicate):
+            tables.append(tabulate(list(outcomes.values())))
+    shown = show_table(compare_table(Scores(pd.concat(tables))))
+    print(markdown.table(shown.columns, shown.rows, numbers=shown.numbers))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from experiments.simpson2025.scenarios import Scenario
 from owtsweep.arrays import Array
-from owtsweep.studies.tower.paper.scenarios import Scenario
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,8 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from owtsweep.studies.tower.contract import INPUTS
-from owtsweep.studies.tower.paper.claims import (
+from experiments.simpson2025.claims import (
     Place,
     below_one,
     claim,
@@ -22,8 +21,9 @@ from owtsweep.studies.tower.paper.claims import (
     everywhere,
     invert,
 )
-from owtsweep.studies.tower.paper.evidence import Scores
-from owtsweep.studies.tower.paper.judging import ACCELEROMETERS, GNSS, WAVES, WEIGHTLESS, WIND
+from experiments.simpson2025.evidence import Scores
+from experiments.simpson2025.scenarios import ACCELEROMETERS, GNSS, WAVES, WEIGHTLESS, WIND
+from owtsweep.studies.tower.contract import INPUTS
 from owtsweep.verdicts.inference import Claim
 
 #: States that the paper compares, by kind.

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from experiments.simpson2025.evidence import Scores
+from experiments.simpson2025.scenarios import SETUPS, Scenario
 from owtsweep.arrays import Array
 from owtsweep.studies.tower.contract import DIRECTIONS
-from owtsweep.studies.tower.paper.evidence import Scores
-from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
 from owtsweep.verdicts.inference import Claim, Side
 from owtsweep.verdicts.means import claim_means
 

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import pandas as pd
+
+from experiments.simpson2025.evidence import Scores
+from experiments.simpson2025.goals import GOALS, TEXTS
+from experiments.simpson2025.statements import STATEMENTS
+from experiments.simpson2025.table_3 import compare_table, show_table
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.paper.evidence import Scores
-from owtsweep.studies.tower.paper.goals import GOALS, TEXTS
-from owtsweep.studies.tower.paper.statements import STATEMENTS
-from owtsweep.studies.tower.paper.table_3 import compare_table, show_table
-from owtsweep.studies.tower.published import read_facts
 from owtsweep.verdicts import report, sections
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph
 from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 TITLE = "How well the tower study reproduces Simpson et al. (2025)"
 #: The origin of the tests.
@@ -27,6 +24,14 @@ DEFINITIONS = (
     "(F3, F4, F7, F8, F12, G7, G8), F13 the inverse factor, F7 its part without gravity, and G8 "
     "the count of unseen directions in place of the drift without a receiver."
 )
+
+
+def read_facts() -> pd.DataFrame:
+    """Read what the text says about results.
+
+    Columns: id (F1 to F14), section, quantity, statement, reading.
+    """
+    return pd.read_csv(Path(__file__).with_name("facts.csv"), dtype={"section": str})
 
 
 def judge_statements(scores: Scores) -> list[JudgedStatement]:
@@ -47,7 +52,7 @@ def write_report(scores: Scores, config: TowerConfig, folder: Path) -> list[Path
     Parameters
     ----------
     scores
-        Of all scenarios in `judging.ALL`.
+        Of all scenarios in `scenarios.ALL`.
     config
         The configuration of one of them, for the page's head.
     folder

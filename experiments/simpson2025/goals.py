@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from owtsweep.studies.tower.contract import INPUTS
-from owtsweep.studies.tower.paper.claims import (
+from experiments.simpson2025.claims import (
     Place,
     below_one,
     claim,
@@ -15,18 +14,20 @@ from owtsweep.studies.tower.paper.claims import (
     everywhere,
     off_one,
 )
-from owtsweep.studies.tower.paper.evidence import Scores
-from owtsweep.studies.tower.paper.judging import (
+from experiments.simpson2025.evidence import Scores
+from experiments.simpson2025.scenarios import (
     GNSS,
     MATCHED,
+    SETUPS,
     WAVES,
     WEIGHED,
     WEIGHED_MATCHED,
     WEIGHTLESS,
     WIND,
+    Scenario,
 )
-from owtsweep.studies.tower.paper.scenarios import SETUPS, Scenario
-from owtsweep.studies.tower.paper.statements import DISPLACEMENTS, ROTATIONS
+from experiments.simpson2025.statements import DISPLACEMENTS, ROTATIONS
+from owtsweep.studies.tower.contract import INPUTS
 from owtsweep.verdicts.inference import Claim, Side
 
 #: Largest deviation of the damage of a weld, by set-up.

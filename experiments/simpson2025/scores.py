@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+import pandas as pd
+from joblib import Parallel, cpu_count, delayed
 
+from experiments.simpson2025.scenarios import ALL, Outcome, run_scenarios
 from owtsweep.arrays import Array
 from owtsweep.evaluation.signals import (
     compute_frac,
@@ -16,12 +18,9 @@ from owtsweep.evaluation.signals import (
     divide_by_deviation,
     find_lag,
 )
+from owtsweep.io.steps import tell_step
 from owtsweep.structures.fatigue import compute_damage
 from owtsweep.studies.tower.contract import INPUTS
-from owtsweep.studies.tower.paper.scenarios import Outcome
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: Heights above the ground (m) of the states that the paper compares (section 5.3.1).
 STATE_HEIGHTS = (0, 15)
@@ -35,6 +34,31 @@ NEGLIGIBLE = 0.01
 ENDS = 100.0
 
 
+def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
+    """Run all scenarios on records with these numbers; return the scores (see `tabulate`).
+
+    Records run side by side, in as many processes as there are cores; each needs up to 1 GB.
+    """
+    workers = min(cpu_count(), len(replicates))
+    tables = Parallel(n_jobs=workers, return_as="generator")(
+        delayed(_score)(replicate, overrides) for replicate in replicates
+    )
+    found = []
+    for replicate, table in zip(replicates, tables, strict=True):
+        tell_step(f"record {replicate}: judged")
+        found.append(table)
+    return pd.concat(found, ignore_index=True)
+
+
+def _score(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
+    """Return the scores of one record; estimates of one scenario at a time are in memory."""
+    tables = [
+        tabulate(list(outcomes.values()))
+        for _, outcomes in run_scenarios(ALL, replicate, overrides)
+    ]
+    return pd.concat(tables, ignore_index=True)
+
+
 def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
     """Return the numbers of outcomes in a table.
 
@@ -42,8 +66,6 @@ def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
     value.
     Units are SI; damages are those of the judged part of a record.
     """
-    import pandas as pd
-
     rows = []
     for outcome in outcomes:
         case = outcome.scenario
