@@ -35,9 +35,10 @@ ENDS = 100.0
 
 
 def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
-    """Run all scenarios on records with these numbers; return the scores (see `tabulate`).
+    """Run all scenarios on records with these numbers; return the scores.
 
-    Records run side by side, in as many processes as there are cores; each needs up to 1 GB.
+    They are those of `tabulate` and `judged_damage_ratio` (see `add_judged_welds`). Records run
+    side by side, in as many processes as there are cores; each needs up to 1 GB.
     """
     workers = min(cpu_count(), len(replicates))
     tables = Parallel(n_jobs=workers, return_as="generator")(
@@ -47,7 +48,7 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
     for replicate, table in zip(replicates, tables, strict=True):
         tell_step(f"record {replicate}: judged")
         found.append(table)
-    return pd.concat(found, ignore_index=True)
+    return add_judged_welds(pd.concat(found, ignore_index=True))
 
 
 def _score(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
@@ -77,6 +78,22 @@ def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
         for quantity, measure, value in _measure(outcome):
             rows.append({**where, "quantity": quantity, "measure": measure, "value": value})
     return pd.DataFrame(rows)
+
+
+def add_judged_welds(scores: pd.DataFrame) -> pd.DataFrame:
+    """Return scores with the measure `judged_damage_ratio`: `damage_ratio` where damage counts.
+
+    It counts at welds with more than 1 % of the largest damage of their scenario and direction, in
+    the mean over the records.
+    """
+    case = [name for name in scores if name not in ("replicate", "quantity", "measure", "value")]
+    damage = scores[scores["measure"] == "damage"]
+    means = damage.groupby([*case, "quantity"])["value"].mean()
+    counts = means > NEGLIGIBLE * means.groupby(case).transform("max")
+    ratios = scores[scores["measure"] == "damage_ratio"]
+    judged = ratios.join(counts.rename("counts"), on=[*case, "quantity"])["counts"]
+    added = ratios[judged].assign(measure="judged_damage_ratio")
+    return pd.concat([scores, added], ignore_index=True)
 
 
 def states_of(outcome: Outcome) -> dict[str, tuple[Array, Array]]:

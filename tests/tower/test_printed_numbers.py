@@ -1,8 +1,9 @@
 """What Simpson et al. (2025) print is read as printed."""
 
-from experiments.simpson2025.report import read_facts
+from experiments.simpson2025.fidelity import CLAIMS
 from experiments.simpson2025.table_3 import read_printed
 from owtsweep.config import conf_directory
+from owtsweep.verdicts.claims_file import read_claims
 
 
 def test_table_3_is_whole():
@@ -21,7 +22,9 @@ def test_table_3_is_whole():
     assert set(table["setup"]) <= {path.stem for path in folder.glob("*.yaml")}
 
 
-def test_every_statement_has_a_reading():
-    facts = read_facts()
-    assert facts["id"].tolist() == [f"F{i}" for i in range(1, 15)]
-    assert not facts.isna().any(axis=None)
+def test_every_statement_says_where_it_is_printed_and_each_bound_why():
+    file = read_claims(CLAIMS)
+    assert [one.name for one in file.statements] == [f"F{i}" for i in range(1, 15)]
+    assert all(one.printed and one.definition for one in file.statements)
+    assert [one.name for one in file.goals] == [f"G{i}" for i in range(1, 10)]
+    assert all(claim.reason for one in file.statements for claim in one.claims)
