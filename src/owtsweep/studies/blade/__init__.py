@@ -33,8 +33,6 @@ class BladeStudy:
     """The study of a hoisted blade, an `owtsweep.sweep.study.Study`."""
 
     name = "blade"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/blade/fidelity.py"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 

@@ -33,8 +33,6 @@ class FloaterStudy:
     """The study of a floating structure in a basin, an `owtsweep.sweep.study.Study`."""
 
     name = "floater"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/floater/fidelity.py"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 

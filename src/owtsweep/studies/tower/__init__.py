@@ -30,8 +30,6 @@ class TowerStudy:
     """The study of a substructure between two cuts, an `owtsweep.sweep.study.Study`."""
 
     name = "tower"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/simpson2025/fidelity.py"
     schema_version = 1
     numerics_version = add_versions(3, *ROOMS)
 

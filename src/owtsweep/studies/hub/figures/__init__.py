@@ -58,7 +58,7 @@ def drawings(
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
     Some figures show the run's results. The other figures are simulated from the run's
-    configuration. The Markdown and CSV files "tables_6_to_9" are listed too.
+    configuration.
 
     Parameters
     ----------
@@ -71,8 +71,6 @@ def drawings(
     metadata
         Texts by name to store inside the figures' files.
     """
-    from owtsweep.studies.hub.figures.tables import write
-
     summary, records = tables["summary"], config.grid.replicates
     same = find_coinciding(make_cube(config, rows), CRITERIA)
     best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records)
@@ -84,12 +82,6 @@ def drawings(
     }
     return {
         **save_each(results, describe_origin(config), metadata),
-        "tables_6_to_9": partial(
-            write,
-            summary,
-            config.measures.window,
-            f"{config.describe_origin()}.",
-        ),
         **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 
@@ -203,10 +195,13 @@ def over_amplitude(
     summary: pd.DataFrame,
     periods: Iterable[float],
     coinciding: Sequence[Sequence[str]],
+    *,
+    printed: pd.DataFrame | None = None,
 ) -> dict[str, Draw]:
     """List the figures of MSE against amplitude by name, one figure per natural period (s).
 
     `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
+    `printed` are published numbers to mark (`mse_over_amplitude.draw`).
     """
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
@@ -218,6 +213,7 @@ def over_amplitude(
         window=config.measures.window,
         tuning=config.tuning_name,
         coinciding=coinciding,
+        printed=printed,
     )
     figures: dict[str, Draw] = {}
     for period in sorted(periods):
