@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from matplotlib.figure import Figure
+
+from experiments.simpson2025 import damage_figures, input_figures, state_figures
+from experiments.simpson2025.scenarios import (
+    WAVES,
+    WEIGHTLESS,
+    WIND,
+    Outcomes,
+    Scenario,
+    run_scenarios,
+)
 from owtsweep.figures.drawings import save_figure
-from owtsweep.studies.tower.paper import damage_figures, input_figures, state_figures
-from owtsweep.studies.tower.paper.judging import WAVES, WEIGHTLESS, WIND
-from owtsweep.studies.tower.paper.scenarios import Outcomes, Scenario, run_scenarios
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 class Drawn(NamedTuple):
@@ -67,3 +73,9 @@ def draw_figures(
     for name, figure in chosen.items():
         files += save_figure(partial(figure.draw, results), None)(folder, name)
     return files
+
+
+def main(*names: str) -> None:
+    """Draw figures into the folder that the command line names, and print their files."""
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_paper")
+    print(*draw_figures(names, folder), sep="\n")

@@ -9,12 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from experiments.simpson2025.panels import LOOKS, TRUTH, describe, finish
+from experiments.simpson2025.scenarios import SETUPS, WAVES, WIND, Outcome, Outcomes, Scenario
+from experiments.simpson2025.scores import damages_of
 from owtsweep.figures import style
 from owtsweep.studies.tower.contract import DIRECTIONS
-from owtsweep.studies.tower.paper.judging import WAVES, WIND
-from owtsweep.studies.tower.paper.panels import LOOKS, TRUTH, describe, finish
-from owtsweep.studies.tower.paper.scenarios import SETUPS, Outcome, Outcomes, Scenario
-from owtsweep.studies.tower.paper.scores import damages_of
 
 Results = Mapping[Scenario, Outcomes]
 #: Names of directions in titles.

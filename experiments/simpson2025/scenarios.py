@@ -88,6 +88,37 @@ class Scenario:
         return config
 
 
+#: Case study 1 with the set-ups of Table 2.
+WIND = {name: Scenario(name) for name in SETUPS}
+#: The same, with loads' statistics from the truth.
+MATCHED = {name: Scenario(name, tuning="matched") for name in SETUPS}
+#: A model that knows its weight: rotations and damage with the declared loads, and with the true
+#: ones where few sensors leave much to the loads' statistics.
+WEIGHED = {name: Scenario(name, weight=True) for name in SETUPS}
+WEIGHED_MATCHED = Scenario("sparse_theta_a", weight=True, tuning="matched")
+#: Accelerometers only, and one displacement sensor more, in case study 1.
+ACCELEROMETERS = Scenario("accelerometers")
+GNSS = Scenario("sparse_gnss")
+#: Case study 1 in a world without gravity.
+WEIGHTLESS = {name: Scenario(name, gravity=False) for name in ("dense_theta_a", "sparse_theta_a")}
+#: Case study 2: yaw of the waves in degrees, and input vector -> scenario.
+WAVES = {
+    (yaw, inputs): Scenario(sea=sea, scheme=scheme)
+    for yaw, sea in ((0, "waves"), (30, "waves_30"))
+    for inputs, scheme in (("p_1", "AKF"), ("p_2", "AKF_WAVE"))
+}
+ALL = (
+    *WIND.values(),
+    *MATCHED.values(),
+    *WEIGHED.values(),
+    WEIGHED_MATCHED,
+    ACCELEROMETERS,
+    GNSS,
+    *WEIGHTLESS.values(),
+    *WAVES.values(),
+)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """One direction of a scenario on one record: what was, and what the estimator says.

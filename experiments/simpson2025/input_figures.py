@@ -7,12 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from owtsweep.evaluation.signals import compute_mae, divide_by_deviation
-from owtsweep.figures import style
-from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS
-from owtsweep.studies.tower.paper.damage_figures import INPUT_VECTORS
-from owtsweep.studies.tower.paper.judging import WAVES, WEIGHTLESS, WIND
-from owtsweep.studies.tower.paper.panels import (
+from experiments.simpson2025.damage_figures import INPUT_VECTORS
+from experiments.simpson2025.panels import (
     LOOKS,
     Row,
     describe,
@@ -20,7 +16,18 @@ from owtsweep.studies.tower.paper.panels import (
     draw_rows,
     finish,
 )
-from owtsweep.studies.tower.paper.scenarios import SETUPS, Outcome, Outcomes, Scenario
+from experiments.simpson2025.scenarios import (
+    SETUPS,
+    WAVES,
+    WEIGHTLESS,
+    WIND,
+    Outcome,
+    Outcomes,
+    Scenario,
+)
+from owtsweep.evaluation.signals import compute_mae, divide_by_deviation
+from owtsweep.figures import style
+from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS
 
 Results = Mapping[Scenario, Outcomes]
 #: Units of loads -> number of N or N m.

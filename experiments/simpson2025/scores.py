@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+import pandas as pd
+from joblib import Parallel, cpu_count, delayed
 
+from experiments.simpson2025.scenarios import ALL, Outcome, run_scenarios
 from owtsweep.arrays import Array
 from owtsweep.evaluation.signals import (
     compute_frac,
@@ -16,12 +18,9 @@ from owtsweep.evaluation.signals import (
     divide_by_deviation,
     find_lag,
 )
+from owtsweep.io.steps import tell_step
 from owtsweep.structures.fatigue import compute_damage
 from owtsweep.studies.tower.contract import INPUTS
-from owtsweep.studies.tower.paper.scenarios import Outcome
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: Heights above the ground (m) of the states that the paper compares (section 5.3.1).
 STATE_HEIGHTS = (0, 15)
@@ -35,6 +34,32 @@ NEGLIGIBLE = 0.01
 ENDS = 100.0
 
 
+def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
+    """Run all scenarios on records with these numbers; return the scores.
+
+    They are those of `tabulate` and `judged_damage_ratio` (see `add_judged_welds`). Records run
+    side by side, in as many processes as there are cores; each needs up to 1 GB.
+    """
+    workers = min(cpu_count(), len(replicates))
+    tables = Parallel(n_jobs=workers, return_as="generator")(
+        delayed(_score)(replicate, overrides) for replicate in replicates
+    )
+    found = []
+    for replicate, table in zip(replicates, tables, strict=True):
+        tell_step(f"record {replicate}: judged")
+        found.append(table)
+    return add_judged_welds(pd.concat(found, ignore_index=True))
+
+
+def _score(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
+    """Return the scores of one record; estimates of one scenario at a time are in memory."""
+    tables = [
+        tabulate(list(outcomes.values()))
+        for _, outcomes in run_scenarios(ALL, replicate, overrides)
+    ]
+    return pd.concat(tables, ignore_index=True)
+
+
 def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
     """Return the numbers of outcomes in a table.
 
@@ -42,8 +67,6 @@ def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
     value.
     Units are SI; damages are those of the judged part of a record.
     """
-    import pandas as pd
-
     rows = []
     for outcome in outcomes:
         case = outcome.scenario
@@ -55,6 +78,22 @@ def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
         for quantity, measure, value in _measure(outcome):
             rows.append({**where, "quantity": quantity, "measure": measure, "value": value})
     return pd.DataFrame(rows)
+
+
+def add_judged_welds(scores: pd.DataFrame) -> pd.DataFrame:
+    """Return scores with the measure `judged_damage_ratio`: `damage_ratio` where damage counts.
+
+    It counts at welds with more than 1 % of the largest damage of their scenario and direction, in
+    the mean over the records.
+    """
+    case = [name for name in scores if name not in ("replicate", "quantity", "measure", "value")]
+    damage = scores[scores["measure"] == "damage"]
+    means = damage.groupby([*case, "quantity"])["value"].mean()
+    counts = means > NEGLIGIBLE * means.groupby(case).transform("max")
+    ratios = scores[scores["measure"] == "damage_ratio"]
+    judged = ratios.join(counts.rename("counts"), on=[*case, "quantity"])["counts"]
+    added = ratios[judged].assign(measure="judged_damage_ratio")
+    return pd.concat([scores, added], ignore_index=True)
 
 
 def states_of(outcome: Outcome) -> dict[str, tuple[Array, Array]]:

@@ -7,11 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from owtsweep.figures import style
-from owtsweep.figures.lines import make_line
-from owtsweep.studies.tower.contract import DIRECTIONS
-from owtsweep.studies.tower.paper.judging import WIND
-from owtsweep.studies.tower.paper.panels import (
+from experiments.simpson2025.panels import (
     LOOKS,
     TRUTH,
     Row,
@@ -19,8 +15,11 @@ from owtsweep.studies.tower.paper.panels import (
     draw_rows,
     finish,
 )
-from owtsweep.studies.tower.paper.scenarios import SETUPS, Outcomes, Scenario
-from owtsweep.studies.tower.paper.scores import STATE_HEIGHTS
+from experiments.simpson2025.scenarios import SETUPS, WIND, Outcomes, Scenario
+from experiments.simpson2025.scores import STATE_HEIGHTS
+from owtsweep.figures import style
+from owtsweep.figures.lines import make_line
+from owtsweep.studies.tower.contract import DIRECTIONS
 
 Results = Mapping[Scenario, Outcomes]
 

@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from experiments.simpson2025.scenarios import NOISE, SETUPS, Outcome
 from owtsweep.arrays import Array
 from owtsweep.evaluation.signals import compute_frac, compute_mae, compute_trac, divide_by_deviation
 from owtsweep.figures import style
 from owtsweep.figures.lines import clip, make_line
-from owtsweep.studies.tower.paper.scenarios import NOISE, SETUPS, Outcome
 
 #: Looks of estimates, by what stands in the legend.
 LOOKS: dict[str, dict[str, Any]] = {
@@ -174,7 +174,7 @@ def _draw_criteria(axes: Axes, row: Row) -> None:
 
 def draw_spectra(axes: Axes, row: Row) -> None:
     """Draw power spectral densities of a signal and its estimates, to 1 Hz."""
-    from owtsweep.studies.tower.paper.scores import find_density
+    from experiments.simpson2025.scores import find_density
 
     step = float(row.time[1] - row.time[0])
     for values, look in [
