@@ -1,6 +1,6 @@
 """How much delay of the optical system a closed loop bears with each scheme.
 
-    python experiments/floater/delay_margin.py [FOLDER]
+    python -m experiments.floater.delay_margin [FOLDER]
 
 FOLDER (default: results/floater_delay_margin) gets delay_margin.csv: a row per motion (floater: 38
 s at 20 Hz; buoy: 10.4 s at 200 Hz) and scheme, tuning matched, 20 dB, bias .03. The module

@@ -19,9 +19,9 @@ from owtsweep.verdicts.inference import (
     MISSING,
     NOT_REPRODUCED,
     REPRODUCED,
-    Claim,
     Decision,
     Estimate,
+    JudgedClaim,
     all_of,
     mean_ratio,
 )
@@ -260,7 +260,7 @@ def _winner(evidence: Evidence, number: int, table: pd.DataFrame) -> Item:
     of_winner, of_other = (values[SCHEMES.index(scheme)] for scheme in (winner, name))
     decision = mean_ratio("", of_winner, of_other, 1.0, "below")
     why = f"{why}; here: {best[0]}; best other than {winner}: {name}"
-    return row.judged(decision, Claim("", (decision,)).verdict, why)
+    return row.judged(decision, JudgedClaim("", (decision,)).verdict, why)
 
 
 def _ekf_ratio(evidence: Evidence, number: int, table: pd.DataFrame) -> Item:
@@ -284,4 +284,4 @@ def _ekf_ratio(evidence: Evidence, number: int, table: pd.DataFrame) -> Item:
         mean_ratio("", velocity, position, low, "above"),
         mean_ratio("", velocity, position, high, "below"),
     )
-    return row.judged(decisions[0], Claim("", decisions).verdict, why)
+    return row.judged(decisions[0], JudgedClaim("", decisions).verdict, why)

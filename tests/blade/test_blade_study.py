@@ -65,6 +65,7 @@ def test_the_rows_of_a_run_judge_nothing_of_the_paper(
     assert main(["fidelity", "results/one"]) == 2
     told = capsys.readouterr().err
     assert "study 'blade'" in told
+    assert "python -m experiments.maes2018.fidelity judges them" in told
     assert told.count("\n") == 1
 
 

@@ -8,8 +8,6 @@ from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, UND
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
 from owtsweep.verdicts.statements import JudgedStatement, explain
 
-NO_VALUE = "–"
-
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
     """Count the statements by verdict, in words, e.g. "9 reproduced, 2 undecided".
