@@ -127,6 +127,17 @@ def test_the_command_judges_what_the_rows_of_a_run_can(home, monkeypatch, capsys
     assert "reproduces mine.toml" in Path("results/small/fidelity/fidelity.md").read_text()
 
 
+def test_the_claims_of_the_docs_are_judged(home, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(home)
+    page = (Path(__file__).parents[2] / "docs" / "claims.md").read_text("utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
+    (tmp_path / "mine.toml").write_text(text, "utf-8")
+    assert main(["fidelity", "results/small", "--claims", str(tmp_path / "mine.toml")]) == 0
+    told = pd.read_csv("results/small/fidelity/fidelity_claims.csv")
+    assert told["verdict"].tolist() == [MISSING, MISSING]  # the small run has other amplitudes
+    assert told["comparisons"].tolist() == [0, 0]
+
+
 def write_claims(file: str, measure: str, fields: str, head: str = "") -> None:
     Path(file).write_text(
         f'{head}\n[[statements]]\nname = "M1"\ntext = "t"\nprinted = "p"\ndefinition = "d"\n'
