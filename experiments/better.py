@@ -1,6 +1,6 @@
 """How near the schemes come to the bounds in each cell, and what the bounds themselves lean on.
 
-    python experiments/better.py [FOLDER] [REPLICATES] [NAME=VALUE ...]
+    python -m experiments.better [FOLDER] [REPLICATES] [NAME=VALUE ...]
 
 Runs experiment=better for tuning=matched (100 records per cell by default, below results/), and
 writes into FOLDER (default: results/better):

@@ -1,6 +1,6 @@
 """How SKFA and HME1 fare in seas that are no single steady peak.
 
-    python experiments/moving_sea.py [FOLDER] [RECORDS]
+    python -m experiments.moving_sea [FOLDER] [RECORDS]
 
 Three seas, with the sensors of experiment=better and tuning=matched, RECORDS records of 600 s each
 (default 8), errors from 120 s on, at four amplitudes (the largest displacement, or the largest

@@ -1,6 +1,6 @@
 """Ask which rule for outlying fixes wins where, and whether a moving horizon earns its place.
 
-    python experiments/outliers.py [FOLDER]
+    python -m experiments.outliers [FOLDER]
 
 FOLDER (default: results/outliers) gets outliers.csv and the figure, as PNG and SVG. A truth is
 white noise with outliers (single or in bursts), with outages, or with red noise. A way is a scheme

@@ -1,6 +1,6 @@
 """Find the single tilt by which HME1 follows a structure under waves best, and what then remains.
 
-    python experiments/plant_tilt.py [FILE.csv] [key=value ...]
+    python -m experiments.plant_tilt [FILE.csv] [key=value ...]
 
 An IMU on a structure leans by the slope of each mode, in resonance and in its quasi-static answer
 to the waves; a filter knows one tilt, p'' = f + g tilt p + b. FILE (default: plant_tilt.csv) gets

@@ -1,6 +1,6 @@
 """What an IMU that leans with the tower costs over the natural period, and what knowing it saves.
 
-    python experiments/tilt.py [FOLDER]
+    python -m experiments.tilt [FOLDER]
 
 Writes tilt_cost.csv, tilt_cost.png and tilt_cost.svg into FOLDER (default: results/tilt). The tilt
 is that of the first mode of Ren's turbine (conf/structure/ren2019.yaml); the schemes are those of

@@ -17,7 +17,6 @@ from experiments.maes2018.collecting import collect
 from experiments.maes2018.processing import COLUMNS
 from experiments.maes2018.scenarios import REFERENCE
 from owtsweep.io.steps import show_steps
-from owtsweep.verdicts import sections
 from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.page import Heading, Paragraph, TextTable
 from owtsweep.verdicts.report import write_verdicts
@@ -71,7 +70,7 @@ def show_differences(scores: pd.DataFrame) -> TextTable:
 
 def _show(column: str, value: float | None) -> str:
     if value is None:
-        return sections.NO_VALUE
+        return "–"
     return f"{1e3 * value:.1f}" if "_" in column else f"{value:.3f}"
 
 

@@ -1,6 +1,6 @@
 """Ask how well the soil must be known: where a filter on the whole turbine beats the cut structure.
 
-    python experiments/tower/crossover.py [FOLDER] [override ...]
+    python -m experiments.tower.crossover [FOLDER] [override ...]
 
 The tower study is swept over the soil factor at 1 % noise, with ten records, for two set-ups of
 sensors (sparse and dry), with wind alone and with waves. FOLDER (default: results/tower_crossover)

@@ -1,6 +1,6 @@
 """Map which scheme bears which error of its model, with which sensors.
 
-    python experiments/tower/model_errors.py [FOLDER] [RECORDS] [OVERRIDE ...]
+    python -m experiments.tower.model_errors [FOLDER] [RECORDS] [OVERRIDE ...]
 
 FOLDER (default: results/tower_model_errors) gets model_errors.csv, the errors of all schemes, and
 two maps: model_errors_damage.png and model_errors_base_moment.png. RECORDS is 2 by default (about a

@@ -1,6 +1,6 @@
 """Choose inclinometers for the IEA-15 turbine without a record, and check the choice on records.
 
-    python experiments/tower/placement.py [FOLDER] [OVERRIDE ...]
+    python -m experiments.tower.placement [FOLDER] [OVERRIDE ...]
 
 writes into FOLDER (default: results/tower_placement)
 

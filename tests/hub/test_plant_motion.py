@@ -15,6 +15,8 @@ import yaml
 from tools import SMALL
 
 import owtsweep
+from experiments.ren2019 import fidelity
+from experiments.ren2019.histories import measure_histories
 from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
@@ -25,7 +27,6 @@ from owtsweep.studies.hub.conditions import (
     list_record_conditions,
 )
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
 from owtsweep.studies.hub.figures import listing, record_and_spectrum
 from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.plant import make_plant
@@ -290,25 +291,29 @@ def test_fidelity_judges_the_time_histories_alone(tmp_path):
         schemes=["HME1", "HME2"], grid__replicates=2,
     )  # fmt: skip
     folder = sweep(get_study("hub"), config).run.folder
-    assert main(["fidelity", str(folder)]) == 0
+    fidelity.main(str(folder))
     claims = pd.read_csv(folder / "fidelity" / "fidelity_claims.csv")
     assert list(claims["statement"]) == ["F9", *["F11"] * 3]
-    assert claims["decided_at"].str.startswith("hs 1 m, tp 6 s, blades 0: ").all()
+    assert claims["decided_at"].str.startswith("hs 1 m, tp 6 s, blades 0").all()
 
-    errors = measure_history_errors(config)
+    errors = measure_histories(config)
     assert errors is not None
-    position = [errors.accumulated[name, "position"].mean() for name in ("HME1", "HME2")]
+    sums = errors.set_index(["quantity", "measure", "scheme", "replicate"])["value"]
+    position = [sums["position", "accumulated", name].mean() for name in ("HME1", "HME2")]
     assert claims["value"][1] == pytest.approx(position[0] / position[1], rel=1e-9)
     # the second way: the estimates that figures 9-14 draw, of record 0
     shown = simulate_histories(with_values(config, {"motion.hs": [1.0], "motion.tp": [6.0]}))
     error = np.abs(shown.estimated["HME1"].position - shown.position).sum() * shown.time[1]
-    assert errors.accumulated["HME1", "position"][0] == pytest.approx(error, rel=1e-9)
+    assert sums["position", "accumulated", "HME1", 0] == pytest.approx(error, rel=1e-9)
 
 
 def test_fidelity_needs_the_two_schemes_of_the_statements(tmp_path, capsys):
     folder = sweep(get_study("hub"), plant(results=str(tmp_path))).run.folder
+    with pytest.raises(InputError, match="are about HME1 and HME2; run a sweep with schemes="):
+        fidelity.main(str(folder))
+    capsys.readouterr()
     assert main(["fidelity", str(folder)]) == 2
-    told = "schemes: `fidelity` judges HME1 and HME2 on the plant; run a sweep with"
+    told = "the rows of a run judge none of these statements"
     assert told in capsys.readouterr().err
     assert not (folder / "fidelity").exists()
 

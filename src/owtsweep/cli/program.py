@@ -102,6 +102,12 @@ def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
 
+def _add_fidelity(parser: Parser) -> None:
+    _add_run(parser)
+    told = "a file of claims (TOML) instead of those of the study's paper"
+    parser.add_argument("--claims", metavar="FILE", help=told)
+
+
 def _add_figures(parser: Parser) -> None:
     _add_run(parser)
     told = "only the map, with where a structure is on it: a name in conf/structure or a YAML file"
@@ -154,9 +160,9 @@ COMMANDS = {
         _add_figures,
     ),
     "fidelity": (
-        "Hold a run against the published numbers and statements; writes RUN/fidelity/.",
+        "Judge the claims of a study's paper, or yours, by a run; writes RUN/fidelity/.",
         "fidelity results/study-0a1b2c3d4e",
-        _add_run,
+        _add_fidelity,
     ),
     "compare": (
         "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",

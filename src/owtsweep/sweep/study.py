@@ -30,9 +30,8 @@ if TYPE_CHECKING:
     C = TypeVar("C", bound=Config)
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "Judged", "Predicting",
-    "Spectral", "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame",
-    "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "Predicting", "Spectral",
+    "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -322,28 +321,6 @@ def broken_study(name: str, package: str, reason: str) -> InputError:
         f"study: {name!r} of the package {package} does not work ({reason}); "
         "update or uninstall that package"
     )
-
-
-@runtime_checkable
-class Judged(Protocol):
-    """The interface of a study with published results, with which a run can be compared."""
-
-    def write_fidelity(
-        self, config: Any, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
-    ) -> list[Path]:
-        """Compare a run with the published results; write `fidelity.html` and other files.
-
-        Return the paths of all files. The engine that made the rows must have `samples` = True.
-
-        Parameters
-        ----------
-        config, rows
-            The run's configuration, and its cases as `Run.cases` returns them.
-        folder
-            The folder for the files, which is created if it does not exist.
-        metadata
-            Texts by name to store in the figures' files; the text `folder` names the run.
-        """
 
 
 @runtime_checkable

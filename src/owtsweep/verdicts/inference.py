@@ -129,7 +129,7 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Claim:
+class JudgedClaim:
     """One claim of a paper, which is true if every one of its decisions holds.
 
     Attributes
@@ -180,7 +180,7 @@ class Claim:
         )
 
 
-def all_of(claims: Sequence[Claim]) -> str:
+def all_of(claims: Sequence[JudgedClaim]) -> str:
     """Return the verdict on a statement that makes several claims: the worst verdict of the claims.
 
     The verdicts from worst to best are "not reproduced", "missing", "undecided" and "reproduced".

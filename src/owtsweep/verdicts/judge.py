@@ -16,7 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, find_least
 from owtsweep.statistics.contrasts import gap
 from owtsweep.verdicts.claims_file import ClaimsFile, Part, StatedClaim, Statement
-from owtsweep.verdicts.inference import Claim, Decision, Estimate, Side, mean_ratio
+from owtsweep.verdicts.inference import Decision, Estimate, JudgedClaim, Side, mean_ratio
 from owtsweep.verdicts.score_table import Cell, ScoreTable, Value
 from owtsweep.verdicts.statements import JudgedStatement
 
@@ -73,7 +73,7 @@ def _choose_table(part: Part, tables: Sequence[ScoreTable]) -> ScoreTable | None
     return next((table for table in tables if part.columns <= set(table.columns)), None)
 
 
-def _judge_claim(claim: StatedClaim, tables: Sequence[ScoreTable], file: ClaimsFile) -> Claim:
+def _judge_claim(claim: StatedClaim, tables: Sequence[ScoreTable], file: ClaimsFile) -> JudgedClaim:
     found: list[Compared] = []
     for part in claim.parts:
         if part.kind == "not_judged":
@@ -86,7 +86,7 @@ def _judge_claim(claim: StatedClaim, tables: Sequence[ScoreTable], file: ClaimsF
             found += KINDS[part.kind](Task(part, table, file.words))
     decisions = [decision for _, decision in found if decision is not None]
     missing = dict.fromkeys(name for name, decision in found if decision is None)
-    return Claim(claim.text, tuple(decisions), tuple(missing))
+    return JudgedClaim(claim.text, tuple(decisions), tuple(missing))
 
 
 @dataclass(frozen=True)
@@ -227,18 +227,16 @@ def _test_mean(name: str, values: Array, bound: float, side: Side) -> Decision:
 
 def _ratio_of_means(task: Task) -> Iterator[Compared]:
     for cell, other in task.pair(task.cells):
-        yield _divide_means(task, cell, other)
+        found = task.table.find([cell, other])
+        name = task.tell(cell, other if found else None)
+        yield name, None if found is None else task.ratio(name, *found)
 
 
 def _monotone(task: Task) -> Iterator[Compared]:
     for group in task.group():
         for before, cell in pairwise(group):
-            yield _divide_means(task, cell, before)
-
-
-def _divide_means(task: Task, cell: Cell, other: Cell) -> Compared:
-    name, found = task.tell(cell, other), task.table.find([cell, other])
-    return (task.tell(cell), None) if found is None else (name, task.ratio(name, *found))
+            name, found = task.tell(cell, before), task.table.find([cell, before])
+            yield name, None if found is None else task.ratio(name, *found)
 
 
 def _against_best(task: Task) -> Iterator[Compared]:

@@ -16,6 +16,4 @@ class BladeStudy(DeclaredStudy):
     """The study of a hoisted blade."""
 
     name = "blade"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/maes2018/fidelity.py"
     numerics_version = add_versions(1, motion, estimation)

@@ -16,6 +16,4 @@ class FloaterStudy(DeclaredStudy):
     """The study of a floating structure in a basin."""
 
     name = "floater"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/mehammer2018/fidelity.py"
     numerics_version = add_versions(1, waves, sensing, motion, estimation, evaluation)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import Lanes
+    from owtsweep.studies.hub.batch import Lanes, sum_errors
     from owtsweep.studies.hub.blocks import backend
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
     from owtsweep.studies.hub.compiling import compile_kernels
@@ -25,21 +25,15 @@ if TYPE_CHECKING:
         look_constant,
     )
     from owtsweep.studies.hub.estimates import chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.fidelity.score import (
-        at_amplitude,
-        compare,
-        make_lanes,
-        scheme_products,
-        score,
-    )
     from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.names import BASELINES, INSTEAD
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.planning import explain_anew, scheme_content
+    from owtsweep.studies.hub.records import make_records
     from owtsweep.studies.hub.resolving import check_scheme as require_scheme
-    from owtsweep.studies.hub.resolving import resolve_all
+    from owtsweep.studies.hub.resolving import resolve, resolve_all
     from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
@@ -50,16 +44,16 @@ if TYPE_CHECKING:
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum",
     "ForceNoise", "Grid", "HubConfig", "HubKeys", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme",
-    "Sensors", "at_amplitude", "backend", "believe", "bias_of", "chain_for_runs", "chunks",
-    "compare", "compile_kernels", "error_spectrum", "expected_mse", "explain_anew", "fix_count",
-    "fix_noise", "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_lanes",
-    "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
-    "scheme_products", "score", "simulate_bias", "state_chunks", "trajectories",
+    "Sensors", "backend", "believe", "bias_of", "chain_for_runs", "chunks", "compile_kernels",
+    "error_spectrum", "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
+    "has_acceleration", "lag_of", "look_constant", "make_records", "make_sensors", "noise_floor",
+    "require_scheme", "resolve", "resolve_all", "scheme_content", "simulate_bias", "state_chunks",
+    "sum_errors", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
 _HOMES = {
-    "batch": ["Lanes"],
+    "batch": ["Lanes", "sum_errors"],
     "blocks": ["backend"],
     "chain": ["Chain", "chain_for_runs"],
     "compiling": ["compile_kernels"],
@@ -67,14 +61,14 @@ _HOMES = {
     "contract": ["Scheme", "Sensors"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["chunks", "state_chunks", "trajectories"],
-    "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
     "filter_states": ["bias_of", "has_acceleration", "lag_of"],
     "kernels.layout": ["WIDTH"],
     "names": ["BASELINES", "INSTEAD"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
     "planning": ["explain_anew", "scheme_content"],
-    "resolving": ["require_scheme", "resolve_all"],
+    "records": ["make_records"],
+    "resolving": ["require_scheme", "resolve", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],

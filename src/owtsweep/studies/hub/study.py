@@ -13,7 +13,6 @@ from owtsweep.studies.hub.looks import LOOKS
 from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
-    import pandas as pd
     from rich.console import RenderableType
 
     from owtsweep.comparing.comparison import Comparison, Findings
@@ -155,29 +154,6 @@ class HubStudy(HubKeys):
         from owtsweep.studies.hub.comparing import describe_run
 
         return compare(comparison, folder, describe_run, metadata=metadata)
-
-    def write_fidelity(
-        self, config: HubConfig, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
-    ) -> list[Path]:
-        """Compare a run with the numbers and statements of Ren et al. (2019); write a report.
-
-        Return the paths of the files that were written. Of a run with motion=plant, judge only the
-        statements on time histories, F9 and F11: the others are on natural periods and amplitudes.
-
-        Parameters
-        ----------
-        config, rows
-            The run's configuration, and its cases as `Run.cases` returns them.
-        folder
-            The folder for the report; it is created if it does not exist.
-        metadata
-            Texts by name to store inside the figures' files. The text `folder` names the run.
-        """
-        from owtsweep.studies.hub.fidelity import plant_report, report
-        from owtsweep.studies.hub.plant import is_plant
-
-        write = plant_report.write_report if is_plant(config) else report.write_report
-        return write(config, rows, folder, metadata)
 
     def write_spectrum(
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]

@@ -23,8 +23,6 @@ class TowerStudy(DeclaredStudy):
     """The study of a substructure between two cuts."""
 
     name = "tower"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/tower/fidelity.py"
     numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
 
     def complete(self, plain: dict[str, Any]) -> dict[str, Any]:

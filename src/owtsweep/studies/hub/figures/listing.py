@@ -18,7 +18,7 @@ from owtsweep.studies.hub.conditions import (
     select,
 )
 from owtsweep.studies.hub.names import list_baselines
-from owtsweep.studies.hub.origin import describe_in_a_line, describe_one_record, describe_origin
+from owtsweep.studies.hub.origin import describe_one_record, describe_origin
 from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 
@@ -57,7 +57,7 @@ def drawings(
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
     Some figures show the run's results. The other figures are simulated from the run's
-    configuration. The Markdown and CSV files "tables_6_to_9" are listed too.
+    configuration.
 
     Parameters
     ----------
@@ -70,8 +70,6 @@ def drawings(
     metadata
         Texts by name to store inside the figures' files.
     """
-    from owtsweep.studies.hub.figures.tables import write
-
     summary, records = tables["summary"], config.grid.replicates
     same = find_coinciding(make_cube(config, rows), CRITERIA)
     best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records)
@@ -83,12 +81,6 @@ def drawings(
     }
     return {
         **save_each(results, describe_origin(config), metadata),
-        "tables_6_to_9": partial(
-            write,
-            summary,
-            config.measures.window,
-            f"{describe_in_a_line(config)}.",
-        ),
         **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 
@@ -202,10 +194,13 @@ def over_amplitude(
     summary: pd.DataFrame,
     periods: Iterable[float],
     coinciding: Sequence[Sequence[str]],
+    *,
+    printed: pd.DataFrame | None = None,
 ) -> dict[str, Draw]:
     """List the figures of MSE against amplitude by name, one figure per natural period (s).
 
     `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
+    `printed` are published numbers to mark (`mse_over_amplitude.draw`).
     """
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
@@ -217,6 +212,7 @@ def over_amplitude(
         window=config.measures.window,
         tuning=config.tuning_name,
         coinciding=coinciding,
+        printed=printed,
     )
     figures: dict[str, Draw] = {}
     for period in sorted(periods):
