@@ -32,7 +32,6 @@ class Compute(Section):
         "whether kernels are compiled with vectors; false: plain loops, slower, the same bits "
         "(docs/vectors.md)",
         default=True,
-        younger=True,
     )
     scheduler: str | None = key(
         "address of the dask scheduler, tcp://host:port; only with backend dask", default=None
@@ -128,8 +127,7 @@ class Config(Section):
         plain
             The keys of the stored run, as nested dicts, lists and scalars.
         described
-            The description that `describe_code` returned when the run was made; None if the run
-            has no description, because it was made by an older version.
+            The description that `describe_code` returned when the run was made.
 
         Raises
         ------
@@ -179,13 +177,6 @@ class Config(Section):
         InputError
             If a file cannot be used, or another study refuses its keys.
         """
-
-    def names_outside(self) -> str:
-        """Return the key that names a file or another study's keys, without which there is no plan.
-
-        It is "" if no key does.
-        """
-        return ""
 
     def _check_scheduler(self, backend: str, scheduler: str | None) -> None:
         if backend != "dask":

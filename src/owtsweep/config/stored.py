@@ -14,7 +14,7 @@ from typing import Any
 
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.typed import as_plain
+from owtsweep.config.typed import as_mapping
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
 
@@ -30,7 +30,7 @@ def dump(config: Config) -> str:
     """Return all keys of a configuration as YAML text, the content of config.yaml."""
     from omegaconf import OmegaConf
 
-    return OmegaConf.to_yaml(OmegaConf.create(as_plain(config)))
+    return OmegaConf.to_yaml(OmegaConf.create(as_mapping(config)))
 
 
 def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:

@@ -34,8 +34,7 @@ from owtsweep.sweep.runs import Run
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
 from owtsweep.sweep.study import UNABLE, Study, WarmsUp
-from owtsweep.sweep.versions import all_versions, count_outdated
-from owtsweep.sweep.worker import TaskResult, Work, one_line
+from owtsweep.sweep.worker import TaskResult, Work, all_versions, one_line
 
 logger = logging.getLogger(__name__)
 
@@ -116,7 +115,9 @@ def sweep(
     run = Run(run_folder(config), config, study, plan, question=question_hash(config))
     with _executor(run) as executor:
         text = dump(config)
-        prepare_folder(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
+        # The plan first: a folder with config.yaml alone would count as one of another version.
+        texts = {PLAN: dump_plan(study, plan, config, text), "config.yaml": text}
+        prepare_folder(run, texts, fresh=fresh)
         with run_log(run.folder):
             return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
 
@@ -178,8 +179,6 @@ class _Sweep:
         total = count_cases(self.plan)
         self.reused = total - count_cases(missing)
         logger.info("sweep of %d cases, %d of them stored already", total, self.reused)
-        for change, cases in count_outdated(self.run.study, store, self.plan, missing).items():
-            logger.warning("%d cases are recomputed: %s", cases, change)
         todo = make_tasks(missing)
         if others:
             # Another sweep may work on this run: start at the other end, to share the work.

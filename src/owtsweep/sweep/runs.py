@@ -102,22 +102,9 @@ class Run:
         """Return the run's plan, key -> block: `stored_plan`, or a new plan if that is None.
 
         A block is the unit of work and storage.
-
-        Raises
-        ------
-        InputError
-            If `stored_plan` is None, and a new plan needs the code of a user's scheme, which is
-            never imported when a run is read, or a file that the configuration names.
         """
-        if self.stored_plan is not None:
-            return self.stored_plan
-        key = self.config.names_outside()
-        require(
-            not key,
-            f"{self.folder}: it has no plan.json that fits its config.yaml, and a new plan needs "
-            f"what {key} names; run its sweep again",
-        )
-        return make_plan(self.study, self.config)
+        made = self.stored_plan
+        return make_plan(self.study, self.config) if made is None else made
 
     def by_tuning(self) -> dict[str, Run]:
         """Return tuning -> the run of this tuning alone, in the same folder.

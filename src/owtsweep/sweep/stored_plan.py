@@ -1,8 +1,8 @@
 """Writes and reads plan.json: the plan of a run, stored beside its configuration.
 
 The plan is the list of the run's blocks (units of work). With plan.json, the cases of a run are
-found without planning anew. So no code that the configuration names is imported, and a run of an
-older version of owtsweep can still be read.
+found without planning anew. So no code that the configuration names is imported. The plan also
+holds the versions of what made the run; a run of other versions is refused.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import Config
+from owtsweep.config import Config, require
 from owtsweep.errors import InputError, printable
 from owtsweep.io.reading import read_json
+from owtsweep.sweep.keys import list_versions
 from owtsweep.sweep.plan import Plan
-from owtsweep.sweep.study import Block
+from owtsweep.sweep.study import Block, Study
 
 NAME = "plan.json"
 #: Most bytes of plan.json: enough for a hundred million cases.
@@ -27,11 +28,13 @@ MOST_BYTES = 2_000_000_000
 _KEY = re.compile(r"[0-9a-f]{32}")
 
 
-def dump_plan(plan: Plan, config: Config, text: str) -> str:
+def dump_plan(study: Study, plan: Plan, config: Config, text: str) -> str:
     """Return the content of plan.json as text.
 
     Parameters
     ----------
+    study
+        The study, which names its versions.
     plan
         The blocks (units of work) of the run by key.
     config
@@ -44,9 +47,13 @@ def dump_plan(plan: Plan, config: Config, text: str) -> str:
         [key, block.label, block.cases, block.cases_per_row, *([block.tunings] * several)]
         for key, block in plan.items()
     ]
-    return json.dumps(
-        {"config_digest": digest(text), "code": config.describe_code(), "blocks": blocks}
-    )
+    content = {
+        "versions": list_versions(study),
+        "config_digest": digest(text),
+        "code": config.describe_code(),
+        "blocks": blocks,
+    }
+    return json.dumps(content)
 
 
 def digest(text: str) -> str:
@@ -54,24 +61,43 @@ def digest(text: str) -> str:
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-def read_stored_plan(folder: Path, text: str) -> Mapping[str, Any] | None:
+def read_stored_plan(study: Study, folder: Path, text: str) -> Mapping[str, Any]:
     """Read plan.json in a run folder; `text` is the content of the folder's config.yaml.
-
-    Return None if there is no plan.json, or if config.yaml has been changed since plan.json was
-    written.
 
     Raises
     ------
     InputError
-        If plan.json cannot be read, or is not a JSON mapping.
+        If plan.json cannot be read or is not a JSON mapping, the run is of other versions than
+        those of `study`, or config.yaml has been changed since plan.json was written.
+    """
+    path = folder / NAME
+    stored = read_json(path, MOST_BYTES) if os.path.lexists(path) else {}
+    if not isinstance(stored, dict):
+        raise _refuse(path)
+    require(
+        stored.get("versions") == list_versions(study),
+        f"{folder}: this run was made by another version of owtsweep; run its sweep again",
+    )
+    require(
+        stored.get("config_digest") == digest(text),
+        f"{folder}: its config.yaml was changed since {NAME} was written; run its sweep again",
+    )
+    return stored
+
+
+def is_of_other_version(study: Study, folder: Path) -> bool:
+    """Return whether a folder holds a run of other versions than those of `study`.
+
+    A run without plan.json is one; a damaged plan.json says nothing.
     """
     path = folder / NAME
     if not os.path.lexists(path):
-        return None
-    stored = read_json(path, MOST_BYTES)
-    if not isinstance(stored, dict):
-        raise _refuse(path)
-    return stored if stored.get("config_digest") == digest(text) else None
+        return os.path.lexists(folder / "config.yaml")
+    try:
+        stored = read_json(path, MOST_BYTES)
+    except InputError:
+        return False
+    return isinstance(stored, dict) and stored.get("versions") != list_versions(study)
 
 
 def read_blocks(folder: Path, stored: Mapping[str, Any], tunings: Collection[str]) -> Plan:

@@ -78,7 +78,7 @@ def _judge(case: Case, setting: Setting, scheme: Scheme, window: Judged) -> Judg
 def _describe_content(config: BladeConfig) -> dict[str, Any]:
     """Return what the rows of every block depend on."""
     whole = as_mapping(config)
-    content = {name: whole[name] for name in SHARED if name in whole}  # some are younger
+    content = {name: whole[name] for name in SHARED}
     recorded = config.recorded
     if recorded.imu is not None:
         imu, *gnss = (hash_file(expand_home(name)) for name in (recorded.imu, *recorded.gnss))

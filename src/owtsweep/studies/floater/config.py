@@ -70,7 +70,3 @@ class FloaterConfig(TunedConfig):
         from owtsweep.studies.floater.checks_record import check_file
 
         check_file(self)
-
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        return "motion.file" if self.motion.kind == "recorded" else ""

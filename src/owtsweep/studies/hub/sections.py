@@ -77,7 +77,6 @@ class MotionConfig(Section):
         "pairs of time (s) and factor on the amplitude, e.g. [[0,0.1],[1000,10]]: a sea that grows "
         "and falls (motion=spectrum only); null: none",
         default=None,
-        younger=True,
     )
 
 
@@ -111,14 +110,12 @@ class Imu(Section):
         "(motion=plant only)",
         unit="rad/m",
         default=0.0,
-        younger=True,
     )
     high_pass: Positive | None = key(
         "corner of an AC coupling, a first-order high-pass of what the IMU feels of the motion "
         "(its noise and bias do not pass it); null: none",
         unit="Hz",
         default=None,
-        younger=True,
     )
 
 
@@ -174,20 +171,17 @@ class FilterTuning(Section):
         "sensors.imu.tilt",
         unit="rad/m",
         default=0.0,
-        younger=True,
     )
     fix_rule: Literal["plain", "gate", "huber"] = key(
         "plain: every fix counts alike; gate: a fix too far from its prediction is refused (not in "
         "HME2); huber: it counts less, in HME2 within the window's cost. With gate or huber the "
         "scheme is not linear",
         default="plain",
-        younger=True,
     )
     gate_probability: float = key(
         "fix_rule=gate: probability with which a fix without gross error passes (chi-square, two "
         "degrees of freedom)",
         default=0.999,
-        younger=True,
         gt=0.0,
         lt=1.0,
     )
@@ -196,14 +190,12 @@ class FilterTuning(Section):
         "within the gate, for the state must be wrong",
         unit="fixes",
         default=1,
-        younger=True,
         ge=1,
     )
     huber_limit: Positive = key(
         "fix_rule=huber: distance beyond which the weight of a fix falls as 1 / distance",
         unit="standard deviations",
         default=2.0,
-        younger=True,
     )
     r_gnss: Variance = key("variance of a fix")
     r_imu: Variance = key("variance of a sample")
@@ -224,17 +216,16 @@ class Constraints(Section):
     """The bounds of the states in the MHE's window: largest magnitudes of the components."""
 
     position: Positive | None = key(
-        "of the hub, north and east; null: none", unit="m", default=None, younger=True
+        "of the hub, north and east; null: none", unit="m", default=None
     )
     velocity: Positive | None = key(
-        "of the hub, north and east; null: none", unit="m/s", default=None, younger=True
+        "of the hub, north and east; null: none", unit="m/s", default=None
     )
     #: b^b = R' (g - x4), since x4 = -R b^b + g in Eq. (6).
     bias: Positive | None = key(
         "of the IMU in its own frame, as its data sheet states it; null: none",
         unit="m/s^2",
         default=None,
-        younger=True,
     )
 
 
@@ -275,9 +266,7 @@ class Mhe(Section):
     )
     solver: Literal["qrqp", "ipopt"] = key("of each MHE problem in the reference engine")
     constraints: Constraints | None = key(
-        "bounds on the window's states; with any of them HME2 is not linear",
-        default=None,
-        younger=True,
+        "bounds on the window's states; with any of them HME2 is not linear", default=None
     )
 
     @property
@@ -299,7 +288,6 @@ class Predictor(Section):
         "specific force between two IMU samples: zero: the older sample, as in the paper; first: "
         "linear from sample to sample",
         default="zero",
-        younger=True,
     )
 
 
@@ -310,7 +298,7 @@ class Hme(Section):
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
     )
     mhe: Mhe = key("the moving horizon estimator of HME2")
-    predictor: Predictor = key("the predictor", default=Predictor(), younger=True)
+    predictor: Predictor = key("the predictor", default=Predictor())
 
 
 class Measures(Section):
@@ -328,7 +316,6 @@ class Measures(Section):
         "also how near the schemes come to the bounds of the settled position and velocity MSE: "
         "columns efficiency_a and efficiency_b of summary.csv, and a figure",
         default=False,
-        younger=True,
     )
 
 

@@ -83,7 +83,3 @@ class MatingConfig(Config):
         from owtsweep.studies.mating.checks import check_others
 
         check_others(self)
-
-    def names_outside(self) -> str:
-        """Return a key of which another study's configuration is composed."""
-        return "blade"

@@ -10,7 +10,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import Config, Finite, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
-from owtsweep.config.typed import as_plain
+from owtsweep.config.typed import as_mapping
 from owtsweep.structures import Structure, find_structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
@@ -98,7 +98,7 @@ class TowerConfig(TunedConfig):
         """
         if not isinstance(plain.get("structure"), str):
             return plain
-        return {**plain, "structure": as_plain(find_structure(plain["structure"]))}
+        return {**plain, "structure": as_mapping(find_structure(plain["structure"]))}
 
     def describe_origin(self) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
@@ -125,9 +125,3 @@ class TowerConfig(TunedConfig):
         from owtsweep.studies.tower.checks import check_files
 
         check_files(self)
-
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        if self.wind.file is not None:
-            return "wind.file"
-        return "recorded.file" if self.recorded.file is not None else ""
