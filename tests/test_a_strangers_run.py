@@ -62,7 +62,7 @@ def rename_target(run: Path, target: str, argument: str) -> None:
     text = text.replace(theirs, f"_target_: {target}\n  command: {argument}\n  args: {argument}")
     config.write_text(text)
     plan = json.loads((run / "plan.json").read_text())
-    from owtsweep.sweep.stored_plan import digest
+    from owtsweep.sweep.plan import digest
 
     (run / "plan.json").write_text(json.dumps({**plan, "config_digest": digest(text)}))
 

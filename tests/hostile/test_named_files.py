@@ -24,8 +24,8 @@ from owtsweep.errors import InputError
 from owtsweep.structures import read_structure
 from owtsweep.studies.registry import find_tree, get_study
 from owtsweep.sweep.keys import list_versions
+from owtsweep.sweep.plan import digest
 from owtsweep.sweep.store import MOST_BYTES
-from owtsweep.sweep.stored_plan import digest
 
 TOWER = (
     "study=tower", "experiment=quick", "record.duration=20", "record.settling=5",

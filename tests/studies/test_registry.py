@@ -15,8 +15,7 @@ from owtsweep.cli import main
 from owtsweep.config import changed, dump
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study, locate
-from owtsweep.sweep.plan import make_plan
-from owtsweep.sweep.stored_plan import dump_plan
+from owtsweep.sweep.plan import dump_plan, make_plan
 
 TESTS = Path(__file__).parents[1]
 PACKAGES = TESTS / "fixtures/stranger"
@@ -161,7 +160,7 @@ def test_runs_of_two_studies_are_not_compared(capsys: pytest.CaptureFixture[str]
     text, plan = dump(config), make_plan(get_study("hub"), config)
     Path("results/ours").mkdir()
     Path("results/ours/config.yaml").write_text(text)
-    Path("results/ours/plan.json").write_text(dump_plan(get_study("hub"), plan, config, text))
+    Path("results/ours/plan.json").write_text(dump_plan(plan, get_study("hub"), config, text))
     capsys.readouterr()
     assert main(["compare", "results/ours", "results/theirs"]) == 2
     assert capsys.readouterr().err == (

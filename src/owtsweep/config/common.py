@@ -53,7 +53,7 @@ class Config(Section):
     #: may change without making another run.
     swept: ClassVar[tuple[str, ...]] = ()
     #: Config groups that set one section each, whose options may also be files of the user's:
-    #: `structure=./mine.yaml` (`owtsweep.config.section_files`).
+    #: `structure=./mine.yaml` (`owtsweep.config.option_files`).
     from_files: ClassVar[tuple[str, ...]] = ()
 
     study: str = key("which study it is")

@@ -16,8 +16,8 @@ from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.studies import registry
 from owtsweep.sweep import asked
 from owtsweep.sweep.keys import question_hash
+from owtsweep.sweep.plan import read_blocks, read_stored_plan
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.stored_plan import read_blocks, read_stored_plan
 from owtsweep.sweep.study import Study
 
 

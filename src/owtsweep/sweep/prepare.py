@@ -10,12 +10,11 @@ from owtsweep.io.files import check_writable, remove_stale, unwritable
 from owtsweep.io.reading import refuse_links
 from owtsweep.sweep import asked
 from owtsweep.sweep.keys import run_hash
+from owtsweep.sweep.plan import PLAN_FILE, is_of_other_version
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.stored_plan import NAME as PLAN
-from owtsweep.sweep.stored_plan import is_of_other_version
 
 #: Files in the root of a run folder that a sweep writes, besides tables.
-FILES = (asked.CONFIG, PLAN, "manifest.json", "run.log")
+FILES = (asked.CONFIG, PLAN_FILE, "manifest.json", "run.log")
 
 
 def check_folder(run: Run, *, fresh: bool) -> None:

@@ -19,7 +19,7 @@ from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_json
 from owtsweep.sweep.keys import list_versions
-from owtsweep.sweep.stored_plan import digest
+from owtsweep.sweep.plan import digest
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run

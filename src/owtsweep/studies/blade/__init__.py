@@ -16,7 +16,7 @@ from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.blade.config import BladeConfig
     from owtsweep.sweep.study import Engine

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from owtsweep.comparing.aspects import Aspects
-from owtsweep.comparing.comparison import Candidate
+from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.studies.contest.contest import WINDOW, Contest
 from owtsweep.studies.contest.origin import list_origin
 from owtsweep.studies.contest.tables import list_competing

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimated_record import EstimatedRecord, Reading
+from owtsweep.evaluation.estimate import EstimatedRecord, Reading
 from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.floater.believed import make_setting
 from owtsweep.studies.floater.case import list_cases

@@ -158,15 +158,7 @@ class HubConfig(TunedConfig):
 
     def _check_tunings(self) -> None:
         """Check that each tuning has its sections, and a name that can be part of a file's name."""
-        several = bool(self.tunings)
-        require(
-            self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),
-            f"tuning: {self.tuning} and the tunings of this run do not fit together; choose one by "
-            "tuning=NAME, or several by tuning=[NAME,NAME]",
-        )
-        for section in TUNED:
-            given = getattr(self, section) is not None
-            require(given != several, f"{section}: this key has no value; give it one")
+        self.check_tuning()
         for name in self.tunings:
             require(
                 re.fullmatch(r"[\w.+=-]+", name) is not None,

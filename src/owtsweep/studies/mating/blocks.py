@@ -10,7 +10,6 @@ from typing import Any
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.evaluation.mating import Limits
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.contest import WAIT
 from owtsweep.studies.contest.planning import plan_blocks
@@ -24,7 +23,7 @@ from owtsweep.studies.mating.joining import (
     find_told_motion,
     find_true_motion,
 )
-from owtsweep.studies.mating.measures import compare
+from owtsweep.studies.mating.measures import Limits, compare
 from owtsweep.sweep.study import Block
 
 #: Most records of a block.

@@ -13,7 +13,7 @@ from owtsweep.studies.tower.looks import LOOKS
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.tower.config import TowerConfig
     from owtsweep.sweep.study import Engine

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from owtsweep.results.winners import tell_winners
+from owtsweep.results.best_scheme import tell_winners
 from owtsweep.studies.contest.origin import describe_draws
 from owtsweep.studies.tower import blocks
 from owtsweep.studies.tower.checks import warn_of_few_inclinometers
