@@ -11,7 +11,7 @@ from owtsweep.estimation.kalman_step import predict_covariance
 from owtsweep.estimation.linear import LinearModel
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.models import POSITION, AxisFilter, axis_filter
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 
 def linear_model(axis: AxisFilter) -> LinearModel:

@@ -19,7 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NoReturn
 
-from owtsweep import __version__
+from owtsweep._version import __version__
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.log_lines import Lines
 from owtsweep.io.search_path import no_modules_of_this_folder

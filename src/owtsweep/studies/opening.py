@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import require, typed
+from owtsweep.config import checked, require
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.reading import refuse_links, require_folder
@@ -42,9 +42,8 @@ def open_run(folder: Path) -> Run:
     study = _find_study(path, plain)
     stored = read_stored_plan(study, folder, text)
     try:
-        model = study.config_type()
-        config = typed(model, model.hide_code(plain, stored.get("code")))
-        config.check()  # not `checked`, which opens the files that the keys name
+        config = checked(study.config_type(), study.hide_code(plain, stored.get("code")))
+        study.check(config)  # not `check_outside`, which opens the files that the keys name
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     tunings = [name for name in config.by_tuning() if name]

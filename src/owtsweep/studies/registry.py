@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config, Tree, conf_directory, require
-from owtsweep.config.composition import TREES
 from owtsweep.config.hints import suggest_name
+from owtsweep.config.tree import TREES
 from owtsweep.errors import InputError, as_text
 from owtsweep.sweep.study import Study, broken_study
 
@@ -57,7 +57,7 @@ class Entry:
 
 #: The built-in studies. A study without the folder conf/studies/<name> uses the YAML files in conf.
 OURS = {
-    "hub": Entry("owtsweep.studies.hub:HubStudy"),
+    "hub": Entry("owtsweep.studies.hub.study:HubStudy"),
     "readings": Entry("owtsweep.studies.readings:ReadingsStudy", implied=("experiment=readings",)),
     "replay": Entry("owtsweep.studies.replay:ReplayStudy", primary="replay"),
     "tower": Entry("owtsweep.studies.tower:TowerStudy"),
@@ -163,9 +163,9 @@ def _of_others() -> list[tuple[str, Entry]]:
 
 
 def _lacks(study: Any) -> list[str]:
-    """Return the sorted names of the members of the protocol `Study` that `study` does not have."""
-    protocol = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
-    return sorted(member for member in protocol if not hasattr(study, member))
+    """Return the sorted names of the members of `Study` that `study` does not have."""
+    members = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
+    return sorted(member for member in members if not hasattr(study, member))
 
 
 def find_tree(name: str) -> Tree:

@@ -81,10 +81,9 @@ def dump_plan(plan: Plan, study: Study, config: Config, text: str) -> str:
     ----------
     plan
         The blocks (units of work) of the run by key.
-    study
-        The study, which names its versions.
-    config
-        The run's configuration. Its method `describe_code` says what is stored of a user's code.
+    study, config
+        The run's study, which names its versions and says what is stored of a user's code, and its
+        configuration.
     text
         The content of config.yaml, to which the plan belongs.
     """
@@ -96,7 +95,7 @@ def dump_plan(plan: Plan, study: Study, config: Config, text: str) -> str:
     content = {
         "versions": list_versions(study),
         "config_digest": digest(text),
-        "code": config.describe_code(),
+        "code": study.describe_code(config),
         "blocks": blocks,
     }
     return json.dumps(content)

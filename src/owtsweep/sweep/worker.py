@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING
 
+from owtsweep._version import __version__
 from owtsweep.config import Config
 from owtsweep.errors import as_text
 from owtsweep.freed_memory import keep_freed_memory
@@ -146,8 +147,6 @@ def all_versions(study: Study) -> dict[str, str]:
 
     The keys are study, schema_version, numerics_version and owtsweep_version.
     """
-    from owtsweep import __version__
-
     entries = {**list_versions(study), "owtsweep_version": __version__}
     return {name: str(value) for name, value in entries.items()}
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from owtsweep import estimation, motion
 from owtsweep.figures import palette
 from owtsweep.studies.blade.looks import LOOKS
-from owtsweep.sweep.study import add_versions
+from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
@@ -29,8 +29,8 @@ ROOMS = (motion, estimation)
 palette.reserve(LOOKS)
 
 
-class BladeStudy:
-    """The study of a hoisted blade, an `owtsweep.sweep.study.Study`."""
+class BladeStudy(Study):
+    """The study of a hoisted blade."""
 
     name = "blade"
     #: The script that judges the statements of the study's paper.
@@ -49,6 +49,32 @@ class BladeStudy:
         from owtsweep.studies.blade.config import BladeConfig
 
         return BladeConfig
+
+    def check(self, config: BladeConfig) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        from owtsweep.studies.blade.checks import check
+
+        check(config)
+
+    def check_outside(self, config: BladeConfig) -> None:
+        """Raise `InputError` if a file of a recorded lift cannot be used."""
+        from owtsweep.studies.blade.recorded_case import load_lift
+
+        if config.recorded.imu is not None:
+            load_lift(config)
+
+    def describe_origin(self, config: BladeConfig) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.blade.contest import CONTEST
+        from owtsweep.studies.contest.origin import describe_origin
+
+        return describe_origin(CONTEST, config)
 
     def conditions(self, config: BladeConfig) -> tuple[Condition, ...]:
         """Return the two axes of the map, those of the key `axes`."""

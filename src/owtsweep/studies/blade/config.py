@@ -50,31 +50,3 @@ class BladeConfig(TunedConfig):
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
     schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.blade.contest import CONTEST
-        from owtsweep.studies.contest.origin import describe_origin
-
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.blade.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if a file of a recorded lift cannot be used."""
-        from owtsweep.studies.blade.recorded_case import load_lift
-
-        if self.recorded.imu is not None:
-            load_lift(self)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from owtsweep import estimation, evaluation, motion, sensing, waves
 from owtsweep.figures import palette
 from owtsweep.studies.floater.looks import LOOKS
-from owtsweep.sweep.study import add_versions
+from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
@@ -29,8 +29,8 @@ ROOMS = (waves, sensing, motion, estimation, evaluation)
 palette.reserve(LOOKS)
 
 
-class FloaterStudy:
-    """The study of a floating structure in a basin, an `owtsweep.sweep.study.Study`."""
+class FloaterStudy(Study):
+    """The study of a floating structure in a basin."""
 
     name = "floater"
     #: The script that judges the statements of the study's paper.
@@ -49,6 +49,31 @@ class FloaterStudy:
         from owtsweep.studies.floater.config import FloaterConfig
 
         return FloaterConfig
+
+    def check(self, config: FloaterConfig) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        from owtsweep.studies.floater.checks import check
+
+        check(config)
+
+    def check_outside(self, config: FloaterConfig) -> None:
+        """Raise `InputError` if the file of a recorded motion cannot be used."""
+        from owtsweep.studies.floater.checks_record import check_file
+
+        check_file(config)
+
+    def describe_origin(self, config: FloaterConfig) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.contest.origin import describe_origin
+        from owtsweep.studies.floater.contest import CONTEST
+
+        return describe_origin(CONTEST, config)
 
     def conditions(self, config: FloaterConfig) -> tuple[Condition, ...]:
         """Return the two axes of the map, those of the key `axes`."""

@@ -43,30 +43,3 @@ class FloaterConfig(TunedConfig):
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
     schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.contest.origin import describe_origin
-        from owtsweep.studies.floater.contest import CONTEST
-
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.floater.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if the file of a recorded motion cannot be used."""
-        from owtsweep.studies.floater.checks_record import check_file
-
-        check_file(self)

@@ -15,6 +15,7 @@ import numpy as np
 from owtsweep.config import changed
 from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.bounds.kalman import bound_of_axis
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import (
     error_spectrum,
@@ -22,9 +23,8 @@ from owtsweep.studies.hub.error_spectrum import (
     look_constant,
 )
 from owtsweep.studies.hub.noise_floor import noise_floor
-from owtsweep.studies.hub.schemes import resolve_all
-from owtsweep.studies.hub.tuning.bound import bound_of_axis
-from owtsweep.studies.hub.tuning.rules import FILTERS
+from owtsweep.studies.hub.resolving import resolve_all
+from owtsweep.studies.hub.tuning_rules import FILTERS
 
 if TYPE_CHECKING:
     import pandas as pd

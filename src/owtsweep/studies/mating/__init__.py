@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.registry import get_study
+from owtsweep.sweep.study import Study
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["MatingStudy"]
 
 
-class MatingStudy:
-    """The study of a blade's mating with the hub, an `owtsweep.sweep.study.Study`."""
+class MatingStudy(Study):
+    """The study of a blade's mating with the hub."""
 
     name = "mating"
     schema_version = 1
@@ -36,6 +37,31 @@ class MatingStudy:
         from owtsweep.studies.mating.config import MatingConfig
 
         return MatingConfig
+
+    def check(self, config: MatingConfig) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        from owtsweep.studies.mating.checks import check
+
+        check(config)
+
+    def check_outside(self, config: MatingConfig) -> None:
+        """Raise `InputError` if one of the other studies refuses its keys."""
+        from owtsweep.studies.mating.checks import check_others
+
+        check_others(config)
+
+    def describe_origin(self, config: MatingConfig) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.contest.origin import describe_origin
+        from owtsweep.studies.mating.contest import CONTEST
+
+        return describe_origin(CONTEST, config)
 
     def conditions(self, config: MatingConfig) -> tuple[Condition, ...]:
         """Return the two axes of the map, those of the key `axes`."""

@@ -57,29 +57,3 @@ class MatingConfig(Config):
     def tuning_name(self) -> str:
         """The name of the tuning."""
         return self.tuning
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.contest.origin import describe_origin
-        from owtsweep.studies.mating.contest import CONTEST
-
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        from owtsweep.studies.mating.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if one of the other studies refuses its keys."""
-        from owtsweep.studies.mating.checks import check_others
-
-        check_others(self)

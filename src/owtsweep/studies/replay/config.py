@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 from owtsweep.config import Positive, Section, key, require
 from owtsweep.motion.recorded import MotionKind, Rotation
 from owtsweep.studies.hub.public import Grid, HubConfig
+from owtsweep.studies.replay.files import hash_file
 
 #: Hexadecimal digits of a record's hash in the run folder's name, and the most bytes before them.
 DIGITS, LONGEST_START = 8, 235
@@ -162,17 +163,11 @@ class ReplayConfig(HubConfig):
             f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
 
-    def describe_origin(self) -> str:
-        """Return nothing, because a replay's truth is in its record."""
-        return ""
-
     def start_of_folder(self) -> str:
         """Return the experiment; for a single record also a digest of the record's bytes.
 
         So records with one name, from different folders, do not share a run folder.
         """
-        from owtsweep.studies.replay.loading import hash_file
-
         if len(self.grid.files) != 1:
             return self.experiment
         (file,) = self.grid.files

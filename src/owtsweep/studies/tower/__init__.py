@@ -5,12 +5,12 @@ Estimators of input and state on a structure between two cuts, after Simpson et 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
 from owtsweep.figures import palette
 from owtsweep.studies.tower.looks import LOOKS
-from owtsweep.sweep.study import add_versions
+from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
     from owtsweep.evaluation.estimate import EstimatedRecord
@@ -26,8 +26,8 @@ ROOMS = (waves, structures, sensing, motion, estimation, evaluation)
 palette.reserve(LOOKS)
 
 
-class TowerStudy:
-    """The study of a substructure between two cuts, an `owtsweep.sweep.study.Study`."""
+class TowerStudy(Study):
+    """The study of a substructure between two cuts."""
 
     name = "tower"
     #: The script that judges the statements of the study's paper.
@@ -46,6 +46,44 @@ class TowerStudy:
         from owtsweep.studies.tower.config import TowerConfig
 
         return TowerConfig
+
+    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return the keys with the content of a structure in place of its name or file.
+
+        Raises
+        ------
+        InputError
+            If there is no such structure.
+        """
+        from owtsweep.config.typed import as_mapping
+
+        if not isinstance(plain.get("structure"), str):
+            return plain
+        return {**plain, "structure": as_mapping(structures.find_structure(plain["structure"]))}
+
+    def check(self, config: TowerConfig) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        from owtsweep.studies.tower.checks import check
+
+        check(config)
+
+    def check_outside(self, config: TowerConfig) -> None:
+        """Raise `InputError` if a file of recorded loads or of a record cannot be used."""
+        from owtsweep.studies.tower.checks import check_files
+
+        check_files(config)
+
+    def describe_origin(self, config: TowerConfig) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.tower.origin import describe_origin
+
+        return describe_origin(config)
 
     def conditions(self, config: TowerConfig) -> tuple[Condition, ...]:
         """Return the axes of the grid: sensor noise, and the soil of the schemes' model."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -10,8 +10,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import Config, Finite, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
-from owtsweep.config.typed import as_mapping
-from owtsweep.structures import Structure, find_structure
+from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.scheme_names import SchemeNames
@@ -86,42 +85,3 @@ class TowerConfig(TunedConfig):
             If a cut is inside an element, or fewer than two elements lie between the cuts.
         """
         return np.asarray(list_nodes(self.structure, *self.heights) - self.structure.mudline)
-
-    @classmethod
-    def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
-        """Return the keys with the content of a structure in place of its name or file.
-
-        Raises
-        ------
-        InputError
-            If there is no such structure.
-        """
-        if not isinstance(plain.get("structure"), str):
-            return plain
-        return {**plain, "structure": as_mapping(find_structure(plain["structure"]))}
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.tower.origin import describe_origin
-
-        return describe_origin(self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.tower.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if a file of recorded loads or of a record cannot be used."""
-        from owtsweep.studies.tower.checks import check_files
-
-        check_files(self)

@@ -19,6 +19,7 @@ from owtsweep.evaluation.signals import (
     compute_trac,
     divide_by_deviation,
     find_lag,
+    scatter,
 )
 from owtsweep.structures.fatigue import compute_damage, count_cycles, find_equivalent_range
 from owtsweep.studies.tower.config import TowerConfig
@@ -123,15 +124,6 @@ def compare(
     found["damage"] = float(np.abs(ratios[damages > COUNTS * damages.max()]).max(initial=0.0))
     found["displacement"] = worst
     return found
-
-
-def scatter(truth: Array, estimate: Array) -> Array:
-    """Return the standard deviation of the error over that of the truth, of each column.
-
-    The mean error does not count: in the field the zero of an inclinometer is not known, and
-    fatigue needs the changes. A drift counts. (The measures `mae` keep the mean.)
-    """
-    return divide_by_deviation(np.std(estimate - truth, axis=0), truth)
 
 
 def _compare_signals(

@@ -14,12 +14,13 @@ from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.identification.disagreement import describe_disagreement
 from owtsweep.studies.replay.identification.fit import Fit, fit_noise
 from owtsweep.studies.replay.identification.floor import measure_floor
 from owtsweep.studies.replay.identification.integral import integrate_twice
 from owtsweep.studies.replay.identification.likelihood import pose
-from owtsweep.studies.replay.loading import hash_file, load_record
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import ReplayRecord
 
 #: Positions and IMU samples that are used; of a longer record, the first ones.

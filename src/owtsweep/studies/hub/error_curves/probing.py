@@ -15,8 +15,8 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.expected.inputs import Probe
-from owtsweep.studies.hub.expected.layout import Buffers, Course, Waves
+from owtsweep.studies.hub.error_curves.inputs import Probe
+from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
 from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
 from owtsweep.studies.hub.sensors import fix_count
@@ -169,7 +169,7 @@ class _Pair:
         Repetition is tested from step `judged` on. The attributes `done` (the step reached) and
         `repeats` are updated.
         """
-        from owtsweep.studies.hub.expected.kernels import advance
+        from owtsweep.studies.hub.error_curves.kernels import advance
 
         self.done, self.repeats = advance(
             self.done, stop, judged, self.course, self.waves, self.buffers, self.space.arrays,

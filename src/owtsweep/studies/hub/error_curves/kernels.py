@@ -3,7 +3,7 @@
 One call runs two groups of eight lanes (a cosine or a sine in each lane) through a long part of the
 record. Sinusoids are made just before they are needed, in buffers that stay in the processor's
 cache, and errors are squared as soon as they are computed. The structures are those of
-`expected.layout` and `kernels.layout`.
+`error_curves.layout` and `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
 
     A lane is one sinusoidal test input. Whether the response repeats is first tested after the
     chunk (steps that are computed together) that reaches the step `judged`, and then every
-    `course.every` steps. The other arguments are structures of `expected.layout` and
+    `course.every` steps. The other arguments are structures of `error_curves.layout` and
     `kernels.layout`.
 
     Returns

@@ -112,7 +112,7 @@ def source_hash() -> str:
     """
     import scipy
 
-    package = Path(__file__).resolve().parents[3]
+    package = Path(__file__).resolve().parents[2]
     digest = hashlib.blake2b(f"{np.__version__} {scipy.__version__}".encode(), digest_size=8)
     for entry in SOURCES:
         path = package / entry

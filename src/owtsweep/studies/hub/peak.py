@@ -19,8 +19,8 @@ from owtsweep.config import as_mapping
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import displacement
 from owtsweep.streams import stream
+from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.expected.cache import cached
 
 #: Records per rung. All rungs share their phases, so that the factor changes smoothly.
 RECORDS = 400
