@@ -64,6 +64,8 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     InputError
         If whole numbers of one table are too large for a column that has fractions in another.
     """
+    # Arrow's own pool would keep what is freed here from pandas.
+    pa.set_memory_pool(pa.system_memory_pool())
     remaining = iter(tables)
     batches = []
     while batch := list(islice(remaining, BATCH)):

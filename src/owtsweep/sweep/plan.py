@@ -133,7 +133,7 @@ def read_stored_plan(study: Study, folder: Path, text: str) -> Mapping[str, Any]
 def is_of_other_version(study: Study, folder: Path) -> bool:
     """Return whether a folder holds a run of other versions than those of `study`.
 
-    A run without plan.json is one; a damaged plan.json says nothing.
+    A run without plan.json is one. A damaged plan.json and a run of another study are not.
     """
     path = folder / PLAN_FILE
     if not os.path.lexists(path):
@@ -142,7 +142,12 @@ def is_of_other_version(study: Study, folder: Path) -> bool:
         stored = read_json(path, MOST_BYTES)
     except InputError:
         return False
-    return isinstance(stored, dict) and stored.get("versions") != list_versions(study)
+    match stored:
+        case {"versions": {"study": str(name)}} if name != study.name:
+            return False
+        case dict():
+            return stored.get("versions") != list_versions(study)
+    return False
 
 
 def read_blocks(folder: Path, stored: Mapping[str, Any], tunings: Collection[str]) -> Plan:
