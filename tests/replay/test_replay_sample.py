@@ -12,7 +12,7 @@ import pytest
 from replay_tools import DATA, ROOT, needs_data
 
 from owtsweep.cli import main
-from owtsweep.studies.replay.recommending import recommend
+from owtsweep.studies.replay.advice import recommend
 from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, find_data, write_sample
 from owtsweep.sweep.runs import Run
 

@@ -87,6 +87,17 @@ def _add_vary(parser: Parser) -> None:
     _add_config_dir(parser)
 
 
+def _add_place(parser: Parser) -> None:
+    _add_overrides(parser, "structure=./my_tower.yaml")
+    parser.add_argument(
+        "--quantity", metavar="NAME", help="whose error counts: stress (default) or base_moment"
+    )
+    parser.add_argument("--count", metavar="N", type=int, help="most sensors to choose; default 8")
+    told = "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements"
+    parser.add_argument("--heights", metavar="LIST", help=told)
+    _add_config_dir(parser)
+
+
 def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
@@ -166,6 +177,11 @@ COMMANDS = {
         "Draw each scheme's error over the values of one key, e.g. a GNSS rate (study=hub).",
         "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4] grid.amplitude=[0.5]",
         _add_vary,
+    ),
+    "place": (
+        "Say how many inclinometers are enough, and where, before any is mounted (study=tower).",
+        "place study=tower structure=./my_tower.yaml grid.noise=[3] --quantity base_moment",
+        _add_place,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",

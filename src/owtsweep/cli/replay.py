@@ -64,8 +64,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
+    from owtsweep.studies.replay.advice import recommend
     from owtsweep.studies.replay.loading import tell_lean
-    from owtsweep.studies.replay.recommending import recommend
     from owtsweep.studies.replay.terminal import list_spectrum_notes
 
     for note in list_spectrum_notes(config):

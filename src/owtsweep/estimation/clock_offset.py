@@ -27,8 +27,7 @@ def find_offset(
 
     What the first record stamps t, the second stamps t + offset; subtracting the offset from the
     second's time stamps brings them to the first's clock. It is negative if the second's stamps are
-    early. `owtsweep.sensing.clock.Clock` counts the other way: a record read with `Clock(offset=d)`
-    is found at -d from one with true time stamps.
+    early.
 
     The denser record is smoothed over 1 interval of the sparser to both sides and interpolated at
     the sparser's times, shifted. Without smoothing, its noise makes the correlation rough from one

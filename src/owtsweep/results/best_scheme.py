@@ -18,7 +18,7 @@ from owtsweep.results.conditions import sort_lines
 from owtsweep.results.cube import Cube
 from owtsweep.results.unable import tell_in_best_scheme
 from owtsweep.statistics.contest import agree, challenge, contest, group_coinciding
-from owtsweep.statistics.holm import holm
+from owtsweep.statistics.inference import holm
 
 if TYPE_CHECKING:
     import pandas as pd

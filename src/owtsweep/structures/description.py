@@ -30,7 +30,7 @@ from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.io.reading import expand_home
 
-#: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
+#: Friction angles (degrees) that the fits of owtsweep.structures.sections hold for.
 ANGLES = (28.0, 40.0)
 #: Names of structures, which may be part of a file's name.
 NAME = re.compile(r"\w[\w .+-]{0,59}")

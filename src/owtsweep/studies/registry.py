@@ -11,7 +11,7 @@ is sweep.yaml.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -112,6 +112,12 @@ def get_study(name: str) -> Study:
             issubclass(study.config_type(), Config), "config_type() returns no subclass of Config"
         )
     return study  # type: ignore[no-any-return]
+
+
+def list_schemes(name: str) -> Mapping[str, str]:
+    """Return name -> description of the schemes of the study called `name`; {} if it has none."""
+    schemes: Mapping[str, str] = getattr(get_study(name), "schemes", dict)()
+    return schemes
 
 
 def list_serving(protocol: type) -> str:

@@ -13,9 +13,7 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.fieller import fieller
-from owtsweep.statistics.holm import holm
-from owtsweep.statistics.student import p_value, t_quantile
+from owtsweep.statistics.inference import fieller, holm, p_value, t_quantile
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"

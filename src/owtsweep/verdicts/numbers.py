@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.student import CONFIDENCE
+from owtsweep.statistics.inference import CONFIDENCE
 from owtsweep.verdicts.inference import MISSING, UNDECIDED, mean_ratio
 
 #: The keys of the result of `compare_number`.

@@ -7,10 +7,10 @@ from typing import ClassVar, Literal
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
-from owtsweep.studies.scheme_names import SchemeNames
 
 
 class BladeConfig(TunedConfig):
@@ -48,5 +48,13 @@ class BladeConfig(TunedConfig):
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
+
+
+#: What `studies.base` looks for.
+CONFIG = BladeConfig

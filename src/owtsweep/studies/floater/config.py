@@ -7,9 +7,9 @@ from typing import ClassVar, Literal
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.sections import Grid, Motion, Sensors
 from owtsweep.studies.floater.tuning import Tuned, Tuning
-from owtsweep.studies.scheme_names import SchemeNames
 
 
 class FloaterConfig(TunedConfig):
@@ -41,5 +41,13 @@ class FloaterConfig(TunedConfig):
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
+
+
+#: What `studies.base` looks for.
+CONFIG = FloaterConfig

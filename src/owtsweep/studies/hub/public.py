@@ -44,8 +44,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.study import HubKeys
-    from owtsweep.studies.hub.tilt_cost import believe
-    from owtsweep.studies.hub.tuning_rules import follow_sensors
+    from owtsweep.studies.hub.tuning_rules import believe, follow_sensors
     from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 __all__ = [
@@ -79,8 +78,7 @@ _HOMES = {
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
-    "tilt_cost": ["believe"],
-    "tuning_rules": ["follow_sensors"],
+    "tuning_rules": ["believe", "follow_sensors"],
     "winners": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.

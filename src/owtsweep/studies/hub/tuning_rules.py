@@ -222,3 +222,9 @@ def _replace(section: S, before: Mapping[str, Any], after: Mapping[str, Any], pa
         elif key in before and value == before[key]:
             new[name] = after[key]
     return changed(section, **new)
+
+
+def believe(config: C, tilt: float) -> C:
+    """Return the configuration with filters that believe in a tilt, rad/m."""
+    filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
+    return changed(config, **filters)

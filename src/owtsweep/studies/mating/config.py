@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.record import Record
-from owtsweep.studies.scheme_names import SchemeNames
+
+
+def _refuse_classes(value: Any) -> Any:
+    """Return `value`; raise `ValueError` if it is a list that holds more than names."""
+    for item in value if isinstance(value, list) else []:
+        if isinstance(item, Mapping):
+            raise ValueError(
+                f"{dict(item)} is no name; this study takes schemes of the blade study, by the "
+                "names that `owtsweep list` shows; a class of your own (_target_) runs in "
+                "study=blade, and in the other studies"
+            )
+    return value
 
 
 class Grid(Section):
@@ -48,7 +62,7 @@ class MatingConfig(Config):
     hub: list[str] = key("overrides of study=hub: its motion and sensors")
     tuning: str = key("name of the tuning of both studies")
     hub_scheme: str = key("the scheme of the hub study that estimates the hub's motion")
-    schemes: SchemeNames = key(
+    schemes: Annotated[list[str], BeforeValidator(_refuse_classes)] = key(
         "names of schemes of the blade study, which estimate the root's motion", min_length=1
     )
     criterion: Literal["relative", "speed", "wrong"] = key("what the map on the terminal judges")
@@ -57,3 +71,7 @@ class MatingConfig(Config):
     def tuning_name(self) -> str:
         """The name of the tuning."""
         return self.tuning
+
+
+#: What `studies.base` looks for.
+CONFIG = MatingConfig

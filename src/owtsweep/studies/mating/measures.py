@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.contest import WAIT
+from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.mating.joining import Relative
 
 #: Criteria of the maps -> what the title of a map says.

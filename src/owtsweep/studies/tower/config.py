@@ -13,7 +13,7 @@ from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
-from owtsweep.studies.scheme_names import SchemeNames
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.tower.loads.config import SeaState, Wind
 from owtsweep.studies.tower.measuring import Faults
 from owtsweep.studies.tower.recorded import Recorded
@@ -62,7 +62,11 @@ class TowerConfig(TunedConfig):
     filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )
@@ -85,3 +89,7 @@ class TowerConfig(TunedConfig):
             If a cut is inside an element, or fewer than two elements lie between the cuts.
         """
         return np.asarray(list_nodes(self.structure, *self.heights) - self.structure.mudline)
+
+
+#: What `studies.base` looks for.
+CONFIG = TowerConfig

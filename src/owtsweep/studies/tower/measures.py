@@ -22,6 +22,7 @@ from owtsweep.evaluation.signals import (
     scatter,
 )
 from owtsweep.structures.fatigue import compute_damage, count_cycles, find_equivalent_range
+from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Kind
 
@@ -87,7 +88,7 @@ def compare(
 
     Raises
     ------
-    ValueError
+    NotFinite
         If an estimate is not finite.
     """
     settled = slice(config.record.settled, None)
@@ -97,7 +98,7 @@ def compare(
         estimate, motion = estimates[direction], case.motion[direction]
         moved, loads = estimate.displacement[settled], estimate.inputs[settled]
         if not (np.isfinite(moved).all() and np.isfinite(loads).all()):
-            raise ValueError("the estimate is not finite")
+            raise NotFinite("the estimate is not finite")
         true_moved, true_loads = motion.displacement[settled], motion.inputs[settled]
         true = true_fatigue[direction]
         fatigue = _count(config, case, estimate.displacement, estimate.inputs, case.part.stress)
