@@ -15,9 +15,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.timing import seconds, timed
+from experiments.maes2018.scenarios import make_record
 from owtsweep.estimation.inertial import ERRORS, add_noise, move
 from owtsweep.studies.blade.contract import PLAN, Measured, Setting
-from owtsweep.studies.blade.paper.scenarios import make_record
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.schemes.navigation import begin, find_noise
 

@@ -216,8 +216,8 @@ class Reproduction:
             for tuning in ("paper", "matched"):
                 map_ = self.results / name / "figures" / f"map_velocity_{tuning}.png"
                 shutil.copy(map_, folder / f"map_{plane}_{tuning}.png")
-        run_script("floater/delay_margin.py", folder)
-        run_script("floater/fidelity.py", folder)
+        run_module("floater.delay_margin", folder)
+        run_module("mehammer2018.fidelity", folder)
         self.keeper.keep("floater")
 
     def make_blade(self) -> None:
@@ -240,9 +240,9 @@ class Reproduction:
             for criterion in ("root", "worst"):
                 map_ = self.results / f"blade_{name}" / "figures" / f"map_{criterion}.png"
                 shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
-        run_script("blade/fidelity.py", folder, str(BLADE_JUDGED))
-        run_script("blade/figures.py", folder)
-        run_script("blade/left_out.py", folder)
+        run_module("maes2018.fidelity", folder, BLADE_JUDGED)
+        run_module("maes2018.figures", folder)
+        run_module("blade.left_out", folder)
         self.keeper.keep("blade")
 
     def make_mating(self) -> None:
@@ -270,9 +270,18 @@ def run_command(*words: str) -> None:
 
 def run_script(name: str, *words: object) -> None:
     """Run one script of this folder; if it fails, end the program with the exit code."""
-    command = [sys.executable, SCRIPTS / name, *words]
-    print("$ python", *command[1:], flush=True)
-    code = subprocess.run([str(word) for word in command], check=False).returncode
+    run_python(SCRIPTS / name, *words)
+
+
+def run_module(name: str, *words: object) -> None:
+    """Run one module below this folder; if it fails, end the program with the exit code."""
+    run_python("-m", f"experiments.{name}", *words)
+
+
+def run_python(*words: object) -> None:
+    """Run a Python; if it fails, end the program with the exit code."""
+    print("$ python", *words, flush=True)
+    code = subprocess.run([sys.executable, *map(str, words)], check=False).returncode
     if code:
         sys.exit(code)
 

@@ -1,6 +1,6 @@
 """What the blade's filters leave out, and what it costs: a hook that moves, and Earth's rotation.
 
-    python experiments/blade/left_out.py [FOLDER] [RECORDS]
+    python -m experiments.blade.left_out [FOLDER] [RECORDS]
 
 FOLDER (default: results/blade_left_out) gets moving_hook.csv and earth.csv, means over RECORDS (10
 by default; some four minutes). GNSS of 10 mm, tuning=matched, seed 2018: records with hook and

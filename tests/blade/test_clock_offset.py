@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from experiments.maes2018.clock_offset import find_offset
 from owtsweep.errors import InputError
-from owtsweep.estimation.clock_offset import find_offset
 
 DURATION, NOISE = 300.0, 0.003
 

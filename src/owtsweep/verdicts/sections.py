@@ -30,6 +30,23 @@ def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
     )
 
 
+def short_section(
+    statements: Sequence[JudgedStatement], goals: Sequence[JudgedStatement] = ()
+) -> list[Block]:
+    """Make the section that counts verdicts on statements and on goals."""
+    lists = {"Statements": statements, "Goals": goals}
+    return [
+        Heading("In short"),
+        Bullets(
+            [
+                f"{kind} {judged[0].name}-{judged[-1].name}: {count_verdicts(judged)}."
+                for kind, judged in lists.items()
+                if judged
+            ]
+        ),
+    ]
+
+
 def goal_section(goals: Sequence[JudgedStatement]) -> list[Block]:
     """Make the section on a project's goals: a table of all, then each goal's test and claims."""
     blocks: list[Block] = [

@@ -17,5 +17,5 @@ class BladeStudy(DeclaredStudy):
 
     name = "blade"
     #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/blade/fidelity.py"
+    judged_by = "experiments/maes2018/fidelity.py"
     numerics_version = add_versions(1, motion, estimation)

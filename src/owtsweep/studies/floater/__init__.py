@@ -17,5 +17,5 @@ class FloaterStudy(DeclaredStudy):
 
     name = "floater"
     #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/floater/fidelity.py"
+    judged_by = "experiments/mehammer2018/fidelity.py"
     numerics_version = add_versions(1, waves, sensing, motion, estimation, evaluation)
