@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 from owtsweep.config import Config
 from owtsweep.config.axes import is_axis
 from owtsweep.config.section import bare_type, is_section, item_type, read_facts
-from owtsweep.config.typed import as_plain
+from owtsweep.config.typed import as_mapping
 from owtsweep.io.markdown import table
 from owtsweep.studies.composing import compose
 from owtsweep.studies.registry import OURS
@@ -56,13 +56,13 @@ def reference() -> str:
     The keys that all studies share come first. Then come, for each built-in study, the keys that
     this study adds or changes.
     """
-    seen = dict.fromkeys(_describe(Config, as_plain(Config(study="")))[1:])
+    seen = dict.fromkeys(_describe(Config, as_mapping(Config(study="")))[1:])
     sentence = "`study=NAME` says which; without it the study is `hub`."
     parts = [INTRODUCTION, "## Every study", sentence, table(COLUMNS, seen)]
     for name, entry in OURS.items():
         config = compose([f"study={name}"], primary=entry.primary)
         first = next(iter(config.by_tuning().values()))  # of several tunings, for its sections
-        defaults = {**as_plain(first), **as_plain(config)}
+        defaults = {**as_mapping(first), **as_mapping(config)}
         rows = [row for row in _describe(type(config), defaults) if row not in seen]
         seen |= dict.fromkeys(rows)
         sentence = "What it adds or changes, besides the keys above."

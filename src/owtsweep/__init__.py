@@ -14,8 +14,7 @@ from owtsweep._version import __version__
 if TYPE_CHECKING:
     from owtsweep.api import estimate, load, replay, run
     from owtsweep.errors import InputError
-    from owtsweep.evaluation.estimate import Estimate, Innovation
-    from owtsweep.evaluation.estimated_record import EstimatedRecord, Reading
+    from owtsweep.evaluation.estimate import Estimate, EstimatedRecord, Innovation, Reading
     from owtsweep.studies.hub.on_board import online
     from owtsweep.sweep.runs import Run
 
@@ -26,10 +25,10 @@ __all__ = [
 
 _HOMES = {
     "Estimate": "owtsweep.evaluation.estimate",
-    "EstimatedRecord": "owtsweep.evaluation.estimated_record",
+    "EstimatedRecord": "owtsweep.evaluation.estimate",
     "InputError": "owtsweep.errors",
     "Innovation": "owtsweep.evaluation.estimate",
-    "Reading": "owtsweep.evaluation.estimated_record",
+    "Reading": "owtsweep.evaluation.estimate",
     "Run": "owtsweep.sweep.runs",
     "estimate": "owtsweep.api",
     "load": "owtsweep.api",

@@ -131,4 +131,3 @@ def test_the_hold_names_the_blocks_of_the_schemes_that_predict() -> None:
         for hold in ("zero", "first")
     )
     assert [name for name in SCHEMES if zero[name] != first[name]] == ["HME1", "HME2"]
-    assert "hme.predictor" not in zero["HME1"]  # stored results of before keep their names

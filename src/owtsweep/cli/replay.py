@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
-from owtsweep.cli.running import may_start, print_answer, tell_end
+from owtsweep.cli.running import foretell, may_start, print_answer, tell_end
 from owtsweep.config import dump_with_units, require
 from owtsweep.errors import InputError
 from owtsweep.io.files import refuse_in_one_line

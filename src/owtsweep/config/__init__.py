@@ -10,10 +10,9 @@ from owtsweep.config.axes import Axis
 from owtsweep.config.common import Compute, Config
 from owtsweep.config.composition import admit, compose_plain, conf_directory
 from owtsweep.config.section import Finite, NotNegative, Positive, Section, key
-from owtsweep.config.stored import dump
+from owtsweep.config.stored import dump, dump_with_units
 from owtsweep.config.tree import Tree
 from owtsweep.config.typed import as_mapping, changed, checked, typed, with_values
-from owtsweep.config.units import dump_with_units
 from owtsweep.errors import require
 
 __all__ = [

@@ -32,7 +32,6 @@ class Compute(Section):
         "whether kernels are compiled with vectors; false: plain loops, slower, the same bits "
         "(docs/vectors.md)",
         default=True,
-        younger=True,
     )
     scheduler: str | None = key(
         "address of the dask scheduler, tcp://host:port; only with backend dask", default=None
@@ -54,7 +53,7 @@ class Config(Section):
     #: may change without making another run.
     swept: ClassVar[tuple[str, ...]] = ()
     #: Config groups that set one section each, whose options may also be files of the user's:
-    #: `structure=./mine.yaml` (`owtsweep.config.section_files`).
+    #: `structure=./mine.yaml` (`owtsweep.config.option_files`).
     from_files: ClassVar[tuple[str, ...]] = ()
 
     study: str = key("which study it is")
@@ -123,13 +122,6 @@ class Config(Section):
                 re.fullmatch(r"[\w.+=,-]+", self.name) is not None and self.name not in (".", ".."),
                 f"name: {self.name!r} is no plain folder name; use letters, digits, . _ - + = ,",
             )
-
-    def names_outside(self) -> str:
-        """Return the key that names a file or another study's keys, without which there is no plan.
-
-        It is "" if no key does.
-        """
-        return ""
 
     def _check_scheduler(self, backend: str, scheduler: str | None) -> None:
         if backend != "dask":

@@ -11,11 +11,10 @@ from typing import Any
 from owtsweep.config import tunings
 from owtsweep.config.hints import explain_key_of_list
 from owtsweep.config.hydra_errors import hydra_in_one_line
+from owtsweep.config.option_files import place_files
 from owtsweep.config.section import fields_along
-from owtsweep.config.section_files import place_section_files
 from owtsweep.config.stored import DEEPEST, read, resolved
 from owtsweep.config.tree import Tree
-from owtsweep.config.tuning_files import place_files
 from owtsweep.errors import InputError, require, shorten
 
 #: Most digits of a number in an override: Python makes no number of more than 4300.
@@ -134,8 +133,8 @@ def compose_plain(
     """Compose a tree and overrides to plain data: dicts, lists and scalars.
 
     If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
-    the results are joined (`owtsweep.config.tunings.join`). A tuning may be a file of the user's
-    (`owtsweep.config.tuning_files`), and so may a section (`owtsweep.config.section_files`).
+    the results are joined (`owtsweep.config.tunings.join`). A tuning or a section may be a file of
+    the user's (`owtsweep.config.option_files`).
 
     Parameters
     ----------
@@ -152,11 +151,8 @@ def compose_plain(
         If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
         stored, or several tunings cannot be joined; the message is one line.
     """
-    with (
-        place_section_files(overrides, tree.model) as (sections, first),
-        place_files(sections, tree.model.tuned) as (placed, second),
-    ):
-        words = [*_search_path(config_dir, placed, [*first, *second]), *placed]
+    with place_files(overrides, tree.model) as (placed, folders):
+        words = [*_search_path(config_dir, placed, folders), *placed]
         return _compose_tunings(tree, words, overrides)
 
 

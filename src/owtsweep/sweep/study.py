@@ -22,12 +22,13 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.config import Config
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition
-    from owtsweep.sweep.results import Results
+    from owtsweep.sweep.gather import Results
 
     C = TypeVar("C", bound=Config)
+    from owtsweep.results.conditions import Value
 
 __all__ = [
     "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "Predicting", "Spectral",
@@ -228,8 +229,7 @@ class Study(ABC):
         plain
             The keys of the stored run, as nested dicts, lists and scalars.
         described
-            The description that `describe_code` returned when the run was made; None if the run
-            has no description, because it was made by an older version.
+            The description that `describe_code` returned when the run was made.
 
         Raises
         ------
@@ -373,3 +373,54 @@ class Tunable(Protocol):
 
     def tune(self, config: Any, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers; call `advance` with the scheme's name after each trial."""
+
+
+class Varied(Protocol):
+    """The errors of a study's schemes over the values of one key."""
+
+    def write(self, folder: Path, metadata: Mapping[str, str]) -> list[Path]:
+        """Write the table vary.csv and the figure into `folder`; return the paths of the files.
+
+        `metadata` holds texts by name to store in the figure's files.
+        """
+
+    def answer(self) -> RenderableType:
+        """Return what the terminal shows: a short table, and sentences that answer."""
+
+
+@runtime_checkable
+class Varying(Protocol):
+    """The interface of a study that can show its errors over the values of one key."""
+
+    def list_vary_defaults(self) -> Sequence[str]:
+        """Return the overrides that `vary` puts before those of the user.
+
+        The command leaves out an override whose key the user sets, or whose section.
+        """
+
+    def check_vary(self, along: Condition, configs: Mapping[Value, Any]) -> None:
+        """Check that the errors can be computed with these configurations, and shown together.
+
+        The arguments are those of `vary`.
+
+        Raises
+        ------
+        InputError
+            If they cannot be computed or shown together.
+        """
+
+    def vary(self, along: Condition, configs: Mapping[Value, Any]) -> Varied:
+        """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
+
+        Parameters
+        ----------
+        along
+            The key that is varied: its name as `label`, its unit and its scale.
+        configs
+            Value of the key -> the configuration with this value, in the order of the table.
+
+        Raises
+        ------
+        InputError
+            If a scheme cannot be computed.
+        """

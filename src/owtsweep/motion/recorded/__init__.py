@@ -1,6 +1,6 @@
 """Read recordings of motion and of sensors, check them, and resample them to a uniform grid."""
 
-from owtsweep.motion.recorded.choosing import MotionKind, identify_motion
+from owtsweep.motion.recorded.choosing import MotionKind
 from owtsweep.motion.recorded.composing import Rotation
 from owtsweep.motion.recorded.deriving import MOTION_CUTOFF, find_clear_band, to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
@@ -21,7 +21,6 @@ __all__ = [
     "describe",
     "find_clear_band",
     "find_common_grid",
-    "identify_motion",
     "open_table",
     "read",
     "to_grid",

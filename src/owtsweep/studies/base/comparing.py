@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from owtsweep.comparing.aspects import Aspects
-from owtsweep.comparing.comparison import Candidate
+from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.studies.base.contest import WINDOW, Contest
 from owtsweep.studies.base.origin import list_origin
 from owtsweep.studies.base.tables import list_competing

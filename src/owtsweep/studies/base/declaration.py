@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimated_record import Reading
+from owtsweep.evaluation.estimate import Reading
 from owtsweep.studies.base.contest import Contest
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.schemes import SchemeTable

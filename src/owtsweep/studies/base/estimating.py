@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from owtsweep.evaluation.estimated_record import EstimatedRecord
+from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.base.blocks import Records, find_ignored, list_cells
 from owtsweep.studies.base.contract import Unable

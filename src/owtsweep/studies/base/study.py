@@ -11,7 +11,7 @@ from owtsweep.sweep.study import Study
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.base.contest import Contest
     from owtsweep.studies.base.declaration import Declaration

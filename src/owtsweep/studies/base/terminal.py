@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.results.winners import tell_winners
+from owtsweep.results.best_scheme import tell_winners
 from owtsweep.studies.base.contest import WAIT, WINDOW, Contest
 from owtsweep.studies.base.origin import describe_draws
 from owtsweep.studies.base.schemes import list_names

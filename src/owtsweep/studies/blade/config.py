@@ -33,12 +33,11 @@ class BladeConfig(TunedConfig):
     )
     record: Record = key("a record of motion and measurements")
     motion: Motion = key("how the blade moves on its hook")
-    boom: Boom = key("the crane's boom and its accelerometers", default=Boom(), younger=True)
+    boom: Boom = key("the crane's boom and its accelerometers", default=Boom())
     unit: Unit = key("the inertial unit, set by unit=NAME; it does not feel Earth's rotation")
     grade: str = key("what the inertial unit is called, set by unit=NAME")
     recorded: Recorded = key(
-        "a recorded lift in place of a simulated one (docs/blade.md)", default=Recorded(),
-        younger=True,
+        "a recorded lift in place of a simulated one (docs/blade.md)", default=Recorded()
     )  # fmt: skip
     sensors: Sensors = key("GNSS and total stations")
     tuning: str | list[str] = key(
@@ -55,10 +54,6 @@ class BladeConfig(TunedConfig):
         min_length=1,
     )
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
-
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        return "recorded.imu" if self.recorded.imu is not None else ""
 
 
 #: What `studies.base` looks for.

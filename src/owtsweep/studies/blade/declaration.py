@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.config import as_mapping
-from owtsweep.evaluation.estimated_record import Reading
+from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Cell, Declaration, Quantity, Shown, Stated
@@ -44,7 +44,7 @@ UNITS = {
 def list_content(config: BladeConfig) -> dict[str, Any]:
     """Return what the rows of every block depend on; files of a lift by their bytes."""
     whole = as_mapping(config)
-    content = {name: whole[name] for name in CONTENT if name in whole}
+    content = {name: whole[name] for name in CONTENT}
     recorded = config.recorded
     if recorded.imu is not None:
         imu, *gnss = (hash_file(expand_home(name)) for name in (recorded.imu, *recorded.gnss))

@@ -48,10 +48,6 @@ class FloaterConfig(TunedConfig):
     )
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        return "motion.file" if self.motion.kind == "recorded" else ""
-
 
 #: What `studies.base` looks for.
 CONFIG = FloaterConfig

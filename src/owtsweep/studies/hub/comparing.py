@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from owtsweep.comparing.aspects import Aspects
-from owtsweep.comparing.comparison import Candidate
+from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.studies.hub.conditions import BOUNDARY, get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES

@@ -54,9 +54,9 @@ class HubConfig(TunedConfig):
     )
     grid: Grid = key("the axes of the sweep")
     record: Record = key("a record of motion and measurements")
-    motion: MotionConfig = key("where the motion comes from", default=MotionConfig(), younger=True)
+    motion: MotionConfig = key("where the motion comes from", default=MotionConfig())
     structure: Structure | None = key(
-        "the structure that moves; with motion=plant only", default=None, younger=True
+        "the structure that moves; with motion=plant only", default=None
     )
     spectrum: SpectrumConfig = key("the spectrum of the motion")
     normalise: Literal["peak", "rms"] = key(
@@ -79,14 +79,12 @@ class HubConfig(TunedConfig):
     tunings: dict[str, Tuning] = key(
         "name: the sections ekf, mkf, hme1, hme2, hme of this tuning; only with several tunings",
         default={},
-        younger=True,
     )
     schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
     baselines: list[Literal["NONE", "HOLD", "DELTA"]] = key(
         "shown beside the schemes: no estimator, the last fix, the last two fixes extrapolated; "
         "[]: none",
         default=[],
-        younger=True,
     )
     ekf: FilterTuning = key("the filter of EKF", default=ABSENT)
     mkf: FilterTuning = key("the filter of MKF", default=ABSENT)
@@ -97,11 +95,10 @@ class HubConfig(TunedConfig):
         "SKF and SKFA, which know the spectrum of the motion, or track it; on request, "
         "schemes=[...,SKF,SKFA]",
         default=Skf(),
-        younger=True,
     )
-    switch: Switch = key("the scheme SWITCH", default=Switch(), younger=True)
+    switch: Switch = key("the scheme SWITCH", default=Switch())
     measures: Measures = key("what is measured, and what the map judges")
-    tune: Tune = key("what the command `tune` searches", default=Tune(), younger=True)
+    tune: Tune = key("what the command `tune` searches", default=Tune())
 
     def check(self) -> None:
         """Check also that each tuning has a name that can be part of a file's name.

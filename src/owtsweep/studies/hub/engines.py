@@ -8,9 +8,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from owtsweep.figures.drawings import save_figure
-from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
-from owtsweep.results.winners import tell_beaten, tell_winners
 from owtsweep.studies.hub import blocks, planning, prediction
 from owtsweep.studies.hub.conditions import (
     NATURAL_PERIOD,
@@ -42,7 +41,7 @@ if TYPE_CHECKING:
 
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.results import Results
+    from owtsweep.sweep.gather import Results
     from owtsweep.sweep.study import Block, Engine
 
 logger = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import as_text
-from owtsweep.evaluation.estimated_record import EstimatedRecord, Reading
+from owtsweep.evaluation.estimate import EstimatedRecord, Reading
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.hub.blocks import start

@@ -41,20 +41,17 @@ class FilterTuning(Section):
         "sensors.imu.tilt",
         unit="rad/m",
         default=0.0,
-        younger=True,
     )
     fix_rule: Literal["plain", "gate", "huber"] = key(
         "plain: every fix counts alike; gate: a fix too far from its prediction is refused (not in "
         "HME2); huber: it counts less, in HME2 within the window's cost. With gate or huber the "
         "scheme is not linear",
         default="plain",
-        younger=True,
     )
     gate_probability: float = key(
         "fix_rule=gate: probability with which a fix without gross error passes (chi-square, two "
         "degrees of freedom)",
         default=0.999,
-        younger=True,
         gt=0.0,
         lt=1.0,
     )
@@ -63,14 +60,12 @@ class FilterTuning(Section):
         "within the gate, for the state must be wrong",
         unit="fixes",
         default=1,
-        younger=True,
         ge=1,
     )
     huber_limit: Positive = key(
         "fix_rule=huber: distance beyond which the weight of a fix falls as 1 / distance",
         unit="standard deviations",
         default=2.0,
-        younger=True,
     )
     r_gnss: Variance = key("variance of a fix")
     r_imu: Variance = key("variance of a sample")
@@ -91,17 +86,16 @@ class Constraints(Section):
     """The bounds of the states in the MHE's window: largest magnitudes of the components."""
 
     position: Positive | None = key(
-        "of the hub, north and east; null: none", unit="m", default=None, younger=True
+        "of the hub, north and east; null: none", unit="m", default=None
     )
     velocity: Positive | None = key(
-        "of the hub, north and east; null: none", unit="m/s", default=None, younger=True
+        "of the hub, north and east; null: none", unit="m/s", default=None
     )
     #: b^b = R' (g - x4), since x4 = -R b^b + g in Eq. (6).
     bias: Positive | None = key(
         "of the IMU in its own frame, as its data sheet states it; null: none",
         unit="m/s^2",
         default=None,
-        younger=True,
     )
 
 
@@ -142,9 +136,7 @@ class Mhe(Section):
     )
     solver: Literal["qrqp", "ipopt"] = key("of each MHE problem in the reference engine")
     constraints: Constraints | None = key(
-        "bounds on the window's states; with any of them HME2 is not linear",
-        default=None,
-        younger=True,
+        "bounds on the window's states; with any of them HME2 is not linear", default=None
     )
 
     @property
@@ -166,7 +158,6 @@ class Predictor(Section):
         "specific force between two IMU samples: zero: the older sample, as in the paper; first: "
         "linear from sample to sample",
         default="zero",
-        younger=True,
     )
 
 
@@ -177,7 +168,7 @@ class Hme(Section):
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
     )
     mhe: Mhe = key("the moving horizon estimator of HME2")
-    predictor: Predictor = key("the predictor", default=Predictor(), younger=True)
+    predictor: Predictor = key("the predictor", default=Predictor())
 
 
 class Tuning(Section):

@@ -76,7 +76,6 @@ class MotionConfig(Section):
         "pairs of time (s) and factor on the amplitude, e.g. [[0,0.1],[1000,10]]: a sea that grows "
         "and falls (motion=spectrum only); null: none",
         default=None,
-        younger=True,
     )
 
 
@@ -110,14 +109,12 @@ class Imu(Section):
         "(motion=plant only)",
         unit="rad/m",
         default=0.0,
-        younger=True,
     )
     high_pass: Positive | None = key(
         "corner of an AC coupling, a first-order high-pass of what the IMU feels of the motion "
         "(its noise and bias do not pass it); null: none",
         unit="Hz",
         default=None,
-        younger=True,
     )
 
 
@@ -155,7 +152,6 @@ class Measures(Section):
         "also how near the schemes come to the bounds of the settled position and velocity MSE: "
         "columns efficiency_a and efficiency_b of summary.csv, and a figure",
         default=False,
-        younger=True,
     )
 
 

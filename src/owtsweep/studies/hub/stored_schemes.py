@@ -102,9 +102,7 @@ def stand_in(entries: Any, described: Any) -> Any:
     entries
         The value of the key `schemes` in config.yaml. If it is no list, it is returned as it is.
     described
-        The list that `describe` made of these entries, from the run's plan.json. None if the run is
-        so old that it has no plan.json; then each stand-in has the name of the scheme's class and
-        counts as linear.
+        The list that `describe` made of these entries, from the run's plan.json.
 
     Raises
     ------
@@ -114,8 +112,6 @@ def stand_in(entries: Any, described: Any) -> Any:
     """
     if not isinstance(entries, list):
         return entries
-    if described is None:
-        described = [{"name": _class_name(entry), "linear": True} for entry in entries]
     require(
         isinstance(described, list)
         and len(described) == len(entries)
@@ -138,8 +134,3 @@ def _stand_in(entry: Mapping[str, Any], facts: Mapping[str, Any]) -> StoredSchem
     check_name(name)
     kind = StoredKernelScheme if facts.get("kernel") is True else StoredScheme
     return kind(entry, str(name), bool(linear))
-
-
-def _class_name(entry: Any) -> str:
-    target = entry.get("_target_") if isinstance(entry, Mapping) else entry
-    return str(target).rpartition(".")[2]

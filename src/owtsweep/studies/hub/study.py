@@ -16,11 +16,10 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition, Value
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.study import Engine, Tuned
-    from owtsweep.sweep.varying import Varied
+    from owtsweep.sweep.study import Engine, Tuned, Varied
 
 __all__ = ["HubKeys", "HubStudy"]
 

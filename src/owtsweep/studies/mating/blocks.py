@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.evaluation.mating import Limits
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.blocks import Planned, plan_blocks
 from owtsweep.studies.base.contest import WAIT
@@ -23,7 +22,7 @@ from owtsweep.studies.mating.joining import (
     find_told_motion,
     find_true_motion,
 )
-from owtsweep.studies.mating.measures import compare
+from owtsweep.studies.mating.measures import Limits, compare
 from owtsweep.sweep.study import Block
 
 #: Most records of a block.

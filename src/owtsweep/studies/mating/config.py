@@ -72,10 +72,6 @@ class MatingConfig(Config):
         """The name of the tuning."""
         return self.tuning
 
-    def names_outside(self) -> str:
-        """Return a key of which another study's configuration is composed."""
-        return "blade"
-
 
 #: What `studies.base` looks for.
 CONFIG = MatingConfig

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from owtsweep.comparing.comparison import flatten
 from owtsweep.config import as_mapping, conf_directory, require, with_values
 from owtsweep.config.stored import read
 from owtsweep.errors import InputError, as_text
@@ -30,7 +31,6 @@ from owtsweep.studies.readings.score import (
     score,
 )
 from owtsweep.sweep.study import FAILED, OK, Block
-from owtsweep.sweep.swept import flatten
 
 #: Columns of every trial besides its parameters.
 COLUMNS = (

@@ -33,11 +33,11 @@ class TowerStudy(DeclaredStudy):
         InputError
             If there is no such structure.
         """
-        from owtsweep.config.typed import as_plain
+        from owtsweep.config.typed import as_mapping
 
         if not isinstance(plain.get("structure"), str):
             return plain
-        return {**plain, "structure": as_plain(structures.find_structure(plain["structure"]))}
+        return {**plain, "structure": as_mapping(structures.find_structure(plain["structure"]))}
 
     def list_place_defaults(self, given: Collection[str]) -> list[str]:
         """Return the overrides of `place`: one noise, and accelerometers if no sensor is given."""

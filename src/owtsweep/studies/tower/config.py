@@ -90,12 +90,6 @@ class TowerConfig(TunedConfig):
         """
         return np.asarray(list_nodes(self.structure, *self.heights) - self.structure.mudline)
 
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        if self.wind.file is not None:
-            return "wind.file"
-        return "recorded.file" if self.recorded.file is not None else ""
-
 
 #: What `studies.base` looks for.
 CONFIG = TowerConfig

@@ -13,7 +13,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
-from owtsweep.evaluation.estimated_record import Reading
+from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Cell, Declaration, Quantity, Shown, Stated

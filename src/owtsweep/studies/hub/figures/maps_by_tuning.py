@@ -20,8 +20,7 @@ from owtsweep.figures.best_scheme_map import ONE_LINE, draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import HANDLERS, Shades
-from owtsweep.results.best_scheme import find_coinciding
-from owtsweep.results.winners import tell_winners
+from owtsweep.results.best_scheme import find_coinciding, tell_winners
 from owtsweep.studies.hub.conditions import (
     CRITERIA,
     describe_values,
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.results.conditions import Value
-    from owtsweep.sweep.results import Results
+    from owtsweep.sweep.gather import Results
 
 NAME = "best_scheme_maps"
 #: Widths and heights in inches: of a column of cells, of a row of cells, and beside the cells.

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class VariedErrors:
-    """The errors over the values of a key, an `owtsweep.sweep.varying.Varied`."""
+    """The errors over the values of a key, an `owtsweep.sweep.study.Varied`."""
 
     errors: Errors
 
