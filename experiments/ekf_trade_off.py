@@ -30,7 +30,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 PERIOD = 8.0  # s, of tables 7 and 8
 WINDOW = 60.0  # s, of measurements that an estimate uses

@@ -24,7 +24,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.fidelity import score as scoring
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.readings.searches import take_fixed_values
 
 SEED = 2019

@@ -27,7 +27,7 @@ from owtsweep.motion.modulation import Modulation, modulate
 from owtsweep.motion.source import Motion
 from owtsweep.studies import compose
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 AMPLITUDES = [0.05, 0.2, 1.0, 10.0]

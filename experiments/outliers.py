@@ -22,7 +22,7 @@ from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 PERIOD = 4.0  # s

@@ -32,7 +32,8 @@ from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies.blade import measures as blade_measures
 from owtsweep.studies.floater import measures as floater_measures
-from owtsweep.studies.hub.figures import TIME_HISTORIES, two_maps
+from owtsweep.studies.hub.figures import two_maps
+from owtsweep.studies.hub.figures.listing import TIME_HISTORIES
 from owtsweep.studies.registry import get_study
 from owtsweep.studies.tower.measures import CRITERIA
 

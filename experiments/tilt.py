@@ -28,6 +28,7 @@ from owtsweep.io.tables import write_table
 from owtsweep.motion.spectra import spectrum
 from owtsweep.structures import compute_modes, read_structure
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.bounds.kalman import bound_of_axis
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import (
     error_spectrum,
@@ -35,9 +36,8 @@ from owtsweep.studies.hub.error_spectrum import (
     look_constant,
 )
 from owtsweep.studies.hub.noise_floor import noise_floor
-from owtsweep.studies.hub.schemes import resolve_all
-from owtsweep.studies.hub.tuning.bound import bound_of_axis
-from owtsweep.studies.hub.tuning.rules import believe
+from owtsweep.studies.hub.resolving import resolve_all
+from owtsweep.studies.hub.tuning_rules import believe
 
 AMPLITUDES = (0.5, 2.0)  # m, largest displacement
 PERIODS = np.arange(3.0, 8.01, 0.5)  # s

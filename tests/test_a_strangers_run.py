@@ -100,7 +100,7 @@ def test_a_run_with_its_authors_scheme_is_shown(stranger, capsys):
 
 
 def test_the_stored_plan_finds_cases_of_another_numerics_version(stranger, monkeypatch):
-    from owtsweep.studies.hub import HubStudy
+    from owtsweep.studies.hub.study import HubStudy
 
     cases = owtsweep.load(stranger).cases()
     monkeypatch.setattr(HubStudy, "numerics_version", HubStudy.numerics_version + 1)

@@ -133,7 +133,7 @@ def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "experiments"))
     import reproduce
     from owtsweep.studies import compose
-    from owtsweep.studies.hub.figures import TIME_HISTORIES
+    from owtsweep.studies.hub.figures.listing import TIME_HISTORIES
     from owtsweep.studies.hub.histories import choose_sea
 
     overrides = [*reproduce.PLANT["plant_seas"], "tuning=paper"]

@@ -12,7 +12,7 @@ from owtsweep.cli.program import main
 from owtsweep.errors import InputError
 from owtsweep.io import files
 from owtsweep.studies import compose
-from owtsweep.studies.hub.schemes.stored import stand_in
+from owtsweep.studies.hub.stored_schemes import stand_in
 from owtsweep.sweep.keys import run_folder, run_hash
 
 SMALL = (

@@ -34,11 +34,12 @@ from scipy.linalg import expm
 from owtsweep.arrays import Array
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies import compose
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.believed import make_setting
 from owtsweep.studies.floater.case import list_cases
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.studies.floater.contract import DOF, Measured, Setting, Unable
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.contract import DOF, Measured, Setting
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
 
 MOTIONS = ("floater", "buoy")
@@ -205,7 +206,7 @@ def record_responses(name: str, setting: Setting, loop: Loop, delay: int) -> tup
     period = 2.0 * np.pi / loop.natural / setting.step
     before, after = round(SETTLING * period), round(RESPONSE * period)
     told = delay if setting.tuning.delay == "truth" else 0
-    prepared = resolve(name).prepare(replace(setting, delay=told * setting.step))
+    prepared = SCHEMES.resolve(name).prepare(replace(setting, delay=told * setting.step))
     responses = []
     for signal in ("report", "acceleration"):
         position, acceleration = (np.zeros((before + after, len(DOF))) for _ in range(2))

@@ -32,9 +32,9 @@ from owtsweep.results.conditions import Condition
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.statistics.inference import percentile_interval, resample_means
 from owtsweep.streams import encode_value
+from owtsweep.studies.base.tables import spread
 from owtsweep.studies.tower.conditions import CONDITIONS
 from owtsweep.studies.tower.measures import WINDOW
-from owtsweep.studies.tower.tables import spread_soil
 
 FACTORS = [0.5, 0.63, 0.8, 0.9, 0.95, 0.98, 1.0, 1.02, 1.05, 1.1, 1.25, 1.6, 2.0]
 SENSORS = ("sparse_theta_a", "dry")
@@ -56,7 +56,7 @@ def cross(sensors: str, sea: str, overrides: list[str]) -> pd.DataFrame:
             "grid.replicates=10", *overrides,
         ]
     )  # fmt: skip
-    rows = spread_soil(run.config, run.cases())
+    rows = spread(run.cases(), "soil_factor", FACTORS)
     summary = run.summary()
     lines = []
     unable = rows[rows.status == UNABLE].drop_duplicates("scheme")

@@ -28,11 +28,10 @@ from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.blocks import prepare
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors, tell
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import Unable
 from owtsweep.studies.tower.measures import (
     CRITERIA,
     WINDOW,
@@ -41,7 +40,7 @@ from owtsweep.studies.tower.measures import (
     find_true_fatigue,
 )
 from owtsweep.studies.tower.origin import describe_truth
-from owtsweep.studies.tower.schemes import resolve
+from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import model_substructure
 
 #: What is wrong -> the override that makes it so. The water is 30 m deep: 6 m are 20 %.
@@ -60,7 +59,7 @@ ERRORS = {
 }
 #: Files of conf/studies/tower/sensors.
 SETUPS = ("dense_x_a", "dense_theta_a", "sparse_theta_a", "dry", "strain")
-SCHEMES = ("AKF", "AKF_LAGGED", "GDF", "AKF_WHOLE", "MDE")
+COMPARED = ("AKF", "AKF_LAGGED", "GDF", "AKF_WHOLE", "MDE")
 MODEL_ERROR = Condition("model_error", "what is wrong in the schemes' model")
 SENSORS = Condition("sensors", "sensors")
 CONDITIONS = (SENSORS, MODEL_ERROR)
@@ -95,7 +94,7 @@ def _try_all(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
             config = _compose(sensors, override, overrides)
             placed = place_sensors(config, case)
             wrong = replace(placed, part=model_substructure(config))
-            for name in SCHEMES:
+            for name in COMPARED:
                 where = {"sensors": sensors, "model_error": error, "scheme": name,
                          "replicate": replicate}  # fmt: skip
                 rows += [{**where, **row} for row in _try(config, wrong, name, true)]
@@ -111,7 +110,8 @@ def _try(
         channels = list_channels(config, case, direction, NOISE)
         measured = measure(config, case, direction, channels)
         try:
-            made = prepare(config, case, direction, 1.0, channels, resolve(name))
+            setting = tell(config, case, direction, 1.0, channels)
+            made = SCHEMES.resolve(name).prepare(setting)
         except Unable as reason:
             return [{"measure": "", "window": "", "value": float("nan"), "status": UNABLE,
                      "reason": str(reason)}]  # fmt: skip
@@ -135,7 +135,7 @@ def main(folder: Path, records: int, overrides: Sequence[str]) -> None:
     with show_steps():
         rows = collect(range(records), overrides)
     cube = Cube.of_rows(
-        rows, SCHEMES, CONDITIONS, {"sensors": SETUPS, "model_error": list(ERRORS)},
+        rows, COMPARED, CONDITIONS, {"sensors": SETUPS, "model_error": list(ERRORS)},
         measures=["damage", "base_moment"],
     )  # fmt: skip
     folder.mkdir(parents=True, exist_ok=True)
@@ -146,7 +146,7 @@ def main(folder: Path, records: int, overrides: Sequence[str]) -> None:
         def draw(best=best, criterion=criterion):
             """Draw the map of one criterion."""
             figure = best_scheme_map.draw(
-                best, SCHEMES, CONDITIONS, criterion=criterion, window=WINDOW,
+                best, COMPARED, CONDITIONS, criterion=criterion, window=WINDOW,
                 tuning=config.tuning_name, quantity=CRITERIA[criterion], score="error",
                 replicates=records,
             )  # fmt: skip

@@ -13,8 +13,8 @@ from owtsweep.errors import InputError
 from owtsweep.estimation.blade_angles import find_angles, make_rotation
 from owtsweep.estimation.double_integration import pass_high
 from owtsweep.gravity import GRAVITY
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
-from owtsweep.studies.blade.contract import Unable
 from owtsweep.studies.blade.paper.processing import relate_to_crane
 from owtsweep.studies.blade.schemes.double_integration import merge
 

@@ -14,7 +14,7 @@ from hanging import make, run
 from owtsweep.studies.blade.cases import Case
 from owtsweep.studies.blade.contract import Setting
 from owtsweep.studies.blade.doubts import EARTH_RATE
-from owtsweep.studies.blade.schemes import REGISTERED
+from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.schemes.mekf import Navigator
 
 ROOT = Path(__file__).parents[2]
@@ -47,7 +47,7 @@ def hooks() -> pd.DataFrame:
 def test_pendulum_is_recommended_below_a_hook_at_rest_alone() -> None:
     assert "while it is hoisted" not in README
     assert "Below a hook at rest, run PENDULUM" in README
-    assert "below a hook at rest" in REGISTERED["PENDULUM"]
+    assert "below a hook at rest" in SCHEMES.describe()["PENDULUM"]
     assert "Without GNSS, and below a hook at rest, run the filter that knows how" in PAGE
 
 

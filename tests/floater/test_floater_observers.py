@@ -12,8 +12,8 @@ from scipy.linalg import expm
 from sine_records import find_lag, report
 
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
-from owtsweep.studies.floater.contract import Unable
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
 from owtsweep.studies.floater.schemes.passive_observer import ABOVE, FASTEST, find_waves
 
@@ -223,8 +223,8 @@ def test_an_observer_that_cannot_run_says_so() -> None:
     with pytest.raises(
         Unable, match=r"PASSIVE_OBSERVER is unstable in x at 0\.5 Hz: .* record\.rate"
     ):
-        resolve("PASSIVE_OBSERVER").prepare(setting)
-    chosen = resolve("PASSIVE_OBSERVER").prepare(SETTING)
+        SCHEMES.resolve("PASSIVE_OBSERVER").prepare(setting)
+    chosen = SCHEMES.resolve("PASSIVE_OBSERVER").prepare(SETTING)
     waves = find_waves(SETTING)
     assert np.all(waves >= SETTING.frequency)
     cutoff = np.clip(balance_lag_and_noise(SETTING), ABOVE * waves, FASTEST / SETTING.step)

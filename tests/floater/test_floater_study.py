@@ -15,8 +15,12 @@ from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.floater import blocks
-from owtsweep.studies.floater.contract import Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.floater.believed import make_setting
+from owtsweep.studies.floater.case import list_cases
+from owtsweep.studies.floater.schemes import SCHEMES
+from owtsweep.studies.floater.truth import make_truth
 from owtsweep.sweep.plan import make_plan, make_tasks
 from owtsweep.testing import check_study
 
@@ -35,9 +39,10 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def run(words: list[str]) -> pd.DataFrame:
     """Return the rows of all blocks, each run in this process."""
-    config = compose([*TINY, *words])
-    tasks = make_tasks(make_plan(get_study("floater"), config))
-    return pd.concat([rows for task in tasks for _, rows in blocks.run(config, [*task.values()])])
+    config, study = compose([*TINY, *words]), get_study("floater")
+    run_blocks = study.engine(config).run
+    tasks = make_tasks(make_plan(study, config))
+    return pd.concat([rows for task in tasks for _, rows in run_blocks(config, [*task.values()])])
 
 
 def test_the_study_keeps_the_contract() -> None:
@@ -112,7 +117,7 @@ def test_more_records_and_schemes_keep_the_blocks_that_are_there() -> None:
 
 
 def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    sound = blocks.resolve("KF")
+    sound = SCHEMES.resolve("KF")
 
     class Moody:
         name = "KF"
@@ -127,15 +132,15 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
             return self if self.count == 1 else sound.prepare(setting)
 
         def run(self, measured):
-            estimates = sound.prepare(blocks.make_setting(config, motion, cell)).run(measured)
+            estimates = sound.prepare(make_setting(config, motion, cell)).run(measured)
             estimates.position[-1] = np.nan
             return estimates
 
     config = compose(TINY)
-    (cell, _) = blocks.list_cases(config)
-    motion = blocks.make_truth(config, 0)
+    (cell, _) = list_cases(config)
+    motion = make_truth(config, 0)
     moody = Moody()
-    monkeypatch.setattr(blocks, "resolve", lambda name: moody)
+    monkeypatch.setattr(SchemeTable, "resolve", lambda table, name: moody)
     rows = run(["schemes=[KF]"])
     told = rows.drop_duplicates(["delay", "replicate"])[["status", "reason"]].to_numpy().tolist()
     assert told == [

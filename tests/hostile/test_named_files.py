@@ -108,7 +108,7 @@ def store(keys: dict[str, object], *words: str) -> Path:
     """Write what a stranger may send: a folder with nothing but a configuration."""
     study, *others = words
     plain = compose_plain(find_tree(study), list(others)) | {"study": study, **keys}
-    plain = get_study(study).config_type().complete(plain)
+    plain = get_study(study).complete(plain)
     Path("sent").mkdir()
     Path("sent", "config.yaml").write_text(yaml.safe_dump(plain), encoding="utf-8")
     return Path("sent")
@@ -141,7 +141,7 @@ def test_the_other_studies_of_a_stored_mating_run_are_not_composed() -> None:
     sys.path.insert(0, str(Path.cwd()))
     try:
         run = owtsweep.load(store({"hub_scheme": f"{{_target_: {name}.Any}}"}, "mating"))
-        assert run.config.describe_origin()
+        assert run.study.describe_origin(run.config)
         with pytest.raises(InputError, match="a new plan needs"):
             run.plan()
     finally:

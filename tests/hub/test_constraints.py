@@ -17,14 +17,15 @@ from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies import compose
-from owtsweep.studies.hub import HubStudy, window
+from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
 from owtsweep.studies.hub.planning import plan
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve, under
+from owtsweep.studies.hub.resolving import resolve, under
 from owtsweep.studies.hub.sensors import Measurements, sensors
+from owtsweep.studies.hub.study import HubStudy
 from owtsweep.studies.opening import load_config
 from owtsweep.sweep.keys import run_hash
 from owtsweep.testing import check_scheme, example_sensors

@@ -9,7 +9,7 @@ from tools import assert_same, configure, measured, run_batch, run_reference
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.planning import plan
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -9,7 +9,7 @@ from tools import assert_same, configure, measured, ned, run_batch
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.models import POSITION, AxisFilter, axis_filter
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 
 def run_filter(axis: AxisFilter, fixes: Array, force: Array) -> tuple[Array, ...]:

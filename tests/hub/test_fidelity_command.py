@@ -12,7 +12,7 @@ from tools import configure
 import owtsweep
 import owtsweep.api
 from owtsweep.cli import main
-from owtsweep.studies.hub import HubStudy
+from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts.inference import MISSING
 

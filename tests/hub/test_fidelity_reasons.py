@@ -15,7 +15,7 @@ from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import simulate_bias
 from owtsweep.verdicts.consistency import judge_consistency, judge_intervals
 

@@ -28,9 +28,10 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
 from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
-from owtsweep.studies.hub.figures import drawings, error_spectra, mse_over_amplitude
+from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
+from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.looks import LOOKS
-from owtsweep.studies.hub.schemes.stored import StoredKernelScheme
+from owtsweep.studies.hub.stored_schemes import StoredKernelScheme
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 
@@ -318,7 +319,7 @@ def run(monkeypatch):
     words += [f"schemes=[{','.join(SCHEMES)}]", "baselines=[]", "tuning=paper"]
     config = compose(words)
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
-    monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
+    monkeypatch.setattr("owtsweep.studies.hub.figures.listing._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})
     tables = {
         "summary": summarise(cube),

@@ -20,7 +20,7 @@ from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra, time_histories, two_maps
 from owtsweep.studies.hub.histories import Histories, natural_period_of, simulate_histories
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.sweep.runs import Run
 
 pytestmark = pytest.mark.usefixtures("kernels")

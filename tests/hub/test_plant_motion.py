@@ -19,7 +19,6 @@ from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub import figures
 from owtsweep.studies.hub.conditions import (
     get_map_conditions,
     list_maps,
@@ -27,10 +26,11 @@ from owtsweep.studies.hub.conditions import (
 )
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
-from owtsweep.studies.hub.figures import record_and_spectrum
+from owtsweep.studies.hub.figures import listing, record_and_spectrum
 from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.plant import make_plant
 from owtsweep.studies.hub.records import Records, make_records_at
+from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
@@ -59,7 +59,7 @@ def plant(**values: Any) -> HubConfig:
     """A small configuration with motion=plant; `__` stands for the dot in a key."""
     keys = {key.replace("__", "."): value for key, value in values.items()}
     config = with_values(_composed(), keys)
-    config.check()
+    HubStudy().check(config)
     assert isinstance(config, HubConfig)
     return config
 
@@ -173,8 +173,8 @@ def test_a_run_has_tables_and_maps_over_sea_states(tmp_path):
     here = best[(best["criterion"] == "position") & (best["window"] == "full")]
     assert len(here) == 8
     run = outcome.run
-    drawn = [file.name for file in run.draw(f"{figures.MAP}_blades_2")]
-    assert f"{figures.MAP}_blades_2.png" in drawn
+    drawn = [file.name for file in run.draw(f"{listing.MAP}_blades_2")]
+    assert f"{listing.MAP}_blades_2.png" in drawn
     assert "figure_09_position" in run.engine.drawings(config, run.tables(), run.cases(), {})
     # fewer sea states, or others, are the same run
     assert run_hash(config) == run_hash(plant(motion__hs=[2.0]))
@@ -225,9 +225,9 @@ def test_a_structure_may_be_a_file_of_values(tmp_path):
     assert (config.structure.name, config.structure.tubes[0].top) == ("clamped", 80.0)
     make_plant(config, SEA)
     with pytest.raises(InputError, match=r"friction_angle: structure clamped stands in no soil"):
-        with_values(config, {"motion.friction_angle": [30.0]}).check()
+        HubStudy().check(with_values(config, {"motion.friction_angle": [30.0]}))
     with pytest.raises(InputError, match=r"motion.blades: structure clamped has no blade"):
-        with_values(config, {"motion.blades": [1]}).check()
+        HubStudy().check(with_values(config, {"motion.blades": [1]}))
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from owtsweep.evaluation.trajectory import Trajectory, join
 from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.one_pass import OnePassSeries
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.replay import blocks, estimating, measuring, session, states, windows
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record

@@ -19,7 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NoReturn
 
-from owtsweep import __version__
+from owtsweep._version import __version__
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.log_lines import Lines
 from owtsweep.io.search_path import no_modules_of_this_folder
@@ -84,6 +84,17 @@ def _add_vary(parser: Parser) -> None:
     _add_overrides(parser, "sensors.gnss.rate=1,2,5,10")
     _add_flag(parser, "--cfg", help="print the configuration of each value with units and stop")
     _add_flag(parser, "--dry-run", help="say what would be computed, and stop")
+    _add_config_dir(parser)
+
+
+def _add_place(parser: Parser) -> None:
+    _add_overrides(parser, "structure=./my_tower.yaml")
+    parser.add_argument(
+        "--quantity", metavar="NAME", help="whose error counts: stress (default) or base_moment"
+    )
+    parser.add_argument("--count", metavar="N", type=int, help="most sensors to choose; default 8")
+    told = "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements"
+    parser.add_argument("--heights", metavar="LIST", help=told)
     _add_config_dir(parser)
 
 
@@ -166,6 +177,11 @@ COMMANDS = {
         "Draw each scheme's error over the values of one key, e.g. a GNSS rate (study=hub).",
         "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4] grid.amplitude=[0.5]",
         _add_vary,
+    ),
+    "place": (
+        "Say how many inclinometers are enough, and where, before any is mounted (study=tower).",
+        "place study=tower structure=./my_tower.yaml grid.noise=[3] --quantity base_moment",
+        _add_place,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",

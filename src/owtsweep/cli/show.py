@@ -37,7 +37,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     opened = load(options.run)
     manifest = read_manifest(opened.folder)
     shown = {**_shorten(manifest, opened), "now": _describe_folder(opened)}
-    origin, questions = opened.config.describe_origin(), _describe_questions(opened)
+    origin, questions = opened.study.describe_origin(opened.config), _describe_questions(opened)
     parts = {"origin": origin, **shown, "asked": questions}
     _print({name: part for name, part in parts.items() if part not in ("", {})}, 0)
     return DONE

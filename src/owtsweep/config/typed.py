@@ -36,17 +36,16 @@ def typed(model: type[S], plain: Any) -> S:
 
 
 def checked(model: type[C], plain: Any) -> C:
-    """Turn plain data into a frozen configuration of the class `model`, after all checks.
+    """Turn plain data into a frozen configuration of the class `model`, after `Config.check`.
 
     Raises
     ------
     InputError
-        If a key is unknown or missing, a type is wrong, a value is out of bounds, values do not fit
-        together, or a file that the configuration names cannot be used.
+        If a key is unknown or missing, a type is wrong, a value is out of bounds, or values do not
+        fit together.
     """
     config = typed(model, plain)
     config.check()
-    config.check_outside()
     return config
 
 

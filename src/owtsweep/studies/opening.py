@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import Config, require, typed
+from owtsweep.config import Config, checked, require
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.reading import refuse_links, require_folder
@@ -59,16 +59,17 @@ def load_config(path: Path) -> Config:
 
 
 def _make_config(path: Path, plain: dict[str, Any], described: Any) -> Config:
-    study = str(plain.get("study", registry.DEFAULT))
+    name = str(plain.get("study", registry.DEFAULT))
     try:
-        model = registry.get_study(study).config_type()
-        config = typed(model, {**model.hide_code(plain, described), "study": study})
-        config.check()  # not `checked`, which opens the files that the keys name
+        study = registry.get_study(name)
+        keys = {**study.hide_code(plain, described), "study": name}
+        config = checked(study.config_type(), keys)
+        study.check(config)  # not `check_outside`, which opens the files that the keys name
         return config
     except InputError as error:
-        if study not in registry.names():
+        if name not in registry.names():
             raise InputError(
-                f"{path}: the study {study!r} of this run is not installed; install its package "
+                f"{path}: the study {name!r} of this run is not installed; install its package "
                 f"(there are {', '.join(registry.names())})"
             ) from error
         raise InputError(f"{path}: {error}") from error

@@ -85,7 +85,7 @@ def _require_same_run(run: Run) -> None:
         same_study = plain.get("study") == run.config.study
         model = type(run.config)
         require(
-            same_study and run_hash(typed(model, model.hide_code(plain, None))) == run.hash,
+            same_study and run_hash(typed(model, run.study.hide_code(plain, None))) == run.hash,
             f"name: {run.folder} holds a run with other settings; choose another name, or add "
             "--fresh to replace it",
         )

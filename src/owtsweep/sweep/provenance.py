@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from owtsweep import __version__
+from owtsweep._version import __version__
 from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_json

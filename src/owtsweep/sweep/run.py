@@ -116,7 +116,8 @@ def sweep(
     run = Run(run_folder(config), config, study, plan, question=question_hash(config))
     with _executor(run) as executor:
         text = dump(config)
-        prepare_folder(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
+        stored = dump_plan(plan, study, config, text)
+        prepare_folder(run, {"config.yaml": text, PLAN: stored}, fresh=fresh)
         with run_log(run.folder):
             return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
 

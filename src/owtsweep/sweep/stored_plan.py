@@ -19,7 +19,7 @@ from owtsweep.config import Config
 from owtsweep.errors import InputError, printable
 from owtsweep.io.reading import read_json
 from owtsweep.sweep.plan import Plan
-from owtsweep.sweep.study import Block
+from owtsweep.sweep.study import Block, Study
 
 NAME = "plan.json"
 #: Most bytes of plan.json: enough for a hundred million cases.
@@ -27,15 +27,15 @@ MOST_BYTES = 2_000_000_000
 _KEY = re.compile(r"[0-9a-f]{32}")
 
 
-def dump_plan(plan: Plan, config: Config, text: str) -> str:
+def dump_plan(plan: Plan, study: Study, config: Config, text: str) -> str:
     """Return the content of plan.json as text.
 
     Parameters
     ----------
     plan
         The blocks (units of work) of the run by key.
-    config
-        The run's configuration. Its method `describe_code` says what is stored of a user's code.
+    study, config
+        The run's study, which says what is stored of a user's code, and its configuration.
     text
         The content of config.yaml, to which the plan belongs.
     """
@@ -45,7 +45,7 @@ def dump_plan(plan: Plan, config: Config, text: str) -> str:
         for key, block in plan.items()
     ]
     return json.dumps(
-        {"config_digest": digest(text), "code": config.describe_code(), "blocks": blocks}
+        {"config_digest": digest(text), "code": study.describe_code(config), "blocks": blocks}
     )
 
 

@@ -1,11 +1,12 @@
-"""Defines the protocols that a study implements for the machinery of a sweep.
+"""Defines what a study is to the machinery of a sweep: a base class, and protocols.
 
-`owtsweep.sweep` plans, runs, stores, resumes and draws through these protocols only. The package
+`owtsweep.sweep` plans, runs, stores, resumes and draws through these only. The package
 `owtsweep.sweep` imports no study, and never looks inside the content of a block.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -156,8 +157,8 @@ class WarmsUp(Protocol):
         """
 
 
-class Study(Protocol):
-    """The interface of a study: a family of experiments that share one type of configuration."""
+class Study(ABC):
+    """The base class of a study: a family of experiments that share one type of configuration."""
 
     name: str
     #: Increased when the columns of a shard change.
@@ -165,14 +166,78 @@ class Study(Protocol):
     #: Increased by hand whenever the numbers of a block change for the same content.
     numerics_version: int
 
+    @abstractmethod
     def config_type(self) -> type[Config]:
         """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""
 
+    @abstractmethod
     def conditions(self, config: Any) -> tuple[Condition, ...]:
         """Return the axes of the study's grid, in the order of the tables' columns."""
 
+    @abstractmethod
     def engine(self, config: Any) -> Engine:
         """Return an engine that plans, runs and draws this configuration."""
+
+    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return composed keys with the values that follow from other keys filled in.
+
+        This happens before the keys are typed, so that config.yaml stores the values.
+        """
+        return plain
+
+    def check(self, config: Any) -> None:  # noqa: B027 - a study need not check more
+        """Check that the study can run a configuration, after `Config.check` of its keys.
+
+        Raises
+        ------
+        InputError
+            If keys, schemes and motion do not fit together, or a value is refused.
+        """
+
+    def check_outside(self, config: Any) -> None:  # noqa: B027
+        """Check what lies outside of the configuration: files, and keys of other studies.
+
+        This happens when a configuration is composed, after `check`. It never happens when a run is
+        read: a stranger's run opens no file that it names.
+
+        Raises
+        ------
+        InputError
+            If a file cannot be used, or another study refuses its keys.
+        """
+
+    def describe_origin(self, config: Any) -> str:
+        """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
+
+        The line is empty if the study does not say.
+        """
+        return ""
+
+    def describe_code(self, config: Any) -> Any:
+        """Return a description of the user's own code that the keys of a configuration name.
+
+        The description is JSON data and is stored with the run, since the code itself is not
+        executed when the run is read. It is None if keys cannot name code.
+        """
+        return None
+
+    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """Return the keys of a stored run without names of code, so that no code is executed.
+
+        Parameters
+        ----------
+        plain
+            The keys of the stored run, as nested dicts, lists and scalars.
+        described
+            The description that `describe_code` returned when the run was made; None if the run
+            has no description, because it was made by an older version.
+
+        Raises
+        ------
+        InputError
+            If the description does not fit the keys.
+        """
+        return plain
 
 
 @runtime_checkable

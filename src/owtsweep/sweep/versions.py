@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from owtsweep._version import __version__
 from owtsweep.io.reading import require_regular
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.plan import Plan
@@ -33,8 +34,6 @@ def all_versions(study: Study) -> dict[str, str]:
 
     The keys are study, schema_version, numerics_version and owtsweep_version.
     """
-    from owtsweep import __version__
-
     entries = {**shard_metadata(study), "owtsweep_version": __version__}
     return {name: str(value) for name, value in entries.items()}
 

@@ -15,10 +15,11 @@ from owtsweep.results.conditions import Value
 from owtsweep.studies.hub.conditions import describe_values, list_record_conditions
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.plant import describe_content, is_plant
-from owtsweep.studies.hub.schemes import list_entries, resolve_all
-from owtsweep.studies.hub.schemes.stored import StoredScheme
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
+from owtsweep.studies.hub.stored_schemes import StoredScheme
 from owtsweep.sweep.source import describe_source, explain_doubt
 from owtsweep.sweep.study import Block
 

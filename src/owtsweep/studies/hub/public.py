@@ -9,7 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.hub import ROOMS
+from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes
@@ -34,21 +34,22 @@ if TYPE_CHECKING:
     )
     from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.kernels.layout import WIDTH
+    from owtsweep.studies.hub.names import BASELINES, INSTEAD
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.planning import explain_anew, scheme_content
-    from owtsweep.studies.hub.schemes import BASELINES, INSTEAD, resolve_all
-    from owtsweep.studies.hub.schemes import check_scheme as require_scheme
+    from owtsweep.studies.hub.resolving import check_scheme as require_scheme
+    from owtsweep.studies.hub.resolving import resolve_all
     from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
-    from owtsweep.studies.hub.tuning.following import follow_sensors
-    from owtsweep.studies.hub.tuning.rules import believe
+    from owtsweep.studies.hub.study import HubKeys
+    from owtsweep.studies.hub.tuning_rules import believe, follow_sensors
     from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum",
-    "ForceNoise", "Grid", "HubConfig", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme",
+    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme",
     "Sensors", "at_amplitude", "backend", "believe", "bias_of", "chain_for_runs", "chunks",
     "compare", "compile_kernels", "error_spectrum", "expected_mse", "explain_anew", "fix_count",
     "fix_noise", "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_lanes",
@@ -69,14 +70,15 @@ _HOMES = {
     "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
     "filter_states": ["bias_of", "has_acceleration", "lag_of"],
     "kernels.layout": ["WIDTH"],
+    "names": ["BASELINES", "INSTEAD"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
     "planning": ["explain_anew", "scheme_content"],
-    "schemes": ["BASELINES", "INSTEAD", "require_scheme", "resolve_all"],
+    "resolving": ["require_scheme", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
-    "tuning.following": ["follow_sensors"],
-    "tuning.rules": ["believe"],
+    "study": ["HubKeys"],
+    "tuning_rules": ["believe", "follow_sensors"],
     "winners": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.

@@ -16,7 +16,7 @@ from owtsweep.estimation.late_gains import (
 )
 from owtsweep.motion.shaping import ShapingFilter
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.skf_section import Skf
+from owtsweep.studies.hub.scheme_sections import Skf
 
 #: Longest transient that is stored, in steps (2621 s at 100 Hz); then the last cycle is repeated.
 LONGEST_TRANSIENT = 2**18

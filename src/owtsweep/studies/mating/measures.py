@@ -11,7 +11,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.mating import Limits, compare_chances, find_chances
-from owtsweep.studies.contest import WAIT
+from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.mating.joining import Relative
 
 #: Criteria of the maps -> what the title of a map says.

@@ -28,6 +28,7 @@ from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
+from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.estimated import use_estimates
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise
 from owtsweep.studies.replay.identification.rows import (
@@ -36,7 +37,7 @@ from owtsweep.studies.replay.identification.rows import (
     list_values,
     name_second_run,
 )
-from owtsweep.studies.replay.loading import hash_file, label_files, load_record, may_read
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import count_replicates, listen
 from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
 from owtsweep.sweep.study import FAILED, OK, Block

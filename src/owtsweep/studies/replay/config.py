@@ -11,6 +11,7 @@ from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import MotionKind, Rotation
 from owtsweep.studies.hub.public import Grid, HubConfig
+from owtsweep.studies.replay.files import hash_file
 from owtsweep.sweep.keys import run_hash
 
 #: Hexadecimal digits of a record's hash in the run folder's name, and the most bytes before them.
@@ -179,18 +180,12 @@ class ReplayConfig(HubConfig):
         """Return the key that names the records."""
         return "grid.files"
 
-    def describe_origin(self) -> str:
-        """Return nothing, because a replay's truth is in its record."""
-        return ""
-
     def start_of_folder(self) -> str:
         """Return the experiment; for a single record also a digest of the record's bytes.
 
         So records with one name, from different folders, do not share a run folder. A run folder
         from before names had a digest is used again if it holds a replay of this file.
         """
-        from owtsweep.studies.replay.loading import hash_file
-
         if len(self.grid.files) != 1:
             return self.experiment
         (file,) = self.grid.files

@@ -16,13 +16,13 @@ from owtsweep.studies.replay import advice, choosing
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.rows import (
     ESTIMATED,
     STATED,
     pick_second_run,
     tabulate_noise,
 )
-from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK

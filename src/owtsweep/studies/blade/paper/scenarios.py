@@ -11,7 +11,7 @@ from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Truth
 from owtsweep.studies.blade.measures import Judged
 from owtsweep.studies.blade.measuring import find_last_outage, measure
-from owtsweep.studies.blade.schemes import resolve
+from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.truth import make_truth
 from owtsweep.studies.composing import compose
 
@@ -47,7 +47,8 @@ class Record:
 
     def run(self, scheme: str) -> Estimates:
         """Return what a scheme says of the record."""
-        return resolve(scheme).prepare(self.setting).run(self.measured)
+        estimates: Estimates = SCHEMES.resolve(scheme).prepare(self.setting).run(self.measured)
+        return estimates
 
 
 def make_record(words: Sequence[str], replicate: int) -> Record:

@@ -11,7 +11,7 @@ from owtsweep.studies.floater.case import Conditions, list_cases
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
 from owtsweep.verdicts.scores import tabulate
 
@@ -46,7 +46,7 @@ def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
             found[replicate] = {
                 f"velocity_{scheme}": compare(
                     motion.truth,
-                    resolve(scheme).prepare(setting).run(measured),
+                    SCHEMES.resolve(scheme).prepare(setting).run(measured),
                     setting.position_sigma,
                     config.record.settled,
                 )["velocity"]

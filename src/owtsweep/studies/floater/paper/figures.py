@@ -13,10 +13,10 @@ from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.drawings import save_figure
 from owtsweep.figures.lines import clip, make_line
-from owtsweep.studies.floater.looks import LOOKS
 from owtsweep.studies.floater.paper.judging import PAPER
 from owtsweep.studies.floater.paper.scenarios import Outcome, run_scenario
 from owtsweep.studies.floater.paper.scores import X, find_relative
+from owtsweep.studies.floater.schemes import SCHEMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,7 +89,7 @@ def draw_velocity(outcomes: Outcomes, title: str, view: tuple[float, float]) -> 
 
 
 def _look(outcome: Outcome) -> dict[str, Any]:
-    look = LOOKS[outcome.scenario.scheme]
+    look = SCHEMES.listed[outcome.scenario.scheme].look
     label = style.label_of(outcome.scenario.scheme)
     return {
         "color": look.color, "linestyle": look.line, "linewidth": 1.1, "label": label,

@@ -19,7 +19,7 @@ from owtsweep.studies.floater.case import list_cases
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Estimates, Measured, Prepared, Setting, Truth
 from owtsweep.studies.floater.measuring import measure
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
 
 #: Sensors and start of the paper's tests with virtual data (section 3.1): accelerations have no
@@ -117,7 +117,7 @@ def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> O
         motion = integrate_as_printed(motion)
     measured = measure(config, motion, cell, replicate)
     setting = make_setting(config, motion, cell)
-    prepared = resolve(scenario.scheme).prepare(setting)
+    prepared = SCHEMES.resolve(scenario.scheme).prepare(setting)
     return Outcome(
         scenario, config, setting, prepared, motion.truth, measured, prepared.run(measured)
     )

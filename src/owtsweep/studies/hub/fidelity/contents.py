@@ -11,6 +11,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.evidence import Boundary, Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.studies.hub.origin import describe_in_a_line
 from owtsweep.verdicts import sections
 from owtsweep.verdicts.numbers import lies_within_records
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
@@ -59,7 +60,7 @@ def document(
     return [
         Heading(f"How well run {name} reproduces Ren et al. (2019)", 1),
         Paragraph(
-            f"{config.describe_origin()}. Judged: the "
+            f"{describe_in_a_line(config)}. Judged: the "
             f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
             "Position is x + y (F1 to F5 also: x alone), velocity vx + vy. Brackets are 95 % "
             "intervals: of means, t intervals over the records; of ratios of means, paired over "

@@ -28,7 +28,7 @@ from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.histories import choose_sea
 from owtsweep.studies.hub.plant import is_plant
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the case of section 5.2, s.

@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
 from owtsweep.io.steps import tell_step
-from owtsweep.studies.hub import published, scheme_names
+from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.contents import DEFINITIONS
 from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
 from owtsweep.studies.hub.fidelity.history_errors import MOST_REPLICATES, measure_history_errors
 from owtsweep.studies.hub.fidelity.statements import STATEMENTS
+from owtsweep.studies.hub.origin import describe_in_a_line
+from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.verdicts import report, sections
 from owtsweep.verdicts.page import Block, Heading, Paragraph
 from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
@@ -98,8 +100,8 @@ def _list_contents(
     return [
         Heading(f"What run {name} says about the time histories of Ren et al. (2019)", 1),
         Paragraph(
-            f"{config.describe_origin()}. Motion: {where}, in place of the natural period of 3.8 s "
-            f"and the amplitude of 0.5 m that the tests name; {count} "
+            f"{describe_in_a_line(config)}. Motion: {where}, in place of the natural period of "
+            f"3.8 s and the amplitude of 0.5 m that the tests name; {count} "
             f"record{'s' * (count != 1)}. The other statements of the paper need natural periods "
             "and amplitudes as conditions, so a run with motion=plant cannot judge them."
         ),

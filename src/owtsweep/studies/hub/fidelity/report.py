@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.io.steps import tell_step
-from owtsweep.studies.hub import published, scheme_names
+from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.contents import FREEDOM, document
@@ -24,6 +24,7 @@ from owtsweep.studies.hub.fidelity.statements import (
     X_ALONE,
 )
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
+from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.verdicts import plots, report
 from owtsweep.verdicts.consistency import judge_consistency
 from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims

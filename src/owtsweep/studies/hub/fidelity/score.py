@@ -24,7 +24,7 @@ from owtsweep.studies.hub.batch import Lanes, sum_errors
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.boundaries import PUBLISHED
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 #: Natural periods (s) that the published numbers need.
 PERIODS = (3.0, 4.0, 6.0, 8.0)

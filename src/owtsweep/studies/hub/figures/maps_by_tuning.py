@@ -22,7 +22,6 @@ from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import HANDLERS, Shades
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import baseline_names, scheme_names
 from owtsweep.studies.hub.conditions import (
     CRITERIA,
     describe_values,
@@ -30,7 +29,9 @@ from owtsweep.studies.hub.conditions import (
     make_cube,
     select,
 )
+from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import describe_origin
+from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def draw(
             raise InputError(
                 f"tuning {tuning}: no cell is judged by {criterion} MSE in window {window!r}"
             )
-    names = [*scheme_names(config), *baseline_names(config)]
+    names = [*scheme_names(config), *list_baselines(config)]
     axes_of_maps = get_map_conditions(config)[:2]
     planes = {tuning: Plane.of(cells, axes_of_maps) for tuning, cells in shown.items()}
     columns = max(len(plane.columns) for plane in planes.values())

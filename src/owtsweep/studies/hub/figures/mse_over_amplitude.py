@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from owtsweep.figures import curves, style
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
-from owtsweep.studies.hub.schemes import BASELINES
+from owtsweep.studies.hub.names import BASELINES
 
 #: The panels: measure -> label of its axis.
 PANELS = {"position": "position MSE, x + y (m²)", "velocity": "velocity MSE, vx + vy (m²/s²)"}

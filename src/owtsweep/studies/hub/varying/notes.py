@@ -10,7 +10,7 @@ from owtsweep.config.typed import as_plain
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.tuning.rules import RECORDED
+from owtsweep.studies.hub.tuning_rules import RECORDED
 from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 BOUND = (

@@ -18,10 +18,11 @@ from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.identification.disagreement import describe_disagreement
 from owtsweep.studies.replay.identification.fit import Fit, fit_noise
 from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
-from owtsweep.studies.replay.loading import hash_file, load_record
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import ReplayRecord
 
 #: Positions and IMU samples that are used; of a longer record, the first ones.

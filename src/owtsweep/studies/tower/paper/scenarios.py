@@ -29,7 +29,7 @@ from owtsweep.studies.tower.case import (
 )
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
-from owtsweep.studies.tower.schemes import resolve
+from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion
@@ -194,7 +194,7 @@ def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: 
     measured = measure(config, record, direction, channels)
     # `scheme.prepare` refuses a set-up that leaves bending unseen. The paper judges such a set-up
     # (accelerometers only) by its damage (F13); so the filter is made without that check.
-    scheme = resolve(scenario.scheme)
+    scheme = SCHEMES.resolve(scenario.scheme)
     assert isinstance(scheme, FilterScheme)
     model = scheme.model(setting)
     prepared = Filtered(model, scheme.tune(setting, model))
