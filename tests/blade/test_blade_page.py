@@ -109,7 +109,9 @@ def test_chances_with_either_scheme_on_the_hub() -> None:
     for key, both in ((("HME1", "false"), told), (("SKFA", "missed"), [low, high])):
         assert [here[key].min(), here[key].max()] == pytest.approx(both, abs=0.5)
     assert here["SKFA", "false"].to_numpy() == pytest.approx(false, abs=0.5)
-    assert find(r"with SKFA (\d+) to (\d+) % are missed, (\d+) % of", README) == [low, high, false]
+    pattern = r"HME1 on the hub misses (\d+) % of the chances to mate, and (\d+) to (\d+) %"
+    assert find(pattern, README) == [least, *told]
+    assert find(r"SKFA misses (\d+) to (\d+) %, but (\d+) % of", README) == [low, high, false]
     for measure in ("missed", "false"):
         for better in ((0.01, 0.005), (0.003, 0.01)):
             change = shares["SKFA", measure][better] - here["SKFA", measure]
