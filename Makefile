@@ -48,7 +48,7 @@ test-faults: $(INSTALLED_TEST)
 	$(VENV_PYTHON) -m pytest -m faults $(ARGS)
 
 reproduce: $(INSTALLED_CALIBRATE)
-	$(VENV_PYTHON) experiments/reproduce.py $(ARGS)
+	$(VENV_PYTHON) -m experiments.reproduce $(ARGS)
 
 bench: $(INSTALLED_BENCH)
 	$(VENV_PYTHON) -m benchmarks $(ARGS)

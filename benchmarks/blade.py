@@ -15,10 +15,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.timing import seconds, timed
+from experiments.maes2018.scenarios import make_record
 from owtsweep.estimation.inertial import ERRORS, add_noise, move
 from owtsweep.studies.blade.contract import PLAN, Measured, Setting
-from owtsweep.studies.blade.paper.scenarios import make_record
-from owtsweep.studies.blade.schemes import REGISTERED, resolve
+from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.schemes.navigation import begin, find_noise
 
 #: Greatest time of UKF over a record of 300 s, s; least ratio to filterpy; largest difference, m.
@@ -87,8 +87,8 @@ def main() -> None:
         f"{whole / spent:.0f} times as long (goal {FASTER:g}), "
         f"and {'agrees' if apart <= AGREEMENT else 'DIFFERS'} ({apart:.0e} m)"
     )
-    for name in REGISTERED:
-        resolve(name).prepare(setting)
+    for name in SCHEMES.listed:
+        SCHEMES.resolve(name).prepare(setting)
         print(f"  {name}: {seconds(partial(record.run, name)) * 1e3:.0f} ms")
 
 

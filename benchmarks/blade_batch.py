@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.timing import timed
+from experiments.maes2018.scenarios import Record, make_record
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.blade.contract import Measured, Setting
-from owtsweep.studies.blade.paper.scenarios import Record, make_record
 from owtsweep.studies.blade.schemes.mekf import Navigator
 
 #: Largest ratio of our smoother's error to that of the batch.

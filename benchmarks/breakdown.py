@@ -20,7 +20,7 @@ from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Feed
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 #: Records of a block, periods of the default grid.
 BLOCK, PERIODS = 8, 6

@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.timing import seconds, timed
 from owtsweep.estimation.kinematic_predictor import make_transition
 from owtsweep.studies.floater.contract import Estimates, Measured, Setting
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.tuning import Tuning
 
 #: Greatest time of a scheme over a record, s; least ratio to filterpy; largest difference to it, of
@@ -100,7 +100,7 @@ def main() -> None:
     """Print all measurements beside their goals."""
     for loss in LOSSES:
         setting, measured = make_record(0.0, loss)
-        prepared = resolve("KF").prepare(setting)
+        prepared = SCHEMES.resolve("KF").prepare(setting)
         ours: Estimates = prepared.run(measured)
         spent = seconds(partial(prepared.run, measured)) / STEPS
         theirs, each = filter_by_peer(setting, measured)
@@ -114,9 +114,9 @@ def main() -> None:
         setting, measured = make_record(delay, 0.0)
         print(f"a record of {STEPS} samples, reports {delay:g} s late (goal {RECORD * 1e3:g} ms):")
         for name in NAMES:
-            prepared = resolve(name).prepare(setting)
+            prepared = SCHEMES.resolve(name).prepare(setting)
             spent = seconds(partial(prepared.run, measured))
-            gains = seconds(partial(resolve(name).prepare, setting))
+            gains = seconds(partial(SCHEMES.resolve(name).prepare, setting))
             print(f"  {name}: {spent * 1e3:.1f} ms, made ready in {gains * 1e3:.2f} ms")
 
 

@@ -94,7 +94,7 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     from owtsweep.studies import compose
     from owtsweep.studies.hub import sensors as sensing
     from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
-    from owtsweep.studies.hub.schemes import resolve
+    from owtsweep.studies.hub.resolving import resolve
     from owtsweep.vectors import uses_vectors
 
     config: Any = compose([STUDY[0], f"tuning={tuning}", f"compute.vectors={uses_vectors()}"])

@@ -17,7 +17,7 @@ from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.studies import compose
 from owtsweep.studies.hub import blocks
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import observe
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")

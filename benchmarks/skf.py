@@ -16,7 +16,7 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels import spectral
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 #: Greatest time of SKF's kernel, ns per state, IMU step and series; of an online step, us; and of
 #: SKFA over a record, ns per IMU step and series.

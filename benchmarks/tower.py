@@ -32,7 +32,7 @@ from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.contract import DIRECTIONS, Setting
 from owtsweep.studies.tower.models import Model
-from owtsweep.studies.tower.schemes import resolve
+from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import (
     noise_of_inputs,
     noise_of_sensors,
@@ -90,7 +90,7 @@ def main(*, study: bool) -> None:
 
 def print_filter(name: str, job: Job) -> None:
     """Print the times of a scheme's gains and of its run over a record, beside filterpy's."""
-    scheme: Any = resolve(name)
+    scheme: Any = SCHEMES.resolve(name)
     prepared, gains = timed(lambda: scheme.prepare(job.setting))
     spent = seconds(lambda: prepared.run(job.measured))
     alone = seconds(lambda: prepared.filter.run(job.measured))

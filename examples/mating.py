@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import owtsweep
-from owtsweep.evaluation.mating import Limits, compare_chances, find_chances
+from owtsweep.studies.mating.measures import Limits, compare_chances, find_chances
 
 DISTANCE, SPEED, HOLD = 0.1, 0.1, 2.0  # m, m/s, s
 HUB_SCHEME = "HME1"

@@ -1,6 +1,6 @@
 """How near the schemes come to the bounds in each cell, and what the bounds themselves lean on.
 
-    python experiments/better.py [FOLDER] [REPLICATES] [NAME=VALUE ...]
+    python -m experiments.better [FOLDER] [REPLICATES] [NAME=VALUE ...]
 
 Runs experiment=better for tuning=matched (100 records per cell by default, below results/), and
 writes into FOLDER (default: results/better):
@@ -22,23 +22,27 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy.linalg import cholesky, solve_triangular
 
 import owtsweep
+from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.cells import BOUNDED, WINDOW, compute_bounds, find_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.bounds.shape import find_shape
-from owtsweep.studies.hub.bounds.window import bound_on_window
+from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.figures import efficiency
-from owtsweep.studies.hub.known_motion import find_known_motion
+from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.origin import describe_origin
 
 CELL = ["natural_period", "amplitude", "measure"]
 COLUMNS = ["tuning", "scheme", *CELL, "mse", "bound_a", "bound_b"]
 #: Rate of the IMU (Hz) whose window is short enough to solve, and the window's length (s).
 RATE, SECONDS = 10.0, 60.0
+#: Standard deviation of the bias at the start of the window: unknown, m/s^2.
+BIAS_AT_START = 1.0
 
 
 def make_table(run, bounds):
@@ -73,6 +77,104 @@ def check_bounds(config, bounds):
             rows.append((period, amplitude, measure, *further))
     names = [*CELL, "window", "recursion", "roll_off", "direction_known"]
     return bounds.merge(pd.DataFrame(rows, columns=names), on=CELL, validate="one_to_one")
+
+
+def bound_on_window(
+    known: KnownMotion, variance: float, sensors: Sensors, seconds: float
+) -> tuple[float, float]:
+    """Compute the bounds along one axis, of position (m^2) and of velocity ((m/s)^2).
+
+    The covariance of all measurements in a window and of the present motion follows from the
+    spectrum by integrals. The best linear estimate of the motion is then a projection (Wiener):
+    no rational filter, no recursion, no steady state. The window must be long against the memory of
+    the motion and of the bias. It takes the cube of the number of samples: reduce the IMU's rate,
+    with a sigma smaller by the root of it, to keep a window short.
+
+    Parameters
+    ----------
+    known
+        The spectrum of the motion; its own variances are not used.
+    variance
+        Variance of the position along the axis, m^2.
+    sensors
+        The sensors; their AC coupling and scale of a fix are left out.
+    seconds
+        Length of the window, s.
+
+    Returns
+    -------
+    tuple of float
+        As `bound_of_known_spectrum`.
+    """
+    interval = sensors.fix_interval
+    fixes = max(round(seconds / sensors.fix_step), 1)
+    # the last `interval` steps are those at which estimates are made; a fix arrives at the first
+    steps = np.arange(fixes * interval)
+    arrivals = steps[::interval]
+    arrival = np.concatenate([steps, arrivals])
+    order = np.argsort(arrival, kind="stable")
+    time = np.concatenate([steps, arrivals - sensors.delay])[order]
+    is_fix = (np.arange(len(order)) >= len(steps))[order]
+
+    lags = time[:, None] - time[None, :]
+    least = min(int(lags.min()), int(time.min() - steps[-1]))
+    table = _Covariances(known, variance, sensors, -least)
+    K = np.where(
+        is_fix[:, None] & is_fix,
+        table.of("position", "position", lags),
+        np.where(
+            is_fix[:, None] | is_fix,
+            table.of("force", "position", lags),  # even in the lag
+            table.of("force", "force", lags),
+        ),
+    )
+    earlier = np.minimum(time[:, None], time)[~is_fix][:, ~is_fix] * sensors.step
+    K[np.ix_(~is_fix, ~is_fix)] += BIAS_AT_START**2 + sensors.bias_walk**2 * earlier
+    K[np.diag_indices_from(K)] += np.where(
+        is_fix, sensors.position_sigma**2, sensors.force_sigma**2
+    )
+    L = cholesky(K, lower=True)
+    errors = []
+    for now in steps[-interval:]:
+        count = np.count_nonzero(arrival <= now)
+        ago = now - time[:count]
+        for target in ("position", "velocity"):
+            g = np.where(
+                is_fix[:count], table.of(target, "position", ago), table.of(target, "force", ago)
+            )
+            seen = solve_triangular(L[:count, :count], g, lower=True)
+            errors.append(table.of(target, target, np.zeros(1, int))[0] - seen @ seen)
+    position, velocity = np.reshape(errors, (interval, 2)).mean(axis=0)
+    return float(position), float(velocity)
+
+
+class _Covariances:
+    """Covariances of position, velocity and what the IMU feels, over the lag in steps."""
+
+    def __init__(self, known: KnownMotion, variance: float, sensors: Sensors, most: int) -> None:
+        omega = 2.0 * np.pi * known.frequency
+        phase = np.outer(np.arange(most + 1) * sensors.step, omega)
+        weight = variance * known.density * known.spacing
+        force = -(omega**2) - sensors.lean
+        cos, sin = np.cos(phase), np.sin(phase)
+        #: Covariance of the first at t + lag with the second at t, for lags from 0 on.
+        self.even = {
+            ("position", "position"): cos @ weight,
+            ("force", "position"): cos @ (weight * force),
+            ("force", "force"): cos @ (weight * force**2),
+            ("velocity", "velocity"): cos @ (weight * omega**2),
+        }
+        self.even["position", "force"] = self.even["force", "position"]
+        self.odd = {
+            ("velocity", "position"): -sin @ (weight * omega),
+            ("velocity", "force"): -sin @ (weight * omega * force),
+        }
+
+    def of(self, first: str, second: str, lag: Array) -> Array:
+        """Return the covariance of `first` with `second` `lag` steps before it, shape of `lag`."""
+        if (first, second) in self.even:
+            return np.asarray(self.even[first, second][np.abs(lag)])
+        return np.asarray(np.sign(lag) * self.odd[first, second][np.abs(lag)])
 
 
 def main(folder, replicates, overrides):

@@ -1,6 +1,6 @@
 """How SKFA fares where its assumptions do not hold: faults, red noise, tilt, the plant, new seeds.
 
-    python experiments/departures.py [FOLDER] [RECORDS] [NAME=VALUE ...]
+    python -m experiments.departures [FOLDER] [RECORDS] [NAME=VALUE ...]
 
 Every departure is the truth of experiment=better (tuning=matched, sensors=strong_bias) with one
 thing changed, in RECORDS records (default 8) of 600 s, errors from 120 s on. HME1 refuses outlying

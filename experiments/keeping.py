@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image  # comes with matplotlib
 from PIL.PngImagePlugin import PngInfo
 
-from agreement import (
+from experiments.agreement import (
     NEAR,
     PROVENANCE,
     compare_folders,

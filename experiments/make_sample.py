@@ -1,6 +1,6 @@
 """Make the sample records that the package ships: `replay --sample` writes them for a user.
 
-    python experiments/make_sample.py [FOLDER]
+    python -m experiments.make_sample [FOLDER]
 
 writes sample_motion.csv.gz and sample_sensors.csv.gz into FOLDER (default: the package's folder of
 sample records). Both last 60 s. The hub moves along 30 degrees from x by Eq. (1) of Ren et al.

@@ -1,6 +1,6 @@
 """How SKFA and HME1 fare in seas that are no single steady peak.
 
-    python experiments/moving_sea.py [FOLDER] [RECORDS]
+    python -m experiments.moving_sea [FOLDER] [RECORDS]
 
 Three seas, with the sensors of experiment=better and tuning=matched, RECORDS records of 600 s each
 (default 8), errors from 120 s on, at four amplitudes (the largest displacement, or the largest
@@ -27,7 +27,7 @@ from owtsweep.motion.modulation import Modulation, modulate
 from owtsweep.motion.source import Motion
 from owtsweep.studies import compose
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 AMPLITUDES = [0.05, 0.2, 1.0, 10.0]

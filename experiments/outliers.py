@@ -1,6 +1,6 @@
 """Ask which rule for outlying fixes wins where, and whether a moving horizon earns its place.
 
-    python experiments/outliers.py [FOLDER]
+    python -m experiments.outliers [FOLDER]
 
 FOLDER (default: results/outliers) gets outliers.csv and the figure, as PNG and SVG. A truth is
 white noise with outliers (single or in bursts), with outages, or with red noise. A way is a scheme
@@ -22,7 +22,7 @@ from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 PERIOD = 4.0  # s

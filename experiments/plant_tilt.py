@@ -1,6 +1,6 @@
 """Find the single tilt by which HME1 follows a structure under waves best, and what then remains.
 
-    python experiments/plant_tilt.py [FILE.csv] [key=value ...]
+    python -m experiments.plant_tilt [FILE.csv] [key=value ...]
 
 An IMU on a structure leans by the slope of each mode, in resonance and in its quasi-static answer
 to the waves; a filter knows one tilt, p'' = f + g tilt p + b. FILE (default: plant_tilt.csv) gets
@@ -31,7 +31,7 @@ from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.records import Records, make_records_at
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 #: Sea states, Hs in m and Tp in s; none of them breaks.
 SEAS = ((1.0, 4.0), (2.0, 6.0), (2.0, 8.0), (5.0, 8.0), (3.0, 10.0))

@@ -1,6 +1,6 @@
 """Make everything behind the reports and pictures of docs/: searches, runs, figures.
 
-    python experiments/reproduce.py [REPLICATES] [--check[=numbers]] [--against FOLDER]
+    python -m experiments.reproduce [REPLICATES] [--check[=numbers]] [--against FOLDER]
 
 The script runs what is missing below results/ (100 records per cell by default), draws the figures
 and writes the reports. Then it compares the small outputs with results/reference/, says how far
@@ -25,18 +25,16 @@ import tempfile
 from pathlib import Path
 
 import owtsweep
-import plant
-from keeping import REFERENCE, Keeper, NumbersKeeper
+from experiments.keeping import REFERENCE, Keeper, NumbersKeeper
+from experiments.ren2019 import plant, two_maps
 from owtsweep.cli import main
-from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies.blade import measures as blade_measures
 from owtsweep.studies.floater import measures as floater_measures
-from owtsweep.studies.hub.figures import TIME_HISTORIES, two_maps
+from owtsweep.studies.hub.figures.listing import TIME_HISTORIES
 from owtsweep.studies.registry import get_study
 from owtsweep.studies.tower.measures import CRITERIA
 
-SCRIPTS = Path(__file__).parent
 #: Run -> its overrides. `matched_on_paper` has the truth of `paper`: only the tuning differs.
 RUNS = {
     "default": ["experiment=study", "tuning=paper", "grid.replicates=20"],
@@ -57,6 +55,8 @@ PLANT = {
         "grid.replicates=20",
     ],
 }  # fmt: skip
+#: What the paper's printed numbers stand in, beside those of a run.
+PAPER_FIGURES = ("figure_15", "figure_16", "figure_17", "tables_6_to_9")
 #: Maps of the floater study.
 PLANES = ("delay_bias", "snr_loss", "believed_snr", "roll_snr")
 #: The blade's schemes but two, which agree with MEKF within 1 % and run with one unit only.
@@ -96,8 +96,11 @@ class Reproduction:
 
     def report(self, name: str) -> None:
         """Draw all figures of a run, and write the report that compares it with the paper."""
-        run_command("figures", str(self.results / name))
-        run_command("fidelity", str(self.results / name))
+        run = self.results / name
+        run_command("figures", str(run))
+        for figure in PAPER_FIGURES:
+            run_module(f"ren2019.{figure}", run)
+        run_module("ren2019.fidelity", run)
 
     def make_all(self) -> None:
         """Make the searches, the runs, the ablations, the two maps side by side, and the plant."""
@@ -112,9 +115,7 @@ class Reproduction:
             self.sweep(name, *words, f"grid.replicates={self.replicates}", *overrides)
             self.keeper.keep(name)
         paper, matched = (owtsweep.load(self.results / n) for n in ("paper", "matched_on_paper"))
-        metadata = {"paper": paper.hash, "matched": matched.hash}
-        figure = two_maps.draw(paper, matched)
-        png, _ = style.save(figure, self.results, "two_maps", metadata)
+        png, _ = two_maps.save(paper, matched, self.results / "two_maps")
         self.keeper.keep_file(png)
         self.make_rivals()
         self.make_plant()
@@ -128,9 +129,9 @@ class Reproduction:
         """Search the rival explanations of table 8, judge them, and make the EKF's trade-off."""
         self.sweep("rivals", "experiment=rivals")
         folder = self.results / "rivals"
-        run_script("judge_rivals.py", folder, self.replicates, folder / "judged.csv")
+        run_module("ren2019.judge_rivals", folder, self.replicates, folder / "judged.csv")
         self.keeper.keep("rivals")
-        run_script("ekf_trade_off.py", self.results)
+        run_module("ren2019.ekf_trade_off", self.results)
         for ending in ("csv", "png"):
             self.keeper.keep_file(self.results / f"ekf_trade_off.{ending}")
 
@@ -141,7 +142,8 @@ class Reproduction:
         folder, seas = self.results / "plant", self.results / "plant_seas"
         folder.mkdir(exist_ok=True)
         plant.make_all(self.results / "both_tunings", folder)
-        self.report("plant_seas")
+        run_command("figures", str(seas))
+        run_module("ren2019.fidelity", seas)
         for name in ("figure_03_record", "figure_04_spectrum"):
             shutil.copy(seas / "figures" / f"{name}.png", folder)
         for name in TIME_HISTORIES:  # figures 9 to 14, in the sea of their captions
@@ -149,10 +151,10 @@ class Reproduction:
         for tuning in ("paper", "matched"):
             claims = seas / "fidelity" / tuning / "fidelity_claims.csv"
             shutil.copy(claims, folder / f"fidelity_claims_{tuning}.csv")
-        run_script("plant_spectrum.py", folder / "plant_spectrum.csv")
-        run_script("plant_tilt.py", folder / "plant_tilt.csv")
+        run_module("ren2019.plant_spectrum", folder / "plant_spectrum.csv")
+        run_module("plant_tilt", folder / "plant_tilt.csv")
         self.keeper.keep("plant")
-        run_script("tilt.py", self.results / "tilt")
+        run_module("tilt", self.results / "tilt")
         self.keeper.keep_file(self.results / "tilt" / "tilt_cost.png", Path("docs/images"))
 
     def make_better(self) -> None:
@@ -163,11 +165,11 @@ class Reproduction:
         folder = self.results / "better"
         replicates = str(min(int(self.replicates), 20))
         words = [f"results={self.results}", "name=better_run"]
-        run_script("better.py", folder, replicates, *words)
-        run_script("moving_sea.py", folder)
-        run_script("switching.py", folder, f"results={self.results}")
+        run_module("better", folder, replicates, *words)
+        run_module("moving_sea", folder)
+        run_module("switching", folder, f"results={self.results}")
         few = str(min(int(self.replicates), 8))
-        run_script("departures.py", folder, few, f"results={self.results}")
+        run_module("departures", folder, few, f"results={self.results}")
         self.keeper.keep("better")
 
     def make_tower(self) -> None:
@@ -188,12 +190,12 @@ class Reproduction:
             write_table(folder, f"best_scheme_{tuning}", run.table("best_scheme"))
             for map_ in sorted((self.results / name / "figures").glob("map_*.png")):
                 shutil.copy(map_, folder / f"{map_.stem}_{tuning}.png")
-        run_script("tower/crossover.py", folder, f"results={self.results}")
-        run_script("tower/placement.py", folder)
-        run_script("tower/model_errors.py", folder)
-        run_script("tower/wave_yaw.py", folder)
-        run_script("tower/declared_noise.py", folder)
-        run_script("tower/fidelity.py", folder)
+        run_module("tower.crossover", folder, f"results={self.results}")
+        run_module("tower.placement", folder)
+        run_module("tower.model_errors", folder)
+        run_module("simpson2025.wave_yaw", folder)
+        run_module("tower.declared_noise", folder)
+        run_module("simpson2025.fidelity", folder)
         self.keeper.keep("tower")
 
     def make_floater(self) -> None:
@@ -215,8 +217,8 @@ class Reproduction:
             for tuning in ("paper", "matched"):
                 map_ = self.results / name / "figures" / f"map_velocity_{tuning}.png"
                 shutil.copy(map_, folder / f"map_{plane}_{tuning}.png")
-        run_script("floater/delay_margin.py", folder)
-        run_script("floater/fidelity.py", folder)
+        run_module("floater.delay_margin", folder)
+        run_module("mehammer2018.fidelity", folder)
         self.keeper.keep("floater")
 
     def make_blade(self) -> None:
@@ -239,9 +241,9 @@ class Reproduction:
             for criterion in ("root", "worst"):
                 map_ = self.results / f"blade_{name}" / "figures" / f"map_{criterion}.png"
                 shutil.copy(map_, folder / f"map_{criterion}_{name}.png")
-        run_script("blade/fidelity.py", folder, str(BLADE_JUDGED))
-        run_script("blade/figures.py", folder)
-        run_script("blade/left_out.py", folder)
+        run_module("maes2018.fidelity", folder, BLADE_JUDGED)
+        run_module("maes2018.figures", folder)
+        run_module("blade.left_out", folder)
         self.keeper.keep("blade")
 
     def make_mating(self) -> None:
@@ -267,11 +269,11 @@ def run_command(*words: str) -> None:
         sys.exit(code)
 
 
-def run_script(name: str, *words: object) -> None:
-    """Run one script of this folder; if it fails, end the program with the exit code."""
-    command = [sys.executable, SCRIPTS / name, *words]
-    print("$ python", *command[1:], flush=True)
-    code = subprocess.run([str(word) for word in command], check=False).returncode
+def run_module(name: str, *words: object) -> None:
+    """Run one module of experiments/; if it fails, end the program with the exit code."""
+    words = ("-m", f"experiments.{name}", *words)
+    print("$ python", *words, flush=True)
+    code = subprocess.run([sys.executable, *map(str, words)], check=False).returncode
     if code:
         sys.exit(code)
 

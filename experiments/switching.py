@@ -1,6 +1,6 @@
 """What SWITCH gains in a sea that grows and falls, and what it costs in seas that do not.
 
-    python experiments/switching.py [FOLDER] [NAME=VALUE ...]
+    python -m experiments.switching [FOLDER] [NAME=VALUE ...]
 
 Sweeps SWITCH and its two schemes (below results/, names switching_...), 4 records of 2000 s per
 cell, sensors=strong_bias, seed 7, errors from 120 s on. Writes into FOLDER (default:

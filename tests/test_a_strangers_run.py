@@ -13,8 +13,11 @@ import pytest
 
 import owtsweep
 from owtsweep.cli.program import main
+from owtsweep.config import changed
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
+from owtsweep.studies import get_study
+from owtsweep.sweep.run import sweep
 
 TINY = (
     "experiment=study", "tuning=paper",
@@ -59,7 +62,7 @@ def rename_target(run: Path, target: str, argument: str) -> None:
     text = text.replace(theirs, f"_target_: {target}\n  command: {argument}\n  args: {argument}")
     config.write_text(text)
     plan = json.loads((run / "plan.json").read_text())
-    from owtsweep.sweep.stored_plan import digest
+    from owtsweep.sweep.plan import digest
 
     (run / "plan.json").write_text(json.dumps({**plan, "config_digest": digest(text)}))
 
@@ -99,22 +102,10 @@ def test_a_run_with_its_authors_scheme_is_shown(stranger, capsys):
     assert list(run.summary().scheme.unique()) == ["MKF", "hold"]
 
 
-def test_the_stored_plan_finds_cases_of_another_numerics_version(stranger, monkeypatch):
-    from owtsweep.studies.hub import HubStudy
-
-    cases = owtsweep.load(stranger).cases()
-    monkeypatch.setattr(HubStudy, "numerics_version", HubStudy.numerics_version + 1)
-    assert owtsweep.load(stranger).cases().equals(cases)
-
-
-def test_a_run_of_before_plans_shows_its_tables_only(stranger, capsys):
-    (stranger / "plan.json").unlink()
-    assert main(["show", str(stranger)]) == 0
-    assert "only its tables can be read" in capsys.readouterr().out
-    assert len(owtsweep.load(stranger).summary()) > 0
-    for command in ("figures", "fidelity"):
-        assert main([command, str(stranger)]) == 2
-        assert "only its tables can be read" in capsys.readouterr().err
+def test_a_scheme_of_a_stored_run_is_not_run_by_another_sweep(stranger):
+    config = changed(owtsweep.load(stranger).config, results="elsewhere", name="again")
+    with pytest.raises(InputError, match="of the stored run's author, whose code is not run"):
+        sweep(get_study("hub"), config)
 
 
 @pytest.mark.parametrize(

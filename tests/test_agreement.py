@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,8 +11,14 @@ import pytest
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+from experiments import keeping, reproduce
+from experiments.agreement import compare_folders, compare_numbers
+from experiments.keeping import copy_small
 from owtsweep.figures import style
 from owtsweep.figures.palette import mix_with_white
+from owtsweep.studies import compose
+from owtsweep.studies.hub.figures.listing import TIME_HISTORIES
+from owtsweep.studies.hub.histories import choose_sea
 from owtsweep.studies.hub.looks import LOOKS
 
 ROOT = Path(__file__).parents[1]
@@ -21,36 +26,27 @@ KEPT = ROOT / "results" / "reference" / "default"
 
 
 @pytest.fixture
-def compare(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    sys.modules.pop("agreement", None)
-    from agreement import compare_folders
-
-    return compare_folders
-
-
-@pytest.fixture
 def made(tmp_path) -> Path:
     return Path(shutil.copytree(KEPT, tmp_path / "made"))
 
 
-def test_a_copy_agrees(compare, made):
+def test_a_copy_agrees(made):
     (made / "manifest.json").write_text("{}")  # another day, another machine
-    assert compare(made, KEPT) == {}
+    assert compare_folders(made, KEPT) == {}
 
 
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0 + 1e-9, True), (1.001, False)])
-def test_numbers_agree_to_a_tolerance(compare, made, factor, agrees):
+def test_numbers_agree_to_a_tolerance(made, factor, agrees):
     table = made / "best_scheme.csv"
     lines = table.read_text().splitlines()
     cells = lines[1].split(",")
     place = next(i for i, cell in enumerate(cells) if "." in cell and "e-0" not in cell and i > 5)
     cells[place] = repr(float(cells[place]) * factor)
     table.write_text("\n".join([lines[0], ",".join(cells), *lines[2:]]) + "\n")
-    assert (compare(made, KEPT) == {}) == agrees
+    assert (compare_folders(made, KEPT) == {}) == agrees
 
 
-def test_what_differs_is_named(compare, made):
+def test_what_differs_is_named(made):
     table = made / "best_scheme.csv"
     table.write_text(table.read_text().replace("HME2", "MKF", 1))
     (made / "fidelity.csv").unlink()
@@ -58,23 +54,20 @@ def test_what_differs_is_named(compare, made):
     shutil.copy(KEPT.parent / "two_maps.png", made / "figure_18_best_scheme.png")
     config = made / "config.yaml"
     config.write_text(config.read_text().replace("seed: 2019", "seed: 7"))
-    differences = compare(made, KEPT)
+    differences = compare_folders(made, KEPT)
     assert set(differences) == {
         "best_scheme.csv", "fidelity.csv", "more.md", "figure_18_best_scheme.png", "config.yaml",
     }  # fmt: skip
     assert "MKF instead of HME2" in differences["best_scheme.csv"]
 
 
-def test_a_shorter_table_differs(compare, made):
+def test_a_shorter_table_differs(made):
     table = made / "best_scheme.csv"
     table.write_text("\n".join(table.read_text().splitlines()[:-1]) + "\n")
-    assert "best_scheme.csv" in compare(made, KEPT)
+    assert "best_scheme.csv" in compare_folders(made, KEPT)
 
 
-def test_the_pictures_of_a_kept_report_stand_beside_it(monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    from keeping import copy_small
-
+def test_the_pictures_of_a_kept_report_stand_beside_it(tmp_path):
     report = tmp_path / "report.md"
     square = "0.3 m\N{SUPERSCRIPT TWO}"
     report.write_text(f"![one](figures/one.png) [two](other/two.csv) {square}", "utf-8")
@@ -83,11 +76,8 @@ def test_the_pictures_of_a_kept_report_stand_beside_it(monkeypatch, tmp_path):
     assert kept == f"![one](one.png) [two](other/two.csv) {square}"
 
 
-def test_a_kept_picture_has_its_colours(monkeypatch, tmp_path):
+def test_a_kept_picture_has_its_colours(tmp_path):
     """Small swatches beside many shades of one colour: median cut makes some of them equal."""
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    from keeping import copy_small
-
     with style.context():
         figure = style.new_figure(6.0, 4.0)
         axes = figure.add_subplot()
@@ -114,9 +104,6 @@ def test_a_kept_picture_has_its_colours(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("copies", [False, True])
 def test_what_differs_is_listed_and_copied_if_asked(copies, monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    import keeping
-
     monkeypatch.setattr(keeping, "REFERENCE", tmp_path / "reference")
     kept, made = tmp_path / "reference" / "mating", tmp_path / "results" / "mating"
     for folder, number in ((kept, "1.0"), (made, "2.0")):
@@ -131,27 +118,20 @@ def test_what_differs_is_listed_and_copied_if_asked(copies, monkeypatch, tmp_pat
 
 @pytest.fixture
 def reproduction(monkeypatch, tmp_path):
-    """`make reproduce` without runs, and the names of the scripts that it would run."""
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    import reproduce
-
-    scripts = []
-    monkeypatch.setattr(reproduce, "run_script", lambda name, *words: scripts.append(name))
+    """`make reproduce` without runs, and the names of the modules that it would run."""
+    modules = []
+    monkeypatch.setattr(reproduce, "run_module", lambda name, *words: modules.append(name))
+    monkeypatch.setattr(reproduce, "run_command", lambda *words: None)
     monkeypatch.setattr(reproduce.plant, "make_all", lambda *folders: None)
     keeper = SimpleNamespace(keep=lambda name: None, keep_file=lambda *names: None)
     whole = reproduce.Reproduction(tmp_path, "1", keeper)
-    for name in ("sweep", "report"):
-        monkeypatch.setattr(whole, name, lambda *words: None)
-    return reproduce, whole, scripts
+    monkeypatch.setattr(whole, "sweep", lambda *words: None)
+    return whole, modules
 
 
 def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(reproduction, tmp_path):
     """The run of the plant has the sea, `make reproduce` copies the figures, the docs show them."""
-    from owtsweep.studies import compose
-    from owtsweep.studies.hub.figures import TIME_HISTORIES
-    from owtsweep.studies.hub.histories import choose_sea
-
-    reproduce, whole, _ = reproduction
+    whole, _ = reproduction
     overrides = [*reproduce.PLANT["plant_seas"], "tuning=paper"]
     sea = choose_sea(compose(overrides))
     assert (sea["hs"], sea["tp"]) == (2.0, 6.0)
@@ -172,19 +152,9 @@ def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(reproduction, tmp
 
 
 def test_the_numbers_of_switch_are_made_anew(reproduction):
-    _, whole, scripts = reproduction
+    whole, modules = reproduction
     whole.make_better()
-    assert "switching.py" in scripts
-
-
-@pytest.fixture
-def numbers(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    for name in ("agreement", "keeping"):
-        sys.modules.pop(name, None)
-    import keeping
-
-    return keeping
+    assert "switching" in modules
 
 
 BEST = "best,runner_up,mse_best,mse_runner_up,difference,ci_low,ci_high\n"
@@ -202,23 +172,23 @@ BEST = "best,runner_up,mse_best,mse_runner_up,difference,ci_low,ci_high\n"
         ("MKF,EKF,1.0,2.0,1.0,0.5,nan", False),
     ],
 )
-def test_numbers_alone(numbers, tmp_path, line, agrees):
+def test_numbers_alone(tmp_path, line, agrees):
     for name, text in (("kept", "MKF,EKF,1.0,2.0,1.0,0.5,1.5"), ("made", line)):
         (tmp_path / name).mkdir()
         (tmp_path / name / "best.csv").write_text(f"{BEST}{text}\n")
         (tmp_path / name / "report.md").write_text(name)
-    found = numbers.compare_numbers(tmp_path / "made", tmp_path / "kept")
+    found = compare_numbers(tmp_path / "made", tmp_path / "kept")
     assert (found == {}) == agrees
 
 
-def test_a_winner_by_nothing_may_be_the_other(numbers, tmp_path):
+def test_a_winner_by_nothing_may_be_the_other(tmp_path):
     for name, line in (("kept", "A,B,1.0,1.0,1e-12,0,0"), ("made", "B,A,1.0,1.0,-1e-12,0,0")):
         (tmp_path / name).mkdir()
         (tmp_path / name / "best.csv").write_text(f"{BEST}{line}\n")
-    assert numbers.compare_numbers(tmp_path / "made", tmp_path / "kept") == {}
+    assert compare_numbers(tmp_path / "made", tmp_path / "kept") == {}
 
 
-def test_numbers_of_a_folder_of_results_are_compared_with_its_rows(numbers, tmp_path):
+def test_numbers_of_a_folder_of_results_are_compared_with_its_rows(tmp_path):
     import pandas as pd
 
     made, kept = tmp_path / "made", tmp_path / "kept"
@@ -230,7 +200,7 @@ def test_numbers_of_a_folder_of_results_are_compared_with_its_rows(numbers, tmp_
     rows = pd.DataFrame({"scheme": ["A", "A", "B"], "replicate": [0, 1, 0], "value": [1.0, 2, 3]})
     rows.to_parquet(kept / "paper" / "cases" / "part-1.parquet")
     rows.iloc[::-1].to_parquet(made / "paper" / "cases" / "part-2.parquet")
-    keeper = numbers.NumbersKeeper(made, kept)
+    keeper = keeping.NumbersKeeper(made, kept)
     keeper.keep("paper")
     keeper.keep_rows("paper")
     assert keeper.differing == []
@@ -241,8 +211,8 @@ def test_numbers_of_a_folder_of_results_are_compared_with_its_rows(numbers, tmp_
     assert keeper.differing == ["paper/consistency.csv", "rows of paper/cases"]
 
 
-def test_kept_files_of_results_have_the_numbers_of_themselves(numbers):
-    keeper = numbers.NumbersKeeper(KEPT.parent, KEPT.parent)
-    for name in numbers.KEPT:
+def test_kept_files_of_results_have_the_numbers_of_themselves():
+    keeper = keeping.NumbersKeeper(KEPT.parent, KEPT.parent)
+    for name in keeping.KEPT:
         keeper.keep(name)
     assert keeper.differing == []

@@ -9,8 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))  # `benchmarks` stands outside the package
 from benchmarks.parts import PARTS, measure_part
 
 pytestmark = pytest.mark.usefixtures("kernels")

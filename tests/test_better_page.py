@@ -10,6 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from experiments.switching import BASE
+from owtsweep.studies import compose
+
 ROOT = Path(__file__).parents[1]
 TABLES = ROOT / "results" / "reference" / "better"
 PAGE = (ROOT / "docs" / "better.md").read_text("utf-8")
@@ -36,10 +39,12 @@ def find(pattern: str, text: str = PAGE) -> list[float]:
 
 
 def test_skfa_against_bound_four_and_skf(errors: pd.DataFrame) -> None:
-    efficiency = 100.0 * errors["bound_b"] / errors["SKFA"]
+    over_least = errors["SKFA"] / errors["bound_b"]
     for text in (PAGE, README):
-        low, high = find(r"within (\d+) to (\d+) % of the least error", text)
-        assert np.round([efficiency.min(), efficiency.max()]).tolist() == [low, high]
+        told = find(
+            r"mean square error is ([\d.]+) to ([\d.]+) times the least that is possible", text
+        )
+        assert told == pytest.approx([over_least.min(), over_least.max()], abs=0.006)
     gain = errors["four"] / errors["SKFA"]
     assert gain.min() > 1.0
     for amplitude, pattern in (
@@ -163,11 +168,7 @@ def test_the_boundary_that_switch_computes() -> None:
     assert told == table["boundary"].round(1).tolist()
 
 
-def test_the_conditions_and_settings_of_switch(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    from owtsweep.studies import compose
-    from switching import BASE
-
+def test_the_conditions_and_settings_of_switch() -> None:
     config: Any = compose(BASE)
     told = find(r"(\d+) records of (\d+) s per cell, seed (\d+), errors after the first (\d+) s\.")
     assert told == [
@@ -204,14 +205,17 @@ def test_where_skfa_is_not_the_answer(departures: pd.DataFrame) -> None:
         right = [small.SKFA / small.NONE, small.SKFA / small.HME1, large.SKFA / large.HME1]
         assert told == pytest.approx(right, rel=0.05)
     small, large = wide.loc[("outliers 1 %", 0.1)], wide.loc[("outliers 1 %", 1.0)]
-    none, gated = find(r"SKFA (\d\.\d) times the error of no estimator at \.1 m, "
+    none, gated = find(r"SKFA has (\d\.\d) times the mean square error of no estimator at \.1 m, "
                        r"and (\d\.\d) times that of a gated HME1", README)  # fmt: skip
     assert [none, gated] == pytest.approx(
         [small.SKFA / small.NONE, large.SKFA / large.HME1], abs=0.05
     )
     leaning = wide.loc[("unknown tilt", 2.0)]
-    (worse,) = find(r"SKFA has (1\.\d) times the error of MKF")
-    assert worse == pytest.approx(leaning.SKFA / leaning.MKF, abs=0.05)
+    for text, who in ((PAGE, "SKFA has"), (README, "it has")):
+        (worse,) = find(rf"{who} half of HME1's error, but (1\.\d) times MKF's", text)
+        assert worse == pytest.approx(leaning.SKFA / leaning.MKF, abs=0.05)
+        half = leaning.SKFA / leaning.HME1
+        assert half == pytest.approx(0.5, abs=0.05)
 
 
 def test_covariance_of_skfa_on_the_plant(departures: pd.DataFrame) -> None:
@@ -235,9 +239,12 @@ def test_other_seeds_are_told(departures: pd.DataFrame) -> None:
         index=["departure", "natural_period", "amplitude"], columns="scheme", values="mse"
     )
     worst = 100.0 * (wide["SKFA"] / wide["SKF"]).max() - 100.0
-    least = [100.0 * skfa["efficiency"].min(), 100.0 * skfa["efficiency"].max()]
-    low, high = find(r"SKFA reaches (\d+) to (\d+) % of the least error")
+    over_least = [1.0 / skfa["efficiency"].max(), 1.0 / skfa["efficiency"].min()]
+    low, high = find(r"SKFA has ([\d.]+) to ([\d.]+) times the least error")
     (cost,) = find(r"SKF is better by 1 to (\d+) %")
-    assert [low, high, cost] == pytest.approx([*least, worst], abs=0.6)
-    cost, low, high = find(r"other seeds up to (\d+) %, and (\d+) to (\d+) % of the least", README)
-    assert [low, high, cost] == pytest.approx([*least, worst], abs=0.6)
+    assert [low, high] == pytest.approx(over_least, abs=0.006)
+    assert cost == pytest.approx(worst, abs=0.6)
+    low, high = find(r"with two other seeds ([\d.]+) to ([\d.]+) times", README)
+    (cost,) = find(r"with other seeds up to (\d+) %", README)
+    assert [low, high] == pytest.approx(over_least, abs=0.006)
+    assert cost == pytest.approx(worst, abs=0.6)

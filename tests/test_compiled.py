@@ -30,7 +30,7 @@ def test_sources_are_all_that_kernels_are_made_of() -> None:
     assert {
         "compiled.py", "estimation/riccati.py", "estimation/windowing.py", "vectors/vector.py",
         "vectors/rows.py", "vectors/plain.py", "studies/hub/kernels/runs.py",
-        "studies/hub/expected/kernels.py",
+        "studies/hub/error_curves/kernels.py",
     } <= names  # fmt: skip
     assert not any("figures" in name or "config" in name for name in names)
     assert len(names) < 50

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from owtsweep.studies.floater.published import read_author_record, read_stored_tests
+from experiments.mehammer2018.published import read_author_record, read_stored_tests
 
 ROOT = Path(__file__).parents[1]
 PAGE = " ".join((ROOT / "docs" / "floater.md").read_text("utf-8").split())

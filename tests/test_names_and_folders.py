@@ -12,7 +12,7 @@ from owtsweep.cli.program import main
 from owtsweep.errors import InputError
 from owtsweep.io import files
 from owtsweep.studies import compose
-from owtsweep.studies.hub.schemes.stored import stand_in
+from owtsweep.studies.hub.stored_schemes import stand_in
 from owtsweep.sweep.keys import run_folder, run_hash
 
 SMALL = (
@@ -92,7 +92,7 @@ slow = pytest.mark.faults
         ("figures", "figures"),
         ("fidelity", "fidelity"),
         pytest.param("figures", "figures/figure_18_best_scheme.png/", marks=slow),
-        pytest.param("fidelity", "fidelity/fidelity.csv/", marks=slow),
+        pytest.param("fidelity", "fidelity/fidelity_claims.csv/", marks=slow),
         pytest.param("spectrum", "spectrum", marks=slow),
         pytest.param("spectrum", "spectrum/spectrum.csv/", marks=slow),
     ],
@@ -126,7 +126,7 @@ def full(run, monkeypatch) -> None:
     ("command", "file"),
     [
         ("figures", "figure_18_best_scheme.png"),
-        pytest.param("fidelity", "fidelity.csv", marks=slow),
+        pytest.param("fidelity", "fidelity_claims.csv", marks=slow),
         pytest.param("spectrum", "error_spectra.png", marks=slow),
         pytest.param("compare", "best_scheme_maps.png", marks=slow),
     ],

@@ -4,6 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from owtsweep.studies import compose
@@ -63,14 +64,23 @@ def read_map(run):
 
 
 def test_what_the_readme_says_of_the_matched_map():
-    assert "run HME1 where the motion\nis larger than .2 m, and MKF at .2 m; " in README
-    assert "at .1 m and below no estimator is needed" in README
+    told = r"run HME1\nwhere the motion is larger than some (\.\d) m, and MKF from some (\.\d+) to"
+    ((hme1_from, mkf_from),) = re.findall(told, README)
     best = read_map("matched_on_paper")
     assert set(best.loc[best["amplitude"] > 0.2, "best"]) == {"HME1"}
     assert set(best.loc[best["amplitude"] == 0.2, "best"]) == {"MKF"}
     small = best["amplitude"] <= 0.1
     assert (best["baseline_wins"] == small).all()
     assert set(best.loc[small, "baseline"]) == {"NONE"}
+    # between the cells: errors of MKF and of zero grow as the square of the amplitude
+    wide = best.pivot(index="natural_period", columns="amplitude", values="mse_best")
+    growth = (wide[0.2] - wide[0.1]) / (0.2**2 - 0.1**2)
+    steady = wide[0.1] - growth * 0.1**2
+    of_zero = best[small].groupby("natural_period")["mse_baseline"].first() / 0.05**2
+    equal = np.sqrt(steady / (of_zero - growth))
+    assert np.allclose(equal, float(mkf_from), atol=0.006)
+    equal = np.sqrt((wide[0.5] - steady) / growth)
+    assert np.allclose(equal, float(hme1_from), atol=0.06)
 
 
 def test_what_the_readme_says_of_the_papers_map():

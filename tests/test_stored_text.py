@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 
 import owtsweep
-from owtsweep.cli.job_outcome import JobOutcome, read_outcome
 from owtsweep.cli.program import FAILED, main
 from owtsweep.errors import InputError
+from owtsweep.sweep.multirun_record import JobOutcome, read_outcome
 from owtsweep.sweep.provenance import read_earlier_seconds, was_running
 
 TINY = (

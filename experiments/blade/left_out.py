@@ -1,6 +1,6 @@
 """What the blade's filters leave out, and what it costs: a hook that moves, and Earth's rotation.
 
-    python experiments/blade/left_out.py [FOLDER] [RECORDS]
+    python -m experiments.blade.left_out [FOLDER] [RECORDS]
 
 FOLDER (default: results/blade_left_out) gets moving_hook.csv and earth.csv, means over RECORDS (10
 by default; some four minutes). GNSS of 10 mm, tuning=matched, seed 2018: records with hook and
@@ -18,11 +18,11 @@ from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.blade.case import list_cases
-from owtsweep.studies.blade.cases import make_cases
+from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.doubts import EARTH_RATE, TAKEN_FOR_BIAS
 from owtsweep.studies.blade.measures import Judged, compare
 from owtsweep.studies.blade.measuring import find_last_outage
-from owtsweep.studies.blade.schemes import resolve
+from owtsweep.studies.blade.schemes import SCHEMES
 
 OUTAGES = (0.0, 10.0, 40.0)  # s
 #: How the hook moves -> displacement (m), of the time in s; hoisting is along z, sway along y.
@@ -91,20 +91,21 @@ def judge(config, changes, schemes, records):
     """
     rows = []
     for conditions in list_cases(config):
-        cases = make_cases(config, conditions, range(records))
+        worlds = [make_world(config, conditions, number) for number in range(records)]
+        cases = [observe(config, conditions, world) for world in worlds]
         window = Judged(config.record.settled, find_last_outage(config, conditions.outage))
         for name, (change, told) in changes.items():
             changed = [change(case) for case in cases]
-            for scheme in schemes:
+            for scheme in SCHEMES.resolve_all(schemes):
                 found = pd.DataFrame([
                     compare(
                         case.truth,
-                        resolve(scheme).prepare(case.tell(told, conditions)).run(case.measured),
+                        scheme.prepare(case.tell(told, conditions)).run(case.measured),
                         window,
                     )
                     for case in changed
                 ]).mean()  # fmt: skip
-                where = {"changed": name, "outage": conditions.outage, "scheme": scheme}
+                where = {"changed": name, "outage": conditions.outage, "scheme": scheme.name}
                 rows.append(where | {measure: found.get(measure) for measure in MEASURES})
     return rows
 

@@ -1,6 +1,6 @@
 """Make the record of a floater in a basin, as a user would hand in a record of the user's own.
 
-    python experiments/floater/make_recorded.py [FILE]
+    python -m experiments.floater.make_recorded [FILE]
 
 writes basin.csv (default): 300 s at 20 Hz of time, surge, sway, heave in m, and roll, pitch, yaw in
 degrees (docs/floater.md). It is a synthetic motion of the study with a seed and periods of its own;

@@ -1,6 +1,6 @@
 """Find which declared noise makes the damage of the paper's filter wrong (statement F5).
 
-    python experiments/tower/declared_noise.py [FOLDER] [RECORDS]
+    python -m experiments.tower.declared_noise [FOLDER] [RECORDS]
 
 FOLDER (default: results/tower_declared_noise) gets declared_noise.csv: change, sensors, direction,
 worst_deviation (mean over the records of the largest |estimated / true - 1| over the welds that F5
@@ -13,11 +13,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from experiments.simpson2025.scenarios import WIND, run_scenarios
+from experiments.simpson2025.scores import tabulate
 from owtsweep.io.steps import show_steps
 from owtsweep.io.tables import write_table
-from owtsweep.studies.tower.paper.judging import WIND
-from owtsweep.studies.tower.paper.scenarios import run_scenarios
-from owtsweep.studies.tower.paper.scores import tabulate
 from owtsweep.verdicts.inference import mean_ratio
 
 #: What is changed of tuning=paper -> overrides.

@@ -1,6 +1,6 @@
 """Make the record of a structure without blades: a slender mast that a shaker pulls at its top.
 
-    python experiments/tower/make_recorded.py [FILE]
+    python -m experiments.tower.make_recorded [FILE]
 
 writes mast.csv (default) beside a structure's description, examples/mast.yaml: time, the shaker's
 force, and displacement, velocity, acceleration and rotation at each node of the mesh, as a user

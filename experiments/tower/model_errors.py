@@ -1,56 +1,169 @@
 """Map which scheme bears which error of its model, with which sensors.
 
-    python experiments/tower/model_errors.py [FOLDER] [RECORDS] [OVERRIDE ...]
+    python -m experiments.tower.model_errors [FOLDER] [RECORDS] [OVERRIDE ...]
 
 FOLDER (default: results/tower_model_errors) gets model_errors.csv, the errors of all schemes, and
 two maps: model_errors_damage.png and model_errors_base_moment.png. RECORDS is 2 by default (about a
 minute each). An OVERRIDE is one of the tower study's keys, e.g. sea=waves; tuning=matched unless
 another is given.
+
+A sweep of the study has one set-up and one model. Here all are tried on the same records, so that a
+map can say which scheme bears which error with which sensors.
 """
 
 import sys
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+
+import pandas as pd
+from joblib import Parallel, cpu_count, delayed
 
 from owtsweep.figures import best_scheme_map, style
 from owtsweep.figures.drawings import save_figure
-from owtsweep.io.steps import show_steps
+from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
+from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.measures import CRITERIA, WINDOW
-from owtsweep.studies.tower.model_errors import CONDITIONS, ERRORS, NOISE, SCHEMES, SETUPS, collect
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors, tell
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.measures import (
+    CRITERIA,
+    WINDOW,
+    Fatigue,
+    compare,
+    find_true_fatigue,
+)
 from owtsweep.studies.tower.origin import describe_truth
+from owtsweep.studies.tower.schemes import SCHEMES
+from owtsweep.studies.tower.setting import model_substructure
 
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_model_errors")
-records = int(sys.argv[2]) if len(sys.argv) > 2 else 2
-overrides = ["tuning=matched", *sys.argv[3:]]
-config = compose(["study=tower", *overrides])
-with show_steps():
-    rows = collect(range(records), overrides)
-cube = Cube.of_rows(
-    rows, SCHEMES, CONDITIONS, {"sensors": SETUPS, "model_error": list(ERRORS)},
-    measures=["damage", "base_moment"],
-)  # fmt: skip
-folder.mkdir(parents=True, exist_ok=True)
-write_table(folder, "model_errors", summarise(cube))
-for criterion in ("damage", "base_moment"):
-    best = find_best_schemes(cube, WINDOW, [criterion])
+#: What is wrong -> the override that makes it so. The water is 30 m deep: 6 m are 20 %.
+ERRORS = {
+    "none": "model.stiffness=1",
+    "EI -20 %": "model.stiffness=0.8",
+    "EI +20 %": "model.stiffness=1.2",
+    "mass -20 %": "model.mass=0.8",
+    "mass +20 %": "model.mass=1.2",
+    "water -6 m": "model.water_level=-6",
+    "water +6 m": "model.water_level=6",
+    "damping -20 %": "model.damping=0.8",
+    "damping +20 %": "model.damping=1.2",
+    "rotor -20 %": "model.rotor_mass=0.8",
+    "rotor +20 %": "model.rotor_mass=1.2",
+}
+#: Files of conf/studies/tower/sensors.
+SETUPS = ("dense_x_a", "dense_theta_a", "sparse_theta_a", "dry", "strain")
+COMPARED = ("AKF", "AKF_LAGGED", "GDF", "AKF_WHOLE", "MDE")
+MODEL_ERROR = Condition("model_error", "what is wrong in the schemes' model")
+SENSORS = Condition("sensors", "sensors")
+CONDITIONS = (SENSORS, MODEL_ERROR)
+#: Noise of the sensors, % of each signal's standard deviation.
+NOISE = 1.0
 
-    def draw(best=best, criterion=criterion):
-        """Draw the map of one criterion."""
-        figure = best_scheme_map.draw(
-            best, SCHEMES, CONDITIONS, criterion=criterion, window=WINDOW,
-            tuning=config.tuning_name, quantity=CRITERIA[criterion], score="error",
-            replicates=records,
-        )  # fmt: skip
-        style.add_origin(
-            figure,
-            f"Truth: {describe_truth(config)}; {NOISE:g} % noise, soil of the model right; "
-            f"seed {config.seed}.",
-        )
-        return figure
 
-    for file in save_figure(draw, None)(folder, f"model_errors_{criterion}"):
-        print(file)
+def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
+    """Try all errors and set-ups on records with these numbers; return rows as those of a run.
+
+    Records run side by side. `overrides` go to every configuration, e.g. "tuning=matched".
+    """
+    workers = min(cpu_count(), len(replicates))
+    tables = Parallel(n_jobs=workers, return_as="generator")(
+        delayed(_try_all)(replicate, overrides) for replicate in replicates
+    )
+    found = []
+    for replicate, table in zip(replicates, tables, strict=True):
+        tell_step(f"record {replicate}: {len(ERRORS)} models, {len(SETUPS)} set-ups")
+        found.append(table)
+    return pd.concat(found, ignore_index=True)
+
+
+def _try_all(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
+    """Return the rows of one record."""
+    first = _compose(SETUPS[0], ERRORS["none"], overrides)
+    case = make_case(first, replicate)
+    true = find_true_fatigue(first, case)
+    rows = []
+    for sensors in SETUPS:
+        for error, override in ERRORS.items():
+            config = _compose(sensors, override, overrides)
+            placed = place_sensors(config, case)
+            wrong = replace(placed, part=model_substructure(config))
+            for name in COMPARED:
+                where = {"sensors": sensors, "model_error": error, "scheme": name,
+                         "replicate": replicate}  # fmt: skip
+                rows += [{**where, **row} for row in _try(config, wrong, name, true)]
+    return pd.DataFrame(rows)
+
+
+def _try(
+    config: TowerConfig, case: Case, name: str, true: dict[str, Fatigue]
+) -> list[dict[str, object]]:
+    """Return the rows of one scheme: damage and base moment, or why it is unable to work."""
+    estimates = {}
+    for direction in case.motion:
+        channels = list_channels(config, case, direction, NOISE)
+        measured = measure(config, case, direction, channels)
+        try:
+            setting = tell(config, case, direction, 1.0, channels)
+            made = SCHEMES.resolve(name).prepare(setting)
+        except Unable as reason:
+            return [{"measure": "", "window": "", "value": float("nan"), "status": UNABLE,
+                     "reason": str(reason)}]  # fmt: skip
+        estimates[direction] = made.run(measured)
+    found = compare(config, case, true, estimates)
+    return [
+        {"measure": key, "window": WINDOW, "value": found[key], "status": OK, "reason": ""}
+        for key in ("damage", "base_moment")
+    ]
+
+
+def _compose(sensors: str, override: str, overrides: Sequence[str]) -> TowerConfig:
+    config = compose(["study=tower", f"sensors={sensors}", *overrides, override])
+    assert isinstance(config, TowerConfig)
+    return config
+
+
+def main(folder: Path, records: int, overrides: Sequence[str]) -> None:
+    """Try all errors and set-ups; write the table, and draw a map by each of two criteria."""
+    config = compose(["study=tower", *overrides])
+    with show_steps():
+        rows = collect(range(records), overrides)
+    cube = Cube.of_rows(
+        rows, COMPARED, CONDITIONS, {"sensors": SETUPS, "model_error": list(ERRORS)},
+        measures=["damage", "base_moment"],
+    )  # fmt: skip
+    folder.mkdir(parents=True, exist_ok=True)
+    write_table(folder, "model_errors", summarise(cube))
+    for criterion in ("damage", "base_moment"):
+        best = find_best_schemes(cube, WINDOW, [criterion])
+
+        def draw(best=best, criterion=criterion):
+            """Draw the map of one criterion."""
+            figure = best_scheme_map.draw(
+                best, COMPARED, CONDITIONS, criterion=criterion, window=WINDOW,
+                tuning=config.tuning_name, quantity=CRITERIA[criterion], score="error",
+                replicates=records,
+            )  # fmt: skip
+            style.add_origin(
+                figure,
+                f"Truth: {describe_truth(config)}; {NOISE:g} % noise, soil of the model right; "
+                f"seed {config.seed}.",
+            )
+            return figure
+
+        for file in save_figure(draw, None)(folder, f"model_errors_{criterion}"):
+            print(file)
+
+
+if __name__ == "__main__":
+    main(
+        Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_model_errors"),
+        int(sys.argv[2]) if len(sys.argv) > 2 else 2,
+        ["tuning=matched", *sys.argv[3:]],
+    )

@@ -1,6 +1,6 @@
 """Choose inclinometers for the IEA-15 turbine without a record, and check the choice on records.
 
-    python experiments/tower/placement.py [FOLDER] [OVERRIDE ...]
+    python -m experiments.tower.placement [FOLDER] [OVERRIDE ...]
 
 writes into FOLDER (default: results/tower_placement)
 
@@ -25,7 +25,6 @@ from scipy.stats import spearmanr
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.structures import find_structure
 from owtsweep.studies.composing import compose
 from owtsweep.studies.tower.figures.placement import draw_placement
 from owtsweep.studies.tower.placement import (
@@ -37,7 +36,7 @@ from owtsweep.studies.tower.placement import (
 )
 from owtsweep.studies.tower.placement_case import PlacementCase, make_case, simulate
 
-ACCELEROMETERS = (0.0, 35.0, 40.0, 84.0, 175.0)
+SET_UP = ("sensors=accelerometers", "grid.noise=[1]", "record.duration=400")
 TABLE_2 = (0.0, 30.0, 58.0, 149.0, 175.0)
 CRITERIA: tuple[Criterion, ...] = ("stress", "moment")
 NOTE = (
@@ -70,10 +69,8 @@ def tabulate(
 def main(arguments: list[str]) -> int:
     folder = Path(arguments[0] if arguments else "results/tower_placement")
     try:
-        config = compose(["study=tower", "record.duration=400", *arguments[1:]])
-        case = make_case(
-            config, find_structure("iea15"), accelerometers=ACCELEROMETERS, records=RECORDS
-        )
+        config = compose(["study=tower", *SET_UP, *arguments[1:]])
+        case = make_case(config, records=RECORDS)
     except InputError as error:
         print(f"placement: {error}", file=sys.stderr)
         return 2

@@ -9,15 +9,15 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from owtsweep._version import __version__
+
 if TYPE_CHECKING:
     from owtsweep.api import estimate, load, replay, run
     from owtsweep.errors import InputError
-    from owtsweep.evaluation.estimate import Estimate, Innovation
-    from owtsweep.evaluation.estimated_record import EstimatedRecord, Reading
-    from owtsweep.studies.hub.online import online
+    from owtsweep.evaluation.estimate import Estimate, EstimatedRecord, Innovation, Reading
+    from owtsweep.studies.hub.on_board import online
     from owtsweep.sweep.runs import Run
 
-__version__ = "0.1.0"
 __all__ = [
     "Estimate", "EstimatedRecord", "Innovation", "InputError", "Reading", "Run", "__version__",
     "estimate", "load", "online", "replay", "run",
@@ -25,14 +25,14 @@ __all__ = [
 
 _HOMES = {
     "Estimate": "owtsweep.evaluation.estimate",
-    "EstimatedRecord": "owtsweep.evaluation.estimated_record",
+    "EstimatedRecord": "owtsweep.evaluation.estimate",
     "InputError": "owtsweep.errors",
     "Innovation": "owtsweep.evaluation.estimate",
-    "Reading": "owtsweep.evaluation.estimated_record",
+    "Reading": "owtsweep.evaluation.estimate",
     "Run": "owtsweep.sweep.runs",
     "estimate": "owtsweep.api",
     "load": "owtsweep.api",
-    "online": "owtsweep.studies.hub.online",
+    "online": "owtsweep.studies.hub.on_board",
     "replay": "owtsweep.api",
     "run": "owtsweep.api",
 }

@@ -9,7 +9,7 @@ from owtsweep.studies.blade.believed import make_setting
 from owtsweep.studies.blade.case import list_cases
 from owtsweep.studies.blade.measures import Judged, compare
 from owtsweep.studies.blade.measuring import find_last_outage, measure
-from owtsweep.studies.blade.schemes import resolve
+from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.truth import make_truth
 
 #: One cell without an outage, fibre-optic gyroscopes, everybody told the truth.
@@ -36,7 +36,7 @@ def make(*words, replicate=0, short=True):
 
 def run(name, setting, measured):
     """Run a scheme on a record."""
-    return resolve(name).prepare(setting).run(measured)
+    return SCHEMES.resolve(name).prepare(setting).run(measured)
 
 
 def score(name, *words, replicate=0, short=True):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from experiments.maes2018.printed_angles import find_angles_as_printed
 from owtsweep.errors import InputError
 from owtsweep.estimation.blade_angles import (
     find_angles,
-    find_angles_as_printed,
     find_body_acceleration,
     find_body_rates,
     make_rotation,

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 from hanging import QUIET, make, run, score
 
-from owtsweep.config import as_mapping
+from experiments.maes2018.processing import relate_to_crane
 from owtsweep.errors import InputError
 from owtsweep.estimation.blade_angles import find_angles, make_rotation
 from owtsweep.estimation.double_integration import pass_high
 from owtsweep.gravity import GRAVITY
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
-from owtsweep.studies.blade.contract import Unable
-from owtsweep.studies.blade.paper.processing import relate_to_crane
 from owtsweep.studies.blade.schemes.double_integration import merge
 
 STILL = "boom.follow=[0,0,0]"
@@ -27,12 +26,9 @@ def rms(values):
 
 
 def test_the_boom_leaves_other_numbers_as_they_are() -> None:
-    """Stored runs keep their hashes, and the blade does not notice."""
-    config, motion, measured, _ = make()
-    assert "boom" not in as_mapping(config)
-    assert "bending" not in as_mapping(config)["motion"]
+    """The blade does not notice."""
+    _, motion, measured, _ = make()
     other = make("boom.noise=0.01", "boom.bias=1", "boom.modes.aside.sigma=[0.01,0,0]")
-    assert as_mapping(other[0])["boom"]
     assert np.array_equal(other[1].truth.root, motion.truth.root)
     for name in ("specific_force", "rate", "prisms"):
         assert np.array_equal(getattr(other[2], name), getattr(measured, name))

@@ -1,11 +1,11 @@
-"""experiments/blade/figures.py: the paper's figures and the picture of the blade."""
+"""experiments/maes2018/figures.py: the paper's figures and the picture of the blade."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from owtsweep.studies.blade.paper.figures import FIGURES, draw_figures
-from owtsweep.studies.blade.paper.picture import draw_picture
+from experiments.maes2018.figures import FIGURES, draw_figures
+from experiments.maes2018.picture import draw_picture
 
 
 def test_every_figure_is_drawn(tmp_path: Path) -> None:

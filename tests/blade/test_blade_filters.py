@@ -199,7 +199,7 @@ def test_three_filters_of_the_same_errors_agree() -> None:
 
 @pytest.mark.parametrize("name", ["UKF", "MEKF", "INVARIANT_EKF", "MEKF_HEADING", "SMOOTHER"])
 def test_filters_know_their_errors(name: str) -> None:
-    """Over four records; goals are judged over more by experiments/blade."""
+    """Over four records; goals are judged over more by experiments/maes2018."""
     found = [score(name, replicate=replicate) for replicate in range(4)]
     assert np.mean([each["nis"] for each in found]) == pytest.approx(1.0, abs=0.08)
     assert np.mean([each["nees"] for each in found]) == pytest.approx(1.0, abs=0.35)

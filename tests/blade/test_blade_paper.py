@@ -9,13 +9,12 @@ import pandas as pd
 import pytest
 from hanging import QUIET
 
-from owtsweep.studies.blade.paper import goals, statements
-from owtsweep.studies.blade.paper.judging import ALONE, SCENARIOS, score
-from owtsweep.studies.blade.paper.processing import process
-from owtsweep.studies.blade.paper.report import write_report
-from owtsweep.studies.blade.paper.scenarios import REFERENCE, make_record
-from owtsweep.studies.blade.paper.scores import score_boom, score_geometry, score_reference
-from owtsweep.verdicts.scores import Scores
+from experiments.maes2018.collecting import SCENARIOS, score
+from experiments.maes2018.fidelity import CLAIMS, write_report
+from experiments.maes2018.processing import process
+from experiments.maes2018.scenarios import REFERENCE, make_record
+from experiments.maes2018.scores import score_boom, score_geometry, score_reference
+from owtsweep.verdicts.claims_file import read_claims
 
 SHORT = ("record.duration=100", "record.settling=20")
 
@@ -73,14 +72,14 @@ def test_each_record_has_its_own_number() -> None:
 
 
 def test_every_statement_and_goal_is_judged(tmp_path: Path) -> None:
-    tables = [score(name, range(2), SHORT if name in SCENARIOS else ())
-              for name in (*SCENARIOS, *ALONE)]  # fmt: skip
-    files = write_report(Scores(pd.concat(tables, ignore_index=True)), tmp_path)
+    tables = [score(name, range(2), SHORT) for name in SCENARIOS]
+    files = write_report(pd.concat(tables, ignore_index=True), tmp_path)
     assert {file.name for file in files} == {
         "scores.csv", "fidelity_claims.csv", "fidelity.md", "fidelity.html",
     }  # fmt: skip
     told = (tmp_path / "fidelity.md").read_text()
     assert "missing" not in told.split("## In short")[1].split("## Statements")[0]
-    for name in (*statements.TEXTS, *goals.TEXTS):
-        assert f"### {name}: " in told
+    file = read_claims(CLAIMS)
+    for statement in (*file.statements, *file.goals):
+        assert f"### {statement.name}: " in told
     assert "| both |" in told

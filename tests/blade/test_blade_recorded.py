@@ -15,7 +15,7 @@ from pynmeagps.nmeahelpers import calc_checksum
 from scipy.spatial.transform import Rotation
 
 import owtsweep
-from owtsweep.evaluation.estimated_record import EstimatedRecord
+from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.studies import compose
 from owtsweep.studies.blade.recorded_files import read_fixes
 

@@ -13,8 +13,9 @@ from rich.console import Console
 from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.blade import blocks
-from owtsweep.studies.blade.contract import Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.sweep.plan import make_plan, make_tasks
 from owtsweep.testing import check_study
 
@@ -57,16 +58,16 @@ def test_a_sweep_says_who_is_best_and_who_waits() -> None:
     }
 
 
-def test_fidelity_names_the_script_that_judges_the_paper(
+def test_the_rows_of_a_run_judge_nothing_of_the_paper(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["sweep", *TINY, "name=one", "grid.replicates=1", "schemes=[HOLD]"]) == 0
     capsys.readouterr()
     assert main(["fidelity", "results/one"]) == 2
-    script = get_study("blade").judged_by
     told = capsys.readouterr().err
-    assert f"they are judged by {script} of the project's repository; run that\n" in told
-    assert (Path(__file__).parents[2] / script).is_file()
+    assert "study 'blade'" in told
+    assert "python -m experiments.maes2018.fidelity judges them" in told
+    assert told.count("\n") == 1
 
 
 def test_runs_can_be_compared() -> None:
@@ -77,7 +78,7 @@ def test_runs_can_be_compared() -> None:
 
 
 def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    sound = blocks.resolve("HOLD")
+    sound = SCHEMES.resolve("HOLD")
 
     class Moody:
         name = "HOLD"
@@ -97,9 +98,11 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
 
     config = compose([*TINY, "schemes=[HOLD]"])
     moody = Moody()
-    monkeypatch.setattr(blocks, "resolve", lambda name: moody)
-    tasks = make_tasks(make_plan(get_study("blade"), config))
-    rows = [rows for task in tasks for _, rows in blocks.run(config, [*task.values()])]
+    monkeypatch.setattr(SchemeTable, "resolve", lambda table, name: moody)
+    study = get_study("blade")
+    tasks = make_tasks(make_plan(study, config))
+    run_blocks = study.engine(config).run
+    rows = [rows for task in tasks for _, rows in run_blocks(config, [*task.values()])]
     told = [tuple(row) for part in rows for row in part[["status", "reason"]].to_numpy()]
     assert list(dict.fromkeys(told)) == [
         ("failed", "the estimate is not finite"), ("ok", ""), ("unable", "it is Friday")
@@ -115,7 +118,7 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
         (["grid.lever=[0,1]"], r"grid\.lever: it has 2 values, and the map is over sigma and out"),
         (["record.duration=1"], r"record\.duration: 1 s at 50 Hz are 50 samples; give 100 to"),
         (["record.settling=59"], r"record\.settling: 59 s leave 50 samples .* at least 100"),
-        (["schemes=[KF]"], r"schemes: there is no scheme 'KF'; use HOLD"),
+        (["schemes=[KF]"], r"schemes: there is no scheme 'KF' here \(but in study=floater\); u"),
         (["+motion.freedoms.x={period:3}"], r"motion.freedoms.* no degree of freedom is called x"),
         (["motion.freedoms.pitch.sigma=40"], r"motion\.freedoms\.pitch\.sigma: 40 deg reaches 120"),
         (["grid.heading=[60]"], r"grid\.heading: 60 deg reaches 180 deg; give less"),

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
+from experiments.maes2018.clock_offset import find_offset
 from owtsweep.errors import InputError
-from owtsweep.estimation.clock_offset import find_offset
-from owtsweep.sensing.clock import Clock
 
 DURATION, NOISE = 300.0, 0.003
 
@@ -62,15 +61,6 @@ def test_without_noise_it_is_found_to_the_tenth_of_a_millisecond():
         ins = see(altitude, 50.0, 1, noise=0.0)
         stations = see(altitude, 1.0, 2, ahead=offset, noise=0.0, jitter=0.3)
         assert find_offset(*ins, *stations, 3.0) == pytest.approx(offset, abs=1e-4)
-
-
-def test_counts_against_the_clock_of_the_sensors():
-    altitude = make_altitude(4)
-    t = np.arange(-100, 16_000) / 50.0
-    stamps = np.arange(1, 300.0)
-    read = Clock(offset=0.2).read(altitude(t), start=t[0], step=0.02, stamped=stamps)
-    found = find_offset(t, altitude(t), stamps, read, 0.5)
-    assert found == pytest.approx(-0.2, abs=1e-4)
 
 
 def test_a_factor_a_constant_and_gaps_do_not_matter():

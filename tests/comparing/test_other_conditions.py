@@ -9,10 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.compare import compare
-from owtsweep.comparing.comparison import Candidate, Comparison, Findings, Pair
-from owtsweep.comparing.origin import describe_origins
+from owtsweep.comparing.comparison import Aspects, Candidate, Comparison, Findings, Pair
+from owtsweep.comparing.report import describe_origins
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition
 from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows

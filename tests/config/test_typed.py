@@ -13,7 +13,6 @@ from owtsweep.config import (
     NotNegative,
     Positive,
     Section,
-    as_mapping,
     changed,
     checked,
     dump,
@@ -45,8 +44,7 @@ class Model(Config):
     pair: list[Positive] = key(
         "two", default=[1.0, 2.0], form="two numbers", min_length=2, max_length=2
     )
-    younger: float = key("younger than stored runs", default=2.5, younger=True)
-    section: Inner | None = key("younger too", default=None, younger=True)
+    section: Inner | None = key("a section or null", default=None)
 
 
 def make(**values: object) -> Model:
@@ -135,16 +133,6 @@ def test_sections_are_frozen_and_copied() -> None:
     for wrong in ({"inner.sgma": 1.0}, {"nothing.there": 1}, {"inner.sigma": "x"}):
         with pytest.raises(InputError, match=rf"^{next(iter(wrong)).split('.')[0]}"):
             with_values(config, wrong)
-
-
-def test_a_younger_key_identifies_nothing_while_it_stands_at_its_default() -> None:
-    before = as_mapping(make())
-    assert "younger" not in before
-    assert "section" not in before
-    assert as_mapping(make(younger=2.5, section=None)) == before
-    assert as_mapping(make(younger=3)) == {**before, "younger": 3.0}
-    assert as_mapping(make(section={"on": True}))["section"]["on"] is True
-    assert "younger: 2.5" in dump(make())
 
 
 def test_config_yaml_is_read_back(tmp_path) -> None:

@@ -12,8 +12,12 @@ from owtsweep.errors import InputError
 from owtsweep.estimation import late_gains
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
 from owtsweep.estimation.late_errors import find_motion_errors, find_noise_errors
-from owtsweep.estimation.late_gains import LateGains, schedule_late
-from owtsweep.estimation.late_model import LateModel, find_first_covariance
+from owtsweep.estimation.late_gains import (
+    LateGains,
+    LateModel,
+    find_first_covariance,
+    schedule_late,
+)
 
 Array = NDArray[np.float64]
 

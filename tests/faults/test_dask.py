@@ -152,7 +152,7 @@ def test_workers_limit(faulty, on, tmp_path):
 
 
 def test_worker_of_another_version_is_refused(study, on, monkeypatch, tmp_path):
-    monkeypatch.setattr("owtsweep.__version__", "9.9")
+    monkeypatch.setattr("owtsweep.sweep.worker.__version__", "9.9")
     with pytest.raises(
         InputError, match=r"tcp://.*the worker has owtsweep_version 0\S* instead of"
     ):

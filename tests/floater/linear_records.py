@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from owtsweep.studies.floater.contract import Measured, Setting, Truth
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.tuning import Tuning
 
 STEP = 0.05
@@ -95,7 +95,7 @@ def nees(error, covariance, first=1000):
 
 
 def run(name, setting, measured):
-    return resolve(name).prepare(setting).run(measured)
+    return SCHEMES.resolve(name).prepare(setting).run(measured)
 
 
 def losses(steps, rng, share=0.2):

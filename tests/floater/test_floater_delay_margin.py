@@ -8,8 +8,8 @@ from linear_records import make, tune
 from scipy.linalg import expm
 from scipy.signal import butter
 
-from owtsweep.studies.floater import delay_margin
-from owtsweep.studies.floater.delay_margin import Loop, find_margin, record_responses
+from experiments.floater import delay_margin
+from experiments.floater.delay_margin import Loop, find_margin, record_responses
 from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
 
 STEP, PERIOD, ZETA = 0.25, 12.0, 0.05

@@ -11,13 +11,13 @@ from scipy.spatial.transform import Rotation
 from owtsweep.estimation import error_state as kernels
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies import compose
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.attitude import find_body_rates
 from owtsweep.studies.floater.believed import make_setting
 from owtsweep.studies.floater.case import list_cases
-from owtsweep.studies.floater.contract import Unable
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
 
 STEP = 0.05
@@ -48,7 +48,7 @@ def make_case(*words, replicate=0, steps=1200):
 
 def judge(scheme, case):
     truth, setting, measured, settled = case
-    estimates = resolve(scheme).prepare(setting).run(measured)
+    estimates = SCHEMES.resolve(scheme).prepare(setting).run(measured)
     return compare(truth, estimates, setting.position_sigma, settled)
 
 
@@ -155,7 +155,7 @@ def test_reports_of_angles_correct_the_attitude_also_over_a_whole_turn():
 
 def test_noiseless_records_come_back():
     truth, setting, measured, settled = make_case("grid.roll=[20]", "grid.snr=[90]")
-    estimates = resolve("ERROR_STATE").prepare(setting).run(measured)
+    estimates = SCHEMES.resolve("ERROR_STATE").prepare(setting).run(measured)
     for found, true in (
         (estimates.position, truth.position), (estimates.velocity, truth.velocity),
     ):  # fmt: skip
@@ -200,7 +200,7 @@ def test_it_knows_its_errors_and_a_delay():
 def test_a_record_without_a_report_is_an_estimate_of_nothing():
     _, setting, measured, _ = make_case()
     measured = replace(measured, position=np.full_like(measured.position, np.nan))
-    estimates = resolve("ERROR_STATE").prepare(setting).run(measured)
+    estimates = SCHEMES.resolve("ERROR_STATE").prepare(setting).run(measured)
     assert not estimates.position.any()
     assert np.isnan(estimates.nis).all()
 
@@ -208,4 +208,4 @@ def test_a_record_without_a_report_is_an_estimate_of_nothing():
 def test_sensors_of_the_basins_frame_are_refused_with_what_works():
     _, setting, _ = make(steps=50)
     with pytest.raises(Unable, match=r"use sensors\.frame=body"):
-        resolve("ERROR_STATE").prepare(replace(setting, tuning=tune()))
+        SCHEMES.resolve("ERROR_STATE").prepare(replace(setting, tuning=tune()))

@@ -11,8 +11,8 @@ from scipy.signal import butter, lfilter
 from sine_records import find_lag, report
 
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
-from owtsweep.studies.floater.contract import Unable
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
 from owtsweep.studies.floater.schemes.complementary import find_crossover
 
@@ -80,15 +80,15 @@ def test_poles_are_where_the_crossover_puts_them(crossover: float) -> None:
 
 def test_the_crossover_is_that_of_the_noise_and_has_an_end() -> None:
     best = np.sqrt(SETTING.acceleration_sigma / SETTING.position_sigma)
-    chosen = resolve("COMPLEMENTARY").prepare(replace(SETTING, tuning=tune(crossover=3.0)))
+    chosen = SCHEMES.resolve("COMPLEMENTARY").prepare(replace(SETTING, tuning=tune(crossover=3.0)))
     assert chosen.crossover == pytest.approx(3.0 * best)
-    fast = resolve("COMPLEMENTARY").prepare(replace(SETTING, tuning=tune(crossover=1e6)))
+    fast = SCHEMES.resolve("COMPLEMENTARY").prepare(replace(SETTING, tuning=tune(crossover=1e6)))
     assert fast.crossover == pytest.approx(0.15 * 2.0 * np.pi / STEP)
-    body = resolve("COMPLEMENTARY").prepare(replace(SETTING, body=True))
+    body = SCHEMES.resolve("COMPLEMENTARY").prepare(replace(SETTING, body=True))
     assert body.crossover[:3] == pytest.approx(best[:3])
     assert body.crossover[3:] == pytest.approx(SETTING.rate_sigma / SETTING.position_sigma[3:])
     with pytest.raises(Unable, match="accelerations have no noise"):
-        resolve("COMPLEMENTARY").prepare(replace(SETTING, acceleration_sigma=np.zeros(6)))
+        SCHEMES.resolve("COMPLEMENTARY").prepare(replace(SETTING, acceleration_sigma=np.zeros(6)))
 
 
 def test_the_crossover_balances_noise_and_bias() -> None:

@@ -22,8 +22,8 @@ from floater.linear_records import (
 from owtsweep.estimation.kinematic import Noise
 from owtsweep.estimation.kinematic_predictor import make_transition
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.floater.contract import Unable
-from owtsweep.studies.floater.schemes import resolve
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.linear import find_bias, read_inputs
 from owtsweep.studies.floater.schemes.printed import process_noise
 
@@ -201,7 +201,7 @@ def test_every_scheme_keeps_the_contract(name):
     _, setting, measured = make(steps=300, delay=0.1)
     measured = lose(measured, losses(300, np.random.default_rng(0)), zeros=False)
     kept = measured.position.copy()
-    scheme = resolve(name)
+    scheme = SCHEMES.resolve(name)
     assert scheme.name == name
     estimates = scheme.prepare(setting).run(measured)
     assert np.array_equal(measured.position, kept, equal_nan=True)
@@ -224,7 +224,7 @@ def test_a_record_without_reports_gives_the_prior(name):
 def test_steady_state_needs_noise_of_accelerations():
     _, setting, _ = make(steps=50)
     with pytest.raises(Unable, match="no noise"):
-        resolve("KF_STEADY").prepare(replace(setting, acceleration_sigma=np.zeros(6)))
+        SCHEMES.resolve("KF_STEADY").prepare(replace(setting, acceleration_sigma=np.zeros(6)))
 
 
 def test_body_rates_are_turned_to_those_of_euler_angles():

@@ -15,8 +15,12 @@ from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.floater import blocks
-from owtsweep.studies.floater.contract import Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.floater.believed import make_setting
+from owtsweep.studies.floater.case import list_cases
+from owtsweep.studies.floater.schemes import SCHEMES
+from owtsweep.studies.floater.truth import make_truth
 from owtsweep.sweep.plan import make_plan, make_tasks
 from owtsweep.testing import check_study
 
@@ -35,9 +39,10 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def run(words: list[str]) -> pd.DataFrame:
     """Return the rows of all blocks, each run in this process."""
-    config = compose([*TINY, *words])
-    tasks = make_tasks(make_plan(get_study("floater"), config))
-    return pd.concat([rows for task in tasks for _, rows in blocks.run(config, [*task.values()])])
+    config, study = compose([*TINY, *words]), get_study("floater")
+    run_blocks = study.engine(config).run
+    tasks = make_tasks(make_plan(study, config))
+    return pd.concat([rows for task in tasks for _, rows in run_blocks(config, [*task.values()])])
 
 
 def test_the_study_keeps_the_contract() -> None:
@@ -66,16 +71,16 @@ def test_a_sweep_says_who_is_best_and_who_waits() -> None:
     assert "Not in the contest, because its estimates wait: FIXED_LAG." in shown.getvalue()
 
 
-def test_fidelity_names_the_script_that_judges_the_paper(
+def test_the_rows_of_a_run_judge_nothing_of_the_paper(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["sweep", *TINY, "name=one", "grid.replicates=1", "schemes=[KF]"]) == 0
     capsys.readouterr()
     assert main(["fidelity", "results/one"]) == 2
-    script = get_study("floater").judged_by
     told = capsys.readouterr().err
-    assert f"they are judged by {script} of the project's repository; run that\n" in told
-    assert (Path(__file__).parents[2] / script).is_file()
+    assert "study 'floater'" in told
+    assert "python -m experiments.mehammer2018.fidelity judges them" in told
+    assert told.count("\n") == 1
 
 
 def test_planes_are_runs_of_their_own_that_can_be_compared(
@@ -112,7 +117,7 @@ def test_more_records_and_schemes_keep_the_blocks_that_are_there() -> None:
 
 
 def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    sound = blocks.resolve("KF")
+    sound = SCHEMES.resolve("KF")
 
     class Moody:
         name = "KF"
@@ -127,15 +132,15 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
             return self if self.count == 1 else sound.prepare(setting)
 
         def run(self, measured):
-            estimates = sound.prepare(blocks.make_setting(config, motion, cell)).run(measured)
+            estimates = sound.prepare(make_setting(config, motion, cell)).run(measured)
             estimates.position[-1] = np.nan
             return estimates
 
     config = compose(TINY)
-    (cell, _) = blocks.list_cases(config)
-    motion = blocks.make_truth(config, 0)
+    (cell, _) = list_cases(config)
+    motion = make_truth(config, 0)
     moody = Moody()
-    monkeypatch.setattr(blocks, "resolve", lambda name: moody)
+    monkeypatch.setattr(SchemeTable, "resolve", lambda table, name: moody)
     rows = run(["schemes=[KF]"])
     told = rows.drop_duplicates(["delay", "replicate"])[["status", "reason"]].to_numpy().tolist()
     assert told == [

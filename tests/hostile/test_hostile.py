@@ -183,7 +183,7 @@ def test_words_of_a_tired_user(name: str, tmp_path: Path, monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize(
     "command",
-    ["show", "figures", "fidelity", "compare", "replay", "spectrum", "vary", "list"],
+    ["show", "figures", "fidelity", "compare", "replay", "spectrum", "vary", "place", "list"],
 )
 @pytest.mark.parametrize(
     "word", ["nowhere", "", "\x1b[31m", "\udcff", "x" * 5000, "/dev/zero", "--unknown", "."]

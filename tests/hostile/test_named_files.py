@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import json
 import os
 import re
 import shutil
@@ -23,6 +24,8 @@ from owtsweep.config.composition import compose_plain
 from owtsweep.errors import InputError
 from owtsweep.structures import read_structure
 from owtsweep.studies.registry import find_tree, get_study
+from owtsweep.sweep.keys import list_versions
+from owtsweep.sweep.plan import digest
 from owtsweep.sweep.store import MOST_BYTES
 
 TOWER = (
@@ -109,12 +112,17 @@ def test_reading_a_run_opens_no_file_that_it_names(tower: Path, trap: str) -> No
 
 
 def store(keys: dict[str, object], *words: str) -> Path:
-    """Write what a stranger may send: a folder with nothing but a configuration."""
+    """Write what a stranger may send: a folder with a configuration and a plan that fits."""
     study, *others = words
     plain = compose_plain(find_tree(study), list(others)) | {"study": study, **keys}
-    plain = get_study(study).config_type().complete(plain)
+    plain = get_study(study).complete(plain)
     Path("sent").mkdir()
-    Path("sent", "config.yaml").write_text(yaml.safe_dump(plain), encoding="utf-8")
+    text = yaml.safe_dump(plain)
+    Path("sent", "config.yaml").write_text(text, encoding="utf-8")
+    tuning = plain["tuning"]
+    block = [["0" * 32, "a block", 1, 1, *([tuning] if isinstance(tuning, list) else [])]]
+    plan = {"versions": list_versions(get_study(study)), "config_digest": digest(text)}
+    Path("sent", "plan.json").write_text(json.dumps({**plan, "blocks": block}))
     return Path("sent")
 
 
@@ -127,16 +135,16 @@ def store(keys: dict[str, object], *words: str) -> Path:
         ("recorded.imu", ["blade", "experiment=recorded", "++recorded.heading=0"]),
     ],
 )  # fmt: skip
-def test_a_folder_without_a_plan_opens_no_file_that_it_names(
+def test_reading_a_folder_that_holds_no_case_opens_no_file_that_it_names(
     key: str, words: list[str], trap: str
 ) -> None:
     named = Path("named.csv").absolute()
     TRAPS[trap](named)
     gnss = [f"++recorded.gnss=[{named}]"] if key == "recorded.imu" else []
     run = owtsweep.load(store({}, *words, *gnss, f"++{key}={named}"))
-    for read in (run.plan, run.cases):
-        with pytest.raises(InputError, match=rf"a new plan needs what {key} names"):
-            read()
+    assert len(run.plan()) == 1
+    with pytest.raises(InputError, match="all 1 blocks are missing"):
+        run.cases()
 
 
 def test_the_other_studies_of_a_stored_mating_run_are_not_composed() -> None:
@@ -145,9 +153,8 @@ def test_the_other_studies_of_a_stored_mating_run_are_not_composed() -> None:
     sys.path.insert(0, str(Path.cwd()))
     try:
         run = owtsweep.load(store({"hub_scheme": f"{{_target_: {name}.Any}}"}, "mating"))
-        assert run.config.describe_origin()
-        with pytest.raises(InputError, match="a new plan needs"):
-            run.plan()
+        assert run.study.describe_origin(run.config)
+        assert len(run.plan()) == 1
     finally:
         sys.path.remove(str(Path.cwd()))
     assert name not in sys.modules

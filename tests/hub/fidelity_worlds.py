@@ -9,11 +9,11 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
+from experiments.ren2019 import reasons
+from experiments.ren2019.evidence import AMPLITUDES, PERIODS, SCHEMES, Evidence
 from owtsweep.studies.hub.conditions import CONDITIONS
-from owtsweep.studies.hub.fidelity import reasons
-from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, HubEvidence
-from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
-from owtsweep.studies.hub.fidelity.score import published_numbers
+from owtsweep.studies.readings.published import published_numbers
+from owtsweep.verdicts.score_table import ScoreTable
 
 REPLICATES = 6
 EVERYTHING = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
@@ -30,8 +30,7 @@ def world(
     periods=PERIODS,
     amplitudes=AMPLITUDES,
     schemes=SCHEMES,
-    made: HistoryErrors | None = None,
-) -> HubEvidence:
+) -> Evidence:
     """A run whose schemes have these terms, by scheme or by (measure, natural period).
 
     All records differ a little, by a factor that the schemes share. `wobble` moves a scheme's
@@ -53,7 +52,7 @@ def world(
             row |= {"window": window, "amplitude": np.nan, "motion": A * factor[r], "cross": 0.0}
             row |= {"noise": F * factor[r], "value": np.nan, "n_samples": samples}
             rows.append(row | {"status": "ok", "reason": ""})
-    return make_evidence(pd.DataFrame(rows), schemes, periods, amplitudes, made)
+    return make_evidence(pd.DataFrame(rows), schemes, periods, amplitudes)
 
 
 def make_evidence(
@@ -61,17 +60,14 @@ def make_evidence(
     schemes=SCHEMES,
     periods=PERIODS,
     amplitudes=AMPLITUDES,
-    made: HistoryErrors | None = None,
-) -> HubEvidence:
+) -> Evidence:
     """The evidence of these rows in the full window."""
-    return HubEvidence(
+    grid = {"natural_period": tuple(periods), "amplitude": tuple(amplitudes)}
+    return Evidence(
         rows=rows,
-        conditions=CONDITIONS,
-        grid={"natural_period": tuple(periods), "amplitude": tuple(amplitudes)},
         schemes=tuple(schemes),
-        rivals=SCHEMES,
+        scores=ScoreTable.of_rows(rows, CONDITIONS, grid, "full"),
         window="full",
-        history_errors=made,
     )
 
 
@@ -125,7 +121,7 @@ def shrinking(measure: str, period: float) -> dict[str, Terms]:
 
 
 @cache
-def scattered_world() -> HubEvidence:
+def scattered_world() -> Evidence:
     """Random products, so that every number can be checked by hand."""
     terms = {s: (1e-3 * (i + 1), 1e-3) for i, s in enumerate(SCHEMES)}
     evidence = world(terms, measures=EVERYTHING)

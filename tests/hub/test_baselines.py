@@ -18,11 +18,13 @@ import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
-from owtsweep.studies.hub import HubStudy, batch, estimates, figures, planning, winners
-from owtsweep.studies.hub.expected import cache, drawing
+from owtsweep.studies.hub import batch, cache, estimates, planning, winners
+from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
-from owtsweep.studies.hub.figures import maps_by_tuning, mse_over_amplitude
-from owtsweep.studies.hub.schemes import BASELINES, resolve
+from owtsweep.studies.hub.figures import listing, maps_by_tuning, mse_over_amplitude
+from owtsweep.studies.hub.names import BASELINES
+from owtsweep.studies.hub.resolving import resolve
+from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import block_key, run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.testing import check_scheme
@@ -197,7 +199,7 @@ def test_a_baseline_that_schemes_name_is_a_scheme() -> None:
 )
 def test_what_is_refused(overrides: list[str], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        configure(*overrides).check()
+        configure(*overrides)
 
 
 def crowned(tmp_path: Path):
@@ -250,7 +252,7 @@ def test_a_baseline_of_less_error_is_named_and_hatched(tmp_path: Path) -> None:
     assert re.search(r"0\.05 m +NONE +~", shown)
     assert "NONE in 1" in shown
     assert "beats every scheme" not in shown
-    figure = figures.draw_cells(
+    figure = listing.draw_cells(
         run.config, {"best_scheme": best}, run.cases(), "position", [], replicates=6
     )
     assert "NONE" in [text.get_text() for text in figure.axes[0].texts]
@@ -260,7 +262,7 @@ def test_an_answer_names_its_window_and_the_other(tmp_path: Path) -> None:
     run, tables = crowned(tmp_path)
     told = winners.OTHER_WINDOW["full"]
     assert told in " ".join(render(run, tables).split())
-    figure = figures.draw_cells(run.config, tables, run.cases(), "position", [])
+    figure = listing.draw_cells(run.config, tables, run.cases(), "position", [])
     texts = " ".join(text.get_text() for text in figure.findobj(Text))
     assert told in " ".join(texts.split())
 

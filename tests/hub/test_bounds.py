@@ -14,20 +14,20 @@ sys.path.insert(0, str(Path(__file__).parent))
 from tools import SMALL
 
 import owtsweep
+from experiments.better import bound_on_window
 from owtsweep import InputError
 from owtsweep.config import with_values
 from owtsweep.motion.shaping import fit_shaping_filter
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.cells import add_efficiency, compute_bounds, find_bounds
+from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.bounds.shape import find_shape
-from owtsweep.studies.hub.bounds.window import bound_on_window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.figures import efficiency
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
-from owtsweep.studies.hub.tuning.bound import kalman_bounds
 
 
 @pytest.fixture(scope="module")

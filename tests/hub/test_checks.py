@@ -15,6 +15,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies import compose, from_mapping
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import sensors
+from owtsweep.studies.hub.study import HubStudy
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +184,7 @@ def with_gnss(config: HubConfig, **changes: float) -> HubConfig:
     """A checked copy, without OmegaConf: some hundred are made."""
     gnss = changed(config.sensors.gnss, **changes)
     copy = changed(config, sensors=changed(config.sensors, gnss=gnss))
-    copy.check()
+    HubStudy().check(copy)
     return copy
 
 

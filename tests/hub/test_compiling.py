@@ -14,9 +14,9 @@ from owtsweep.studies.hub import compiling, estimates
 from owtsweep.studies.hub.compiling import share
 from owtsweep.studies.hub.compiling.examples import list_examples
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.expected.curves import curves
-from owtsweep.studies.hub.online import online as online_of
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.error_curves.curves import curves
+from owtsweep.studies.hub.on_board import online as online_of
+from owtsweep.studies.hub.resolving import resolve_all
 
 USES = [["gains", "superposed"], ["gains", "expected", "superposed"], ["online"]]
 
@@ -33,7 +33,7 @@ def test_examples_have_the_types_that_given_series_have() -> None:
     from owtsweep.estimation import riccati, windowing
     from owtsweep.studies import compose
     from owtsweep.studies.hub import sensors
-    from owtsweep.studies.hub.expected import kernels
+    from owtsweep.studies.hub.error_curves import kernels
     from owtsweep.studies.hub.kernels import online, runs
 
     config = compose(["tuning=paper"])

@@ -8,7 +8,7 @@ from tools import configure, filtered_states, measured, ned
 
 from dense import Measurement, posterior
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

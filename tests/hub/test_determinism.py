@@ -8,7 +8,7 @@ from tools import configure, rows_of
 
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 
 @pytest.mark.usefixtures("kernels")

@@ -9,7 +9,7 @@ from tools import assert_same, configure, measured, run_batch, run_reference
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.planning import plan
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -131,4 +131,3 @@ def test_the_hold_names_the_blocks_of_the_schemes_that_predict() -> None:
         for hold in ("zero", "first")
     )
     assert [name for name in SCHEMES if zero[name] != first[name]] == ["HME1", "HME2"]
-    assert "hme.predictor" not in zero["HME1"]  # stored results of before keep their names

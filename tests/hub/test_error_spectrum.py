@@ -16,7 +16,7 @@ from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

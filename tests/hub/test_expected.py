@@ -14,17 +14,19 @@ from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import displacement, lines, synthesise
 from owtsweep.streams import stream
-from owtsweep.studies.hub import HubStudy, batch, estimates
+from owtsweep.studies.hub import batch, cache, estimates, peak
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.expected import answers, cache, engine, inputs, peak, probing
-from owtsweep.studies.hub.expected.curves import Curves, curves
-from owtsweep.studies.hub.expected.peak import peak_factors
-from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.error_curves import inputs, probing
+from owtsweep.studies.hub.error_curves.curves import Curves, curves
+from owtsweep.studies.hub.error_curves.shares import expected_ratio, lines_of
+from owtsweep.studies.hub.expected import answers, engine
+from owtsweep.studies.hub.peak import peak_factors
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import fix_count
+from owtsweep.studies.hub.study import HubStudy
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

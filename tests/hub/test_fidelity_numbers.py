@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from fidelity_worlds import (
     BEST_EKF,
@@ -17,23 +18,27 @@ from fidelity_worlds import (
 )
 from scipy import stats
 
+from experiments.ren2019 import plots
+from experiments.ren2019.consistency import judge_consistency
+from experiments.ren2019.contents import FREEDOM
+from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, Evidence
+from experiments.ren2019.fidelity import MEASURES, PANELS, judge_all, judge_along_x
+from experiments.ren2019.numbers import compare_numbers, lies_within_records
+from experiments.ren2019.sections import number_table
+from experiments.ren2019.summaries import fidelity_table
 from owtsweep.figures import style
-from owtsweep.studies.hub.fidelity.contents import FREEDOM
-from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
-from owtsweep.studies.hub.fidelity.numbers import compare_numbers
-from owtsweep.studies.hub.fidelity.report import MEASURES, PANELS, judge_all
-from owtsweep.studies.hub.fidelity.statements import STATEMENTS, TABLE_CELLS
-from owtsweep.studies.hub.fidelity.summaries import fidelity_table
-from owtsweep.verdicts import plots
-from owtsweep.verdicts.consistency import judge_consistency
-from owtsweep.verdicts.inference import REPRODUCED, all_of
-from owtsweep.verdicts.numbers import lies_within_records
-from owtsweep.verdicts.sections import number_table
+from owtsweep.verdicts.inference import REPRODUCED
 
 
 @pytest.fixture(scope="module")
-def scattered() -> HubEvidence:
+def scattered() -> Evidence:
     return scattered_world()
+
+
+def summarise(evidence: Evidence, numbers: pd.DataFrame) -> pd.DataFrame:
+    """Make the table fidelity.csv of a run."""
+    scores = [evidence.scores]
+    return fidelity_table(evidence, numbers, judge_all(scores), judge_along_x(scores))
 
 
 def test_numbers_by_brute_force(scattered):
@@ -76,7 +81,7 @@ def test_the_misprint_is_marked_wherever_it_is_listed_as_published(scattered):
     assert [row for row in listed if "printed" in row[2]] == [
         next(row for row in listed if row[:3] == ["EKF", "vx", "1.98e-03 (misprinted as 1.98e-02)"])
     ]
-    table = fidelity_table(scattered, numbers, []).set_index("item")["why"]
+    table = summarise(scattered, numbers).set_index("item")["why"]
     marked = table.index[table.str.contains("misprint")]
     assert set(marked) == {"table 7 EKF vx", "EKF velocity / position MSE, table 7"}
 
@@ -86,7 +91,7 @@ def test_a_world_that_prints_the_paper_agrees_with_it():
     numbers = compare_numbers(evidence)
     # tables 7 and 8 give F and A at 8 s, so that nothing is left to fit there
     assert numbers["log2"].abs().max() < 1e-9
-    table = fidelity_table(evidence, numbers, [])
+    table = summarise(evidence, numbers)
     table = table.set_index("item")
     assert (table["kind"] == "number").sum() == 64
     assert set(table.loc[table["kind"] == "winner", "agrees"]) == {"yes"}
@@ -100,7 +105,7 @@ def test_a_world_that_prints_the_paper_agrees_with_it():
 def test_winners_and_boundaries_that_differ_are_told():
     evidence = world(shrinking, measures=EVERYTHING)
     numbers = compare_numbers(evidence)
-    table = fidelity_table(evidence, numbers, [])
+    table = summarise(evidence, numbers)
     agrees = table.set_index("item")["agrees"]
     value = table.set_index("item")["reproduced"]
     assert value["boundary 4 s"] == pytest.approx(0.3, rel=1e-3)
@@ -115,27 +120,27 @@ def test_winners_and_boundaries_that_differ_are_told():
 
 def test_without_a_boundary_the_cells_decide():
     evidence = world({**EQUAL, "HME1": (1.0, 0.01)}, measures=EVERYTHING)
-    table = fidelity_table(evidence, compare_numbers(evidence), []).set_index("item")
+    table = summarise(evidence, compare_numbers(evidence)).set_index("item")
     assert np.isnan(table.loc["boundary 4 s", "reproduced"])
     assert table.loc["boundary 4 s", "agrees"] == "no"
     assert "HME1 is better at every amplitude" in table.loc["boundary 4 s", "why"]
-    why = {statement.name: statement.why for statement in judge_all(evidence)}["F3"]
+    why = {statement.name: statement.why for statement in judge_all([evidence.scores])}["F3"]
     assert "nan" not in why
 
 
 def test_schemes_that_coincide_are_no_rivals():
     """With consistent covariances EKF is MKF: it can be best all the same."""
     twins = {**BEST_EKF, "MKF": BEST_EKF["EKF"]}
-    claims = STATEMENTS["F1"](world(twins))
-    assert all_of(claims) == REPRODUCED
-    assert all("HME" in c.label for claim in claims for c in claim.decisions)
-    against_mkf = STATEMENTS["F2"](world({**twins, "MKF": (9.0, 1.0)}))[1]
+    first = judge_all([world(twins).scores])[0]
+    assert first.verdict == REPRODUCED
+    assert all("HME" in c.label for claim in first.claims for c in claim.decisions)
+    against_mkf = judge_all([world({**twins, "MKF": (9.0, 1.0)}).scores])[1].claims[1]
     assert all(c.label.endswith(("EKF", "HME2")) for c in against_mkf.decisions)
 
 
 def test_distances_are_quantiles_of_log_ratios(scattered):
     numbers = compare_numbers(scattered)
-    table = fidelity_table(scattered, numbers, []).set_index("item")["reproduced"]
+    table = summarise(scattered, numbers).set_index("item")["reproduced"]
     for group in (["MKF", "HME1", "HME2"], ["EKF"]):
         own = np.abs(numbers.loc[numbers["scheme"].isin(group), "log2"])
         name = ", ".join(group)
@@ -160,8 +165,8 @@ def test_values_of_a_perfect_scheme_and_of_a_forged_run_are_told_without_a_warni
     evidence = world(
         {**EQUAL, **dict.fromkeys(schemes, (value, value))}, measures=EVERYTHING, periods=(4.0, 8.0)
     )
-    numbers, judged = compare_numbers(evidence), judge_all(evidence)
-    table = fidelity_table(evidence, numbers, judged).set_index("item")
+    numbers = compare_numbers(evidence)
+    table = summarise(evidence, numbers).set_index("item")
     judge_consistency(evidence, FREEDOM)
     shown = table.loc["table 8 EKF x", "reproduced"]
     assert shown == pytest.approx(2.0 * value)

@@ -8,20 +8,20 @@ from fidelity_worlds import EVERYTHING, Terms, make_evidence, printed, scattered
 from scipy import stats
 from tools import configure
 
+from experiments.ren2019 import histories, reasons
+from experiments.ren2019.consistency import judge_consistency, judge_intervals
+from experiments.ren2019.contents import FREEDOM
+from experiments.ren2019.evidence import Cell, Evidence
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.fidelity import history_errors, reasons
-from owtsweep.studies.hub.fidelity.contents import FREEDOM
-from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
-from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import simulate_bias
-from owtsweep.verdicts.consistency import judge_consistency, judge_intervals
+from owtsweep.studies.readings.published import published_numbers
 
 
 @pytest.fixture(scope="module")
-def scattered() -> HubEvidence:
+def scattered() -> Evidence:
     return scattered_world()
 
 
@@ -73,7 +73,7 @@ def test_consistency_by_brute_force(scattered):
         ["scheme", "natural_period", "amplitude"]
     )
     assert len(table) == 4 * 6 * 10
-    values = scattered.values
+    values = scattered.scores.table
     chosen = values[(values["scheme"] == "MKF") & (values["amplitude"] == 2.0)]
     chosen = chosen[(chosen["natural_period"] == 5.0) & (chosen["measure"] == "nees")]
     row = table.loc["MKF", 5.0, 2.0]
@@ -104,23 +104,24 @@ def test_verdict_on_a_cell(nees, nis, verdict):
 def test_histories_are_those_of_the_sweep():
     """Their squared errors are those that the batch engine sums on the fly."""
     config = configure("record.duration=30", "grid.replicates=2")
-    records = make_records(config, history_errors.NATURAL_PERIOD, [1])
+    records = make_records(config, histories.NATURAL_PERIOD, [1])
     chain = resolve("HME2").kernel(records.sensors, config, records.steps)
     bias = true_bias(config, records)
-    errors = history_errors.absolute_errors(chain, records, bias)
-    (direct,) = batch.sum_errors([chain], records, 1, history_errors.AMPLITUDE)
+    errors = histories.absolute_errors(chain, records, bias)
+    (direct,) = batch.sum_errors([chain], records, 1, histories.AMPLITUDE)
     squares = direct.products[:, :4, 2, 0].sum(axis=0)
     assert np.sum(errors["position"] ** 2, axis=0) == pytest.approx(squares[:2])
     assert np.sum(errors["velocity"] ** 2, axis=0) == pytest.approx(squares[2:])
 
-    made = history_errors.measure_history_errors(config)
-    assert {len(inside) for inside in made.inside.values()} == {2}
+    made = histories.measure_histories(config)
+    assert set(made["replicate"]) == {0, 1}
+    value = made.set_index(["scheme", "quantity", "measure", "replicate"])["value"]
     step = records.sensors.step
     for quantity, error in errors.items():
-        assert made.accumulated["HME2", quantity][1] == pytest.approx(error.sum() * step)
+        assert value["HME2", quantity, "accumulated", 1] == pytest.approx(error.sum() * step)
     settled = round(config.measures.settling_time / step)
     share = np.mean(errors["velocity"][settled:] <= 0.05)
-    assert made.inside["HME2"][1] == pytest.approx(share)
+    assert value["HME2", "velocity", "share_inside", 1] == pytest.approx(share)
 
 
 def true_bias(config, records):
@@ -142,4 +143,4 @@ def test_the_true_bias_is_that_of_the_sensors_turned_to_the_north():
 
 
 def test_no_histories_without_both_schemes():
-    assert history_errors.measure_history_errors(configure("schemes=[MKF,HME1]")) is None
+    assert histories.measure_histories(configure("schemes=[MKF,HME1]")) is None

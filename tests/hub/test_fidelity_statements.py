@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pandas as pd
 import pytest
 from fidelity_worlds import (
     BEST_EKF,
@@ -18,19 +19,15 @@ from fidelity_worlds import (
     world,
 )
 
-from owtsweep.studies.hub import published
-from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
-from owtsweep.studies.hub.fidelity.numbers import compare_numbers
-from owtsweep.studies.hub.fidelity.report import judge_all, judge_along_x
-from owtsweep.studies.hub.fidelity.statements import STATEMENTS
-from owtsweep.studies.hub.fidelity.summaries import fidelity_table
-from owtsweep.verdicts.inference import (
-    MISSING,
-    NOT_REPRODUCED,
-    REPRODUCED,
-    UNDECIDED,
-    all_of,
-)
+from experiments.ren2019.fidelity import CLAIMS, judge_all, judge_along_x
+from experiments.ren2019.histories import COLUMNS
+from experiments.ren2019.numbers import compare_numbers
+from experiments.ren2019.summaries import fidelity_table
+from owtsweep.studies.readings.published import BOUNDARIES, tolerated
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+from owtsweep.verdicts.judge import judge
+from owtsweep.verdicts.score_table import ScoreTable
+from owtsweep.verdicts.statements import JudgedStatement
 
 
 def velocity_only(hme1: float, hme2: float) -> Callable[[str, float], dict[str, Terms]]:
@@ -41,6 +38,12 @@ def velocity_only(hme1: float, hme2: float) -> Callable[[str, float], dict[str, 
         return {**EQUAL, **own}
 
     return terms
+
+
+def judge_one(name: str, *scores: ScoreTable) -> JudgedStatement:
+    """Judge the statement of that name."""
+    (judged,) = judge([s for s in CLAIMS.statements if s.name == name], scores, CLAIMS)
+    return judged
 
 
 RESTLESS = {"HME2": 0.6}
@@ -83,8 +86,7 @@ CASES = [
 
 @pytest.mark.parametrize(("name", "verdict", "terms", "wobble"), CASES)
 def test_statement(name, verdict, terms, wobble):
-    claims = STATEMENTS[name](world(terms, wobble=wobble))
-    assert all_of(claims) == verdict
+    assert judge_one(name, world(terms, wobble=wobble).scores).verdict == verdict
 
 
 def sums(**position) -> dict[tuple[str, str], np.ndarray]:
@@ -114,26 +116,34 @@ def sums(**position) -> dict[tuple[str, str], np.ndarray]:
 )
 def test_history_statement(name, verdict, inside, accumulated):
     shares = {"HME1": np.array(inside), "HME2": np.full(len(inside), 0.99)}
-    evidence = world(EQUAL, made=HistoryErrors(shares, accumulated), periods=[4.0])
-    assert all_of(STATEMENTS[name](evidence)) == verdict
+    measured = {(s, "velocity", "share_inside"): share for s, share in shares.items()}
+    measured |= {(s, q, "accumulated"): errors for (s, q), errors in accumulated.items()}
+    rows = [
+        ("3.8 s, 0.5 m", *key, replicate, value)
+        for key, values in measured.items()
+        for replicate, value in enumerate(values)
+    ]
+    histories = ScoreTable(pd.DataFrame(rows, columns=COLUMNS))
+    assert judge_one(name, world(EQUAL, periods=[4.0]).scores, histories).verdict == verdict
 
 
 def test_cells_and_schemes_that_the_run_lacks_are_named():
     few = world(growing, periods=[4.0])
-    verdicts = {name: all_of(test(few)) for name, test in STATEMENTS.items()}
+    judged = {statement.name: statement for statement in judge_all([few.scores])}
+    verdicts = {name: statement.verdict for name, statement in judged.items()}
     assert verdicts["F3"] == REPRODUCED  # all it needs is there
     assert verdicts["F1"] == NOT_REPRODUCED  # what is there is enough to fall
     assert {verdicts[name] for name in ("F4", "F5", "F7", "F10")} == {MISSING}
-    assert STATEMENTS["F7"](few)[0].missing == ("3 s, 2 m",)
-    assert "3 s, 0.05 m" in STATEMENTS["F1"](few)[0].missing
+    assert judged["F7"].claims[0].missing == ("3 s, 2 m",)
+    assert "3 s, 0.05 m" in judged["F1"].claims[0].missing
 
     alone = world(growing, schemes=["HME1"])
-    judged = judge_all(alone)
-    assert [statement.name for statement in judged] == [f"F{i}" for i in range(1, 12)]
-    assert {statement.verdict for statement in judged} == {MISSING}
+    of_one = judge_all([alone.scores])
+    assert [statement.name for statement in of_one] == [f"F{i}" for i in range(1, 12)]
+    assert {statement.verdict for statement in of_one} == {MISSING}
     numbers = compare_numbers(alone)
     assert (numbers["scheme"][numbers["reproduced"].notna()] == "HME1").all()
-    table = fidelity_table(alone, numbers, judged)
+    table = fidelity_table(alone, numbers, of_one, judge_along_x([alone.scores]))
     assert set(table.loc[table["kind"].isin(["winner", "statement"]), "agrees"]) == {MISSING}
     assert "not in this run" in table["why"][0]
 
@@ -145,20 +155,37 @@ def test_f1_to_f5_are_judged_in_x_alone_too():
         return hme2_beyond({"x": 0.3}.get(measure, 1.2))
 
     evidence = world(terms, measures=("position", "velocity", "x"))
-    verdicts = {statement.name: statement.verdict for statement in judge_all(evidence)}
-    along_x = judge_along_x(evidence)
+    verdicts = {statement.name: statement.verdict for statement in judge_all([evidence.scores])}
+    along_x = judge_along_x([evidence.scores])
     assert [statement.name for statement in along_x] == [f"F{i}, x alone" for i in range(1, 6)]
     in_x = {statement.name: statement.verdict for statement in along_x}
     assert (verdicts["F3"], in_x["F3, x alone"]) == (NOT_REPRODUCED, REPRODUCED)
     assert (verdicts["F4"], in_x["F4, x alone"]) == (REPRODUCED, NOT_REPRODUCED)
-    table = fidelity_table(evidence, compare_numbers(evidence), [], along_x).set_index("item")
+    table = fidelity_table(
+        evidence, compare_numbers(evidence), judge_all([evidence.scores]), along_x
+    ).set_index("item")
     assert table.loc["boundary 4 s, x alone", "reproduced"] == pytest.approx(0.3, rel=1e-3)
     assert table.loc["boundary 4 s", "reproduced"] == pytest.approx(1.2, rel=1e-3)
     assert table.loc["F3, x alone", "agrees"] == REPRODUCED
 
 
 def test_a_definition_is_printed_with_each_statement():
-    for statement in judge_all(world(EQUAL, periods=[4.0])):
+    for statement in judge_all([world(EQUAL, periods=[4.0]).scores]):
         assert len(statement.definition) > 60
         assert "\n" not in statement.why
-        assert statement.text.split()[0] in published.facts()["statement"].str.cat()
+
+
+def test_boundaries_are_claimed_within_what_is_tolerated():
+    for name, period in (("F3", 4.0), ("F4", 6.0)):
+        (statement,) = (s for s in CLAIMS.statements if s.name == name)
+        parts = statement.claims[0].parts
+        assert [part.side for part in parts] == ["above", "below"]
+        assert tuple(part.bound for part in parts) == tolerated(period)
+        assert statement.claims[0].parts[0].select["natural_period"] == (period,)
+    assert set(BOUNDARIES) == {4.0, 6.0}
+
+
+def test_sections_are_those_of_the_print():
+    assert [s.name for s in CLAIMS.statements] == [f"F{number}" for number in range(1, 12)]
+    printed = {statement.printed for statement in CLAIMS.statements}
+    assert printed == {"section 5.2", "section 5.3", "section 5.4"}

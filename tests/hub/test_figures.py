@@ -15,6 +15,8 @@ from matplotlib.patches import Rectangle
 from rich.console import Console
 from tools import configure
 
+from experiments.ren2019.histories import measure_histories
+from experiments.ren2019.mse_over_amplitude import sum_printed
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, distributions, margin, style, terminal
@@ -25,12 +27,12 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies import compose
-from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
-from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
-from owtsweep.studies.hub.figures import drawings, error_spectra, mse_over_amplitude
+from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
+from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.looks import LOOKS
-from owtsweep.studies.hub.schemes.stored import StoredKernelScheme
+from owtsweep.studies.hub.stored_schemes import StoredKernelScheme
+from owtsweep.studies.readings import published
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 
@@ -230,7 +232,9 @@ def test_map_refuses_a_criterion_without_rows():
 def test_mse_figure_draws_the_means_and_the_published_points():
     amplitudes = [0.05, 0.2, 1.0, 10.0]
     table = summary_table(8.0, amplitudes).sample(frac=1.0, random_state=1)
-    figure = mse_over_amplitude.draw(table, 8.0, SCHEMES, window="full", tuning="paper")
+    figure = mse_over_amplitude.draw(
+        table, 8.0, SCHEMES, window="full", tuning="paper", printed=sum_printed()
+    )
     print_ = published.mse_tables().query("natural_period == 8")
     panels = (("position", ["x", "y"]), ("velocity", ["vx", "vy"]))
     for axes, (measure, parts) in zip(figure.axes, panels, strict=True):
@@ -268,9 +272,12 @@ def test_mse_figure_draws_the_means_and_the_published_points():
 
 def test_mse_figure_without_published_points_or_intervals():
     table = summary_table(5.0, [0.2]).assign(ci_low=math.nan, ci_high=math.nan, n=1)
-    figure = mse_over_amplitude.draw(table, 5.0, SCHEMES, window="full", tuning="paper")
-    shown = texts(figure)
-    assert "published" not in shown
+    for printed in (None, sum_printed()):
+        figure = mse_over_amplitude.draw(
+            table, 5.0, SCHEMES, window="full", tuning="paper", printed=printed
+        )
+        shown = texts(figure)
+        assert "published" not in shown
     assert "95 %" not in shown
     with pytest.raises(InputError, match=r"^natural_period: no result at 6 s .* this run has 5$"):
         mse_over_amplitude.draw(table, 6.0, SCHEMES, window="full", tuning="paper")
@@ -322,7 +329,7 @@ def run(monkeypatch):
     words += [f"schemes=[{','.join(SCHEMES)}]", "baselines=[]", "tuning=paper"]
     config = compose(words)
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
-    monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
+    monkeypatch.setattr("owtsweep.studies.hub.figures.listing._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})
     tables = {
         "summary": summarise(cube),
@@ -343,7 +350,7 @@ def test_everything_of_a_run_is_drawn(run, tmp_path):
             "mse_5s",
         )
         for suffix in ("png", "svg")
-    } | {"tables_6_to_9.csv", "tables_6_to_9.md"}
+    }
 
 
 def test_errors_of_single_records_are_drawn_if_there_are_several(run, tmp_path, monkeypatch):
@@ -367,8 +374,6 @@ def test_one_figure_is_drawn_by_name(run, tmp_path, monkeypatch):
     assert "EKF = MKF (4 cells)" in drawn[0]
     assert "up to 3 records per cell" in drawn[0]
     assert "1 case failed" in drawn[0]
-    files = draw_each(drawings(*run), tmp_path, "tables_6_to_9")
-    assert [file.suffix for file in files] == [".csv", ".md"]
     with pytest.raises(InputError, match=r"^only: this run has no figure 'map'; use figure_18_"):
         draw_each(drawings(*run), tmp_path, "map")
 
@@ -410,4 +415,4 @@ def test_what_would_run_the_authors_code_is_left_out_and_told():
     assert list(shown) == ["MKF", "HME2"]
     (told,) = error_spectra.unsettled(config, shown)
     assert told == "matched: no curve (code of the run's author is not run) for HME1."
-    assert measure_history_errors(config) is None
+    assert measure_histories(config) is None

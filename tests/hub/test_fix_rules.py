@@ -19,7 +19,7 @@ from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
-from owtsweep.studies.hub.schemes import resolve, under
+from owtsweep.studies.hub.resolving import resolve, under
 from owtsweep.studies.hub.schemes.hme2 import make_horizon
 from owtsweep.studies.hub.sensors import Measurements, sensors
 

@@ -8,7 +8,7 @@ from tools import configure
 
 from owtsweep.estimation.mhe import window_map
 from owtsweep.studies.hub.horizon import horizon, transition_over
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")

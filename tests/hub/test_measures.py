@@ -13,7 +13,7 @@ from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import blocks, measures, planning
 from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 AMPLITUDE = 0.7
 SETTLED = 100  # 5 s at 20 Hz

@@ -11,6 +11,7 @@ import pytest
 from tools import SMALL, assert_same, configure, filtered_states, measured, ned
 
 import owtsweep
+from experiments.ren2019 import two_maps
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.estimation.predictor import predict
@@ -18,9 +19,9 @@ from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.figures import error_spectra, time_histories, two_maps
+from owtsweep.studies.hub.figures import error_spectra, time_histories
 from owtsweep.studies.hub.histories import Histories, natural_period_of, simulate_histories
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.sweep.runs import Run
 
 pytestmark = pytest.mark.usefixtures("kernels")

@@ -15,7 +15,7 @@ from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements
 from owtsweep.testing import check_scheme
 

@@ -15,7 +15,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.online.coordinates import check_origin
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

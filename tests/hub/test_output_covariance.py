@@ -8,7 +8,7 @@ from tools import configure
 
 from dense import Measurement, posterior
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import sensors
 
 LAST = 24

@@ -15,22 +15,23 @@ import yaml
 from tools import SMALL
 
 import owtsweep
+from experiments.ren2019 import fidelity
+from experiments.ren2019.histories import measure_histories
 from owtsweep import InputError
 from owtsweep.cli.program import main
 from owtsweep.config import Config, with_values
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub import figures
 from owtsweep.studies.hub.conditions import (
     get_map_conditions,
     list_maps,
     list_record_conditions,
 )
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
-from owtsweep.studies.hub.figures import record_and_spectrum
+from owtsweep.studies.hub.figures import listing, record_and_spectrum
 from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.plant import make_plant
 from owtsweep.studies.hub.records import Records, make_records_at
+from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
@@ -59,7 +60,7 @@ def plant(**values: Any) -> HubConfig:
     """A small configuration with motion=plant; `__` stands for the dot in a key."""
     keys = {key.replace("__", "."): value for key, value in values.items()}
     config = with_values(_composed(), keys)
-    config.check()
+    HubStudy().check(config)
     assert isinstance(config, HubConfig)
     return config
 
@@ -173,8 +174,8 @@ def test_a_run_has_tables_and_maps_over_sea_states(tmp_path):
     here = best[(best["criterion"] == "position") & (best["window"] == "full")]
     assert len(here) == 8
     run = outcome.run
-    drawn = [file.name for file in run.draw(f"{figures.MAP}_blades_2")]
-    assert f"{figures.MAP}_blades_2.png" in drawn
+    drawn = [file.name for file in run.draw(f"{listing.MAP}_blades_2")]
+    assert f"{listing.MAP}_blades_2.png" in drawn
     assert "figure_09_position" in run.engine.drawings(config, run.tables(), run.cases(), {})
     # fewer sea states, or others, are the same run
     assert run_hash(config) == run_hash(plant(motion__hs=[2.0]))
@@ -225,9 +226,9 @@ def test_a_structure_may_be_a_file_of_values(tmp_path):
     assert (config.structure.name, config.structure.tubes[0].top) == ("clamped", 80.0)
     make_plant(config, SEA)
     with pytest.raises(InputError, match=r"friction_angle: structure clamped stands in no soil"):
-        with_values(config, {"motion.friction_angle": [30.0]}).check()
+        HubStudy().check(with_values(config, {"motion.friction_angle": [30.0]}))
     with pytest.raises(InputError, match=r"motion.blades: structure clamped has no blade"):
-        with_values(config, {"motion.blades": [1]}).check()
+        HubStudy().check(with_values(config, {"motion.blades": [1]}))
 
 
 @pytest.mark.parametrize(
@@ -290,25 +291,29 @@ def test_fidelity_judges_the_time_histories_alone(tmp_path):
         schemes=["HME1", "HME2"], grid__replicates=2,
     )  # fmt: skip
     folder = sweep(get_study("hub"), config).run.folder
-    assert main(["fidelity", str(folder)]) == 0
+    fidelity.main(str(folder))
     claims = pd.read_csv(folder / "fidelity" / "fidelity_claims.csv")
     assert list(claims["statement"]) == ["F9", *["F11"] * 3]
-    assert claims["decided_at"].str.startswith("hs 1 m, tp 6 s, blades 0: ").all()
+    assert claims["decided_at"].str.startswith("hs 1 m, tp 6 s, blades 0").all()
 
-    errors = measure_history_errors(config)
+    errors = measure_histories(config)
     assert errors is not None
-    position = [errors.accumulated[name, "position"].mean() for name in ("HME1", "HME2")]
+    sums = errors.set_index(["quantity", "measure", "scheme", "replicate"])["value"]
+    position = [sums["position", "accumulated", name].mean() for name in ("HME1", "HME2")]
     assert claims["value"][1] == pytest.approx(position[0] / position[1], rel=1e-9)
     # the second way: the estimates that figures 9-14 draw, of record 0
     shown = simulate_histories(with_values(config, {"motion.hs": [1.0], "motion.tp": [6.0]}))
     error = np.abs(shown.estimated["HME1"].position - shown.position).sum() * shown.time[1]
-    assert errors.accumulated["HME1", "position"][0] == pytest.approx(error, rel=1e-9)
+    assert sums["position", "accumulated", "HME1", 0] == pytest.approx(error, rel=1e-9)
 
 
 def test_fidelity_needs_the_two_schemes_of_the_statements(tmp_path, capsys):
     folder = sweep(get_study("hub"), plant(results=str(tmp_path))).run.folder
+    with pytest.raises(InputError, match="are about HME1 and HME2; run a sweep with schemes="):
+        fidelity.main(str(folder))
+    capsys.readouterr()
     assert main(["fidelity", str(folder)]) == 2
-    told = "schemes: `fidelity` judges HME1 and HME2 on the plant; run a sweep with"
+    told = "the rows of a run judge none of these statements"
     assert told in capsys.readouterr().err
     assert not (folder / "fidelity").exists()
 

@@ -11,9 +11,9 @@ from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.expected import inputs, probing
-from owtsweep.studies.hub.expected.inputs import Probe
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.error_curves import inputs, probing
+from owtsweep.studies.hub.error_curves.inputs import Probe
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 

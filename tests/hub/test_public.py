@@ -19,8 +19,8 @@ def test_every_name_is_there():
     assert sorted(public.__all__) == sorted(["ROOMS", *homes])
     for name in public.__all__:
         assert getattr(public, name) is not None
-    with pytest.raises(AttributeError, match="no attribute 'sum_errors'"):
-        public.sum_errors  # noqa: B018
+    with pytest.raises(AttributeError, match="no attribute 'expand_lanes'"):
+        public.expand_lanes  # noqa: B018
 
 
 @pytest.mark.parametrize("room", ["evaluation", "studies/replay", "studies/readings"])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from owtsweep.studies.hub import published
-from owtsweep.studies.hub.figures import tables
-from owtsweep.verdicts.published import read_published
+from experiments.ren2019 import tables_6_to_9 as tables
+from experiments.ren2019.mse_over_amplitude import sum_printed
+from owtsweep.studies.readings import published
 
 
 @pytest.fixture
@@ -48,17 +49,25 @@ def test_the_misprint_is_noted_at_its_own_number_only():
     assert "misprint" in noted["note"].iloc[0]
 
 
-def test_facts_spectrum_and_sensors():
-    facts = published.facts()
-    assert facts["id"].tolist() == [f"F{number}" for number in range(1, 12)]
-    assert set(facts["section"]) == {"5.2", "5.3", "5.4"}
-    spectrum = read_published(published.PACKAGE, "ren2019_table4_spectrum.csv")
+def test_spectrum_and_sensors():
+    folder = Path(tables.__file__).parent
+    spectrum = pd.read_csv(folder / "ren2019_table4_spectrum.csv")
     spectrum = spectrum.astype({"natural_period_s": float}).set_index("natural_period_s")
     assert spectrum.loc[4.0].tolist() == [1.83e-6, -0.50, 0.062]
-    sensors = read_published(published.PACKAGE, "ren2019_table5_sensors.csv")
+    sensors = pd.read_csv(folder / "ren2019_table5_sensors.csv")
     sensors = sensors.set_index("parameter")["value"].astype(float)
     assert sensors["gnss_accuracy"] == 0.03
     assert sensors["gnss_delay"] == 0.2
+
+
+def test_marks_are_sums_of_two_axes():
+    marks = sum_printed().set_index(["table", "scheme", "measure"])
+    assert len(marks) == 4 * 4 * 2
+    each = published.mse_tables().set_index(["table", "scheme", "measure"])["published"]
+    assert marks.loc[(8, "MKF", "position"), "value"] == each[8, "MKF", "x"] + each[8, "MKF", "y"]
+    noted = marks[marks["note"] != ""]
+    assert noted.index.tolist() == [(7, "EKF", "velocity")]
+    assert noted["note"].tolist() == published.mse_tables().query("note != ''")["note"].tolist()
 
 
 def test_reproduced_numbers_stand_beside_the_published(summary):

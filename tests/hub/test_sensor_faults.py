@@ -12,11 +12,11 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.batch import Lanes
+from owtsweep.studies.hub.error_curves import inputs
 from owtsweep.studies.hub.error_spectrum import error_spectrum
-from owtsweep.studies.hub.expected import inputs
 from owtsweep.studies.hub.feed import Feed
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

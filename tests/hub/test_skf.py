@@ -14,15 +14,16 @@ from tools import Streaming, assert_same, configure, measured, ned, rows_of
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
-from owtsweep.studies.hub import HubStudy, planning, spectral_model
+from owtsweep.studies.hub import planning, spectral_model
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
 from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
 from owtsweep.studies.hub.histories import simulate_histories
-from owtsweep.studies.hub.online import online
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.on_board import online
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.schemes.skf import SpectralScheme
 from owtsweep.studies.hub.spectral_axis import tune_axis
+from owtsweep.studies.hub.study import HubStudy
 from owtsweep.testing import check_scheme
 
 SKF: Any = resolve("SKF")

@@ -13,8 +13,8 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.axis_filters import KalmanAxisFilter
 from owtsweep.studies.hub.growing_gains import GrowingGains
 from owtsweep.studies.hub.records import make_records_at
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.scheduled_filter import ScheduledFilter
-from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.tracked_models import make_candidate
 from owtsweep.studies.hub.tracking_filter import TrackingFilter

@@ -8,7 +8,7 @@ from tools import configure
 
 from owtsweep.studies.hub import batch, blocks, feed, planning
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from user_schemes import Saturated
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")

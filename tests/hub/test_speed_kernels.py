@@ -18,7 +18,7 @@ from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels.filtering import PREDICTED
 from owtsweep.studies.hub.kernels.lagging import smooth_chunk
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.vectors.lanes import borrowed
 
 pytestmark = pytest.mark.usefixtures("kernels")

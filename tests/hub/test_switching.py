@@ -14,7 +14,7 @@ from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.expected.engine import rows_of
 from owtsweep.studies.hub.planning import plan
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.switching.boundary import (
     ANY,
     NONE,

@@ -6,14 +6,14 @@ from test_engines import assert_engines_agree
 from test_online import on_time, stream
 from tools import assert_same, compose, configure, measured, run_batch
 
+from experiments.tilt import compare_knowledge
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.bounds.kalman import bound_of_axis
 from owtsweep.studies.hub.error_spectrum import error_spectrum
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import observe
-from owtsweep.studies.hub.tilt_cost import compare_knowledge
-from owtsweep.studies.hub.tuning.bound import bound_of_axis
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -18,10 +18,11 @@ from owtsweep.cli.program import INTERRUPTED
 from owtsweep.config import with_values
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.bounds.kalman import bound_of_axis, kalman_bound
 from owtsweep.studies.hub.noise_floor import noise_floor
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
+from owtsweep.studies.hub.study import HubStudy
 from owtsweep.studies.hub.tuning import objective, search
-from owtsweep.studies.hub.tuning.bound import bound_of_axis, kalman_bound
 from owtsweep.studies.hub.tuning.judging import errors_on_records, judge
 from owtsweep.studies.hub.tuning.spaces import find_space
 from owtsweep.studies.hub.tuning.tuned import list_tunable, tune
@@ -127,7 +128,7 @@ def test_every_searched_number_is_a_number_of_the_configuration() -> None:
     for scheme in list_tunable(config):
         space = find_space(config, scheme.name)
         ends = {key: b["options"][-1] if "options" in b else b[1] for key, b in space.items()}
-        with_values(config, ends).check()
+        HubStudy().check(with_values(config, ends))
 
 
 def test_the_rules_know_the_sensors_and_give_way_to_overrides() -> None:

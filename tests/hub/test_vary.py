@@ -21,8 +21,8 @@ from owtsweep.cli import BAD_INPUT, DONE, main
 from owtsweep.cli.vary import compose_each
 from owtsweep.config import conf_directory, with_values
 from owtsweep.results.conditions import Condition
-from owtsweep.statistics.student import t_quantile
-from owtsweep.studies.hub.tuning.bound import kalman_bounds
+from owtsweep.statistics.inference import t_quantile
+from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.tuning.judging import errors_on_records
 from owtsweep.studies.hub.varying.errors import Errors, compute
 from owtsweep.studies.hub.varying.facts import list_common_facts

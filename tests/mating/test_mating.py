@@ -11,10 +11,9 @@ import pytest
 
 import owtsweep
 from owtsweep.cli import main
-from owtsweep.evaluation.mating import Limits, compare_chances, find_chances
 from owtsweep.studies import compose
 from owtsweep.studies.mating.joining import Relative, find_told_motion, find_true_motion
-from owtsweep.studies.mating.measures import compare
+from owtsweep.studies.mating.measures import Limits, compare, compare_chances, find_chances
 from owtsweep.sweep import shard
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "mating.py"

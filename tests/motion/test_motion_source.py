@@ -5,34 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from owtsweep.errors import InputError
-from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.source import RecordedSource
+from owtsweep.motion.modulation import ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import SpectralSource, synthesise
 from owtsweep.testing import check_source
 
-TIME = np.arange(0.0, 60.0, 0.02)
-
-
-def recording() -> Recording:
-    channels = {
-        "position_x": np.sin(2 * np.pi * 0.25 * TIME),
-        "position_y": 0.3 * np.cos(2 * np.pi * 0.4 * TIME),
-    }
-    names = {"time": "t", **{role: role for role in channels}}
-    return Recording(Path("tower.csv"), TIME, channels, names, ())
-
-
 SPECTRAL = SpectralSource(translated(4.0), (0.05, 0.6))
-SOURCES = [pytest.param(SPECTRAL, id="spectrum"), RecordedSource(recording())]
+MODULATED = ModulatedSource(SPECTRAL, Modulation([[0.0, 1.0], [50.0, 2.0]]))
+SOURCES = [pytest.param(SPECTRAL, id="spectrum"), pytest.param(MODULATED, id="modulated")]
 
 
 def streams(replicate: int):
@@ -120,21 +106,3 @@ def test_a_spectrum_gives_what_synthesis_draws() -> None:
     np.testing.assert_array_equal(ours.acceleration, theirs.acceleration)
     np.testing.assert_array_equal(ours.before, theirs.before)
     assert SPECTRAL.duration is None
-
-
-def test_a_file_gives_its_two_axes_and_no_more_than_it_holds() -> None:
-    source = RecordedSource(recording())
-    assert source.duration == pytest.approx(TIME[-1])
-    motion = source.realise(streams(0), steps=2990, step=0.02, history=10)
-    assert motion.position.shape == (2990, 2)
-    expected = 2 * np.pi * 0.25 * np.cos(2 * np.pi * 0.25 * TIME[10:])
-    np.testing.assert_allclose(motion.velocity[200:-200, 0], expected[200:-200], atol=1e-3)
-    with pytest.raises(InputError, match=r"tower.csv: holds 59.8 s .* not 60 s; ask for a shorter"):
-        source.realise(streams(0), steps=3000, step=0.02, history=10)
-
-
-def test_a_file_without_positions() -> None:
-    empty = Recording(Path("force.csv"), TIME, {"specific_force_x": TIME}, {"time": "t"}, ())
-    assert RecordedSource(empty).duration == 0.0
-    with pytest.raises(InputError, match=r"force\.csv: no position"):
-        RecordedSource(empty).realise(streams(0), steps=10, step=0.1)

@@ -11,8 +11,8 @@ import yaml
 from owtsweep.config import conf_directory, with_values
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub.fidelity import score as scoring
 from owtsweep.studies.readings import engine, searches
+from owtsweep.studies.readings import score as scoring
 from owtsweep.sweep.run import sweep
 
 pytestmark = pytest.mark.usefixtures("kernels")

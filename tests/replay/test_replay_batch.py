@@ -11,7 +11,7 @@ from replay_tools import motion_file
 
 import owtsweep
 from owtsweep.cli import main
-from owtsweep.studies.replay import loading
+from owtsweep.studies.replay import files
 from owtsweep.studies.replay.blocks import plan
 from owtsweep.studies.replay.running import configure, execute
 from owtsweep.studies.replay.sample import SENSORS, write_sample
@@ -77,7 +77,7 @@ def test_a_batch_without_any_usable_file_is_refused(capsys):
 
 
 def test_from_python_and_a_file_that_may_not_be_read(monkeypatch):
-    may, compute = os.access, loading._hash
+    may, compute = os.access, files._hash
     locked = str(Path("short.csv").resolve())
 
     def refuse(states):
@@ -86,7 +86,7 @@ def test_from_python_and_a_file_that_may_not_be_read(monkeypatch):
         return compute(states)
 
     monkeypatch.setattr(os, "access", lambda path, mode: str(path) != locked and may(path, mode))
-    monkeypatch.setattr(loading, "_hash", refuse)
+    monkeypatch.setattr(files, "_hash", refuse)
     replayed = owtsweep.replay(["good.csv", "short.csv"], QUICK)
     assert replayed.refused().to_dict("records") == [
         {"file": "short", "reason": f"{locked}: cannot be read (Permission denied)"}

@@ -19,10 +19,8 @@ from owtsweep.studies.replay.identification.differences import take_differences
 from owtsweep.studies.replay.identification.disagreement import describe_disagreement
 from owtsweep.studies.replay.identification.estimated import use_estimates
 from owtsweep.studies.replay.identification.fit import Fit, fit_noise
-from owtsweep.studies.replay.identification.floor import measure_floor
-from owtsweep.studies.replay.identification.integral import integrate_twice
-from owtsweep.studies.replay.identification.likelihood import pose
-from owtsweep.studies.replay.identification.of_record import estimate_noise
+from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
+from owtsweep.studies.replay.identification.of_record import estimate_noise, measure_floor
 from owtsweep.studies.replay.identification.rows import name_second_run
 from owtsweep.studies.replay.results import aggregate
 

@@ -15,12 +15,11 @@ import pytest
 from replay_tools import collect_force, config_of, estimate, motion_file, sensor_file
 
 from owtsweep.evaluation.trajectory import Trajectory, join
-from owtsweep.figures.lines import decimate
+from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.one_pass import OnePassSeries
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.replay import blocks, estimating, measuring, session, states, windows
-from owtsweep.studies.replay.envelope import Envelope
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import listen, simulate_true_bias

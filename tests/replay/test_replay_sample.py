@@ -11,8 +11,9 @@ import pandas as pd
 import pytest
 from replay_tools import DATA, ROOT, needs_data
 
+from experiments import make_sample
 from owtsweep.cli import main
-from owtsweep.studies.replay.recommending import recommend
+from owtsweep.studies.replay.advice import recommend
 from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, find_data, write_sample
 from owtsweep.sweep.runs import Run
 
@@ -29,10 +30,7 @@ def sample(tmp_path, monkeypatch):
     write_sample(tmp_path)
 
 
-def test_made_again_the_sample_has_the_same_numbers(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
-    import make_sample
-
+def test_made_again_the_sample_has_the_same_numbers(tmp_path):
     for path in make_sample.make(tmp_path):
         kept = find_data() / path.name
         assert len(kept.read_bytes()) < 150_000

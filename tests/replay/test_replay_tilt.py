@@ -4,7 +4,7 @@ import pytest
 
 import owtsweep
 from owtsweep.studies.replay.sample import MOTION, write_sample
-from owtsweep.studies.replay.tilting import describe_tilt
+from owtsweep.studies.replay.sentences import describe_tilt
 
 pytestmark = pytest.mark.usefixtures("kernels")
 FEW = ["schemes=[HME1]", "replay.replicates=2", "replay.noise=stated"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from owtsweep.results.winners import tell_beaten, tell_winners
+from owtsweep.results.best_scheme import tell_beaten, tell_winners
 
 
 def make_cells(*rows: tuple[str, bool, str, bool]) -> pd.DataFrame:

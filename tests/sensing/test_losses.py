@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.sensing.losses import Losses
+from owtsweep.sensing.faults import Losses
 from owtsweep.streams import stream
 
 COUNT = 200_000

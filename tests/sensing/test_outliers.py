@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.sensing.gauss_markov import draw_gauss_markov
-from owtsweep.sensing.outliers import draw_outliers
+from owtsweep.sensing.faults import draw_outliers
+from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.streams import stream
 
 COUNT = 200_000

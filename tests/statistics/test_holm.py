@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from naive_holm import naive_holm
-from owtsweep.statistics.holm import holm
+from owtsweep.statistics.inference import holm
 
 
 def test_holm_is_the_step_down_procedure():

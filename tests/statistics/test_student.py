@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from owtsweep.statistics.bootstrap import percentile_interval, resample_means
-from owtsweep.statistics.fieller import fieller
-from owtsweep.statistics.student import p_value, t_quantile
+from owtsweep.statistics.inference import (
+    fieller,
+    p_value,
+    percentile_interval,
+    resample_means,
+    t_quantile,
+)
 
 
 def test_quantiles_are_those_of_the_t_distribution():

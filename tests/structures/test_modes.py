@@ -9,9 +9,9 @@ from scipy.optimize import brentq
 
 from owtsweep.errors import InputError
 from owtsweep.structures import Structure, compute_modes, read_structure
-from owtsweep.structures.beam import assemble
 from owtsweep.structures.description import Point
-from owtsweep.structures.soil import initial_modulus
+from owtsweep.structures.modes import assemble
+from owtsweep.structures.sections import initial_modulus
 
 CONF = Path(__file__).parents[2] / "conf" / "structure"
 LENGTH, DIAMETER, WALL, DENSITY, MODULUS = 100.0, 0.2, 0.01, 7850.0, 2.1e11

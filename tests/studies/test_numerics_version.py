@@ -8,7 +8,8 @@ import pytest
 
 from owtsweep import motion
 from owtsweep.studies import get_study
-from owtsweep.studies.hub import ROOMS, kernels
+from owtsweep.studies.hub import kernels
+from owtsweep.studies.hub.study import ROOMS
 from owtsweep.sweep.study import add_versions
 
 

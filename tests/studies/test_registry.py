@@ -9,12 +9,13 @@ from pathlib import Path
 import pytest
 import yaml
 
+import owtsweep
 from owtsweep import studies
 from owtsweep.cli import main
-from owtsweep.config import dump
+from owtsweep.config import changed, dump
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study, locate
-from owtsweep.studies.opening import load_config
+from owtsweep.sweep.plan import dump_plan, make_plan
 
 TESTS = Path(__file__).parents[1]
 PACKAGES = TESTS / "fixtures/stranger"
@@ -155,8 +156,11 @@ def test_commands_name_the_study_that_is_not_installed(
 @pytest.mark.usefixtures("stranger")
 def test_runs_of_two_studies_are_not_compared(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sweep", "study=stranger", "name=theirs"]) == 0
+    config = changed(compose([]), name="ours")
+    text, plan = dump(config), make_plan(get_study("hub"), config)
     Path("results/ours").mkdir()
-    Path("results/ours/config.yaml").write_text(dump(compose([])))
+    Path("results/ours/config.yaml").write_text(text)
+    Path("results/ours/plan.json").write_text(dump_plan(plan, get_study("hub"), config, text))
     capsys.readouterr()
     assert main(["compare", "results/ours", "results/theirs"]) == 2
     assert capsys.readouterr().err == (
@@ -219,9 +223,10 @@ def test_a_wrong_study_is_one_line(overrides: list[str], says: str) -> None:
 
 
 def test_a_run_of_a_study_that_is_not_installed_names_it() -> None:
-    Path("config.yaml").write_text("study: jacket\nsoil_factor: 2\n")
-    with pytest.raises(InputError, match=r"^config\.yaml: the study 'jacket' .* is not installed"):
-        load_config(Path("config.yaml"))
+    Path("a").mkdir()
+    Path("a/config.yaml").write_text("study: jacket\nsoil_factor: 2\n")
+    with pytest.raises(InputError, match=r"^a/config\.yaml: the study 'jacket' .* not installed"):
+        owtsweep.load("a")
 
 
 def test_every_study_of_ours_answers_to_the_protocol() -> None:

@@ -28,7 +28,7 @@ from owtsweep.figures.drawings import Drawing
 from owtsweep.io.tables import write_table
 from owtsweep.results.conditions import Condition
 from owtsweep.results.status import FAILED, OK, UNABLE
-from owtsweep.sweep.study import Block
+from owtsweep.sweep.study import Block, Study
 
 
 class DummyGrid(Section):
@@ -58,7 +58,7 @@ ROWS = {
 
 
 @dataclass
-class DummyStudy:
+class DummyStudy(Study):
     """A study as small as can be, which is its own only engine; two cases per block.
 
     `faults` says at which block (by its label) what happens: "raise", "memory", "exit", "silent"

@@ -98,25 +98,6 @@ def test_two_sweeps_of_one_folder_do_not_mix_their_answers(study, config):
     assert manifest["cases"]["computed"] == 2
 
 
-def test_a_folder_of_before_keeps_its_tables(study, config):
-    import shutil
-
-    many, few = config(**MANY), config(**FEW)
-    run = sweep(study, many).run
-    run.draw()
-    shutil.rmtree(run.folder / "asked")
-    assert len(load_summary(study, run)) == 6
-    sweep(study, few)
-    assert names(own(many)) == [
-        "config.yaml", "figures", "manifest.json", "order.csv", "plan.json", "summary.csv",
-    ]  # fmt: skip
-    assert levels(own(many)) == {1.0, 2.0, 0.3}
-
-
-def load_summary(study, run):
-    return type(run)(run.folder, run.config, study, run.stored_plan, run.question).summary()
-
-
 def test_fresh_forgets_all_questions(study, config):
     many, few = config(**MANY), config(**FEW)
     run = sweep(study, many).run

@@ -14,12 +14,21 @@ from dummy_study import DummyStudy, make_config
 from owtsweep import studies
 from owtsweep.api import load
 from owtsweep.cli import main
-from owtsweep.comparing.comparison import Comparison, Findings, Pair, rank_values, show
+from owtsweep.comparing.comparison import (
+    FIRST,
+    Comparison,
+    Findings,
+    Pair,
+    flatten,
+    make_pairs,
+    rank_values,
+    show,
+    swept_keys,
+)
 from owtsweep.errors import InputError
 from owtsweep.studies import registry
 from owtsweep.sweep import compare as comparing
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.swept import FIRST, flatten, make_pairs, swept_keys
 
 
 @dataclass

@@ -14,9 +14,9 @@ import pyarrow as pa
 import pytest
 
 from owtsweep.sweep import shard
+from owtsweep.sweep.rows import WrongRows
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.schema import WrongRows
 from owtsweep.sweep.study import Square
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]

@@ -1,39 +1,68 @@
-"""Shards of another version are computed again, and the run says so."""
+"""Runs of another version are refused in one line; workers of another version say what differs."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
+import pytest
+
+from owtsweep.api import load
+from owtsweep.cli.program import main
+from owtsweep.config import changed
+from owtsweep.errors import InputError
+from owtsweep.sweep.forecast import forecast
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.versions import all_versions, tell_other_versions
+from owtsweep.sweep.worker import all_versions, tell_other_versions
 
 
-def test_raised_version_recomputes_and_says_so(study, config, caplog):
-    old = sweep(study, config(level=[1.0, 2.0]))
-    before = {path.name: path.read_bytes() for path in old.run.store.cases.iterdir()}
-    caplog.clear()
-    new = sweep(replace(study, numerics_version=2), config(level=[1.0, 2.0, 3.0]))
-    assert (new.computed, new.reused) == (12, 0)
-    line = "8 cases are recomputed: numerics version 1 -> 2"
-    assert line in caplog.messages
-    assert line in (new.run.folder / "run.log").read_text()
-    # The old ones stay, for whoever still runs the old version.
-    assert all((new.run.store.cases / name).read_bytes() == data for name, data in before.items())
-    caplog.clear()
-    sweep(replace(study, schema_version=3), config(level=[1.0]))
-    assert sorted(m for m in caplog.messages if "recomputed" in m) == [
-        "4 cases are recomputed: schema version 1 -> 3",
-        "4 cases are recomputed: schema version 1 -> 3, numerics version 2 -> 1",
-    ]
+def raise_version(folder: Path) -> None:
+    plan = json.loads((folder / "plan.json").read_text())
+    plan["versions"]["numerics_version"] += 1
+    (folder / "plan.json").write_text(json.dumps(plan))
 
 
-def test_other_settings_and_sweeps_that_go_on_are_no_versions(study, config, caplog):
-    sweep(study, config(level=[1.0]))
-    sweep(study, config(level=[1.0, 2.0]))
-    outcome = sweep(study, config(level=[3.0]))
-    (outcome.run.store.cases / "part-junk.parquet").write_bytes(b"junk")
-    sweep(study, config(level=[4.0]))
-    assert "recomputed" not in caplog.text
+def forget_versions(folder: Path) -> None:
+    plan = json.loads((folder / "plan.json").read_text())
+    del plan["versions"]
+    (folder / "plan.json").write_text(json.dumps(plan))
+
+
+@pytest.mark.parametrize(
+    "age", [raise_version, forget_versions, lambda folder: (folder / "plan.json").unlink()]
+)
+@pytest.mark.parametrize("name", [None, "mine"])
+def test_a_run_of_another_version_is_refused_until_it_is_run_again(
+    known_study, config, capsys, age, name
+):
+    asked = changed(config(level=[1.0, 2.0]), name=name)
+    folder = sweep(known_study, asked).run.folder
+    before = {path.name: path.read_bytes() for path in folder.rglob("*.*") if path.is_file()}
+    age(folder)
+    for command in ("show", "figures", "fidelity", "compare"):
+        others = [str(folder)] if command == "compare" else []
+        assert main([command, str(folder), *others]) == 2
+        assert capsys.readouterr().err == (
+            f"owtsweep: {folder}: this run was made by another version of owtsweep; run its sweep "
+            "again\n"
+        )
+    with pytest.raises(InputError, match="made by another version of owtsweep; run its sweep"):
+        load(folder)
+    for resume in (sweep, forecast):
+        with pytest.raises(InputError, match="run it again, add --fresh or delete the folder"):
+            resume(known_study, asked)
+    kept = {path.name: path.read_bytes() for path in folder.rglob("*.*") if path.is_file()}
+    assert kept == before | {n: data for n, data in kept.items() if n == "plan.json"}
+    again = sweep(known_study, asked, fresh=True)
+    assert (again.computed, again.reused) == (8, 0)
+    assert len(load(folder).cases()) == 8
+
+
+def test_a_damaged_plan_is_written_anew(study, config):
+    folder = sweep(study, config()).run.folder
+    (folder / "plan.json").write_text("[")
+    assert sweep(study, config()).computed == 0
 
 
 def test_worker_of_another_version_says_what_differs(study):

@@ -1,11 +1,13 @@
 """What Simpson et al. (2025) print is read as printed."""
 
+from experiments.simpson2025.fidelity import CLAIMS
+from experiments.simpson2025.table_3 import read_printed
 from owtsweep.config import conf_directory
-from owtsweep.studies.tower.published import read_facts, read_table3
+from owtsweep.verdicts.claims_file import read_claims
 
 
 def test_table_3_is_whole():
-    table = read_table3()
+    table = read_printed()
     assert list(table.columns) == ["setup", "metric", "state", "value"]
     sizes = table.groupby(["setup", "metric"])["state"].nunique()
     assert len(table) == 72
@@ -20,7 +22,9 @@ def test_table_3_is_whole():
     assert set(table["setup"]) <= {path.stem for path in folder.glob("*.yaml")}
 
 
-def test_every_statement_has_a_reading():
-    facts = read_facts()
-    assert facts["id"].tolist() == [f"F{i}" for i in range(1, 15)]
-    assert not facts.isna().any(axis=None)
+def test_every_statement_says_where_it_is_printed_and_each_bound_why():
+    file = read_claims(CLAIMS)
+    assert [one.name for one in file.statements] == [f"F{i}" for i in range(1, 15)]
+    assert all(one.printed and one.definition for one in file.statements)
+    assert [one.name for one in file.goals] == [f"G{i}" for i in range(1, 10)]
+    assert all(claim.reason for one in file.statements for claim in one.claims)

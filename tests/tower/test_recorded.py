@@ -24,7 +24,7 @@ from owtsweep.studies.tower.recorded_truth import (
     measure,
     require_channels,
 )
-from owtsweep.studies.tower.schemes import resolve
+from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 
 ROOT = Path(__file__).parents[2]
@@ -187,7 +187,7 @@ def test_force_and_motion_of_the_mast_come_back(tmp_path):
     believed = make_believed(config.filters, step, None)
     setting = make_setting(config, part, "fa", 1.0, channels, believed)
     noise = np.random.default_rng(3).standard_normal(signals.shape)
-    guess = resolve("AKF_STEADY").prepare(setting).run(signals + sigma * noise)
+    guess = SCHEMES.resolve("AKF_STEADY").prepare(setting).run(signals + sigma * noise)
     errors = compare(motion, guess, part.cut, config.record.settled)
     assert len(errors) == 1 + 2 * 8  # the force, and displacement and rotation of eight nodes
     assert max(errors.values()) == errors["F_024"] < 0.05

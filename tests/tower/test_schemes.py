@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.studies.tower.contract import Unable
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
 from owtsweep.studies.tower.models import model_cut, respond_statically
-from owtsweep.studies.tower.schemes import REGISTERED, resolve, resolve_all
+from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import list_unseen_rigid
 from tower.settings import CUT, SPARSE, STRAIN, make_setting, place
 from tower.turbine import STEP, make, streams
 
-ABLE = [name for name in REGISTERED if name != "DUAL"]
+ABLE = [name for name in SCHEMES.listed if name != "DUAL"]
 
 
 @cache
@@ -32,16 +32,16 @@ def record():
 
 @cache
 def prepared(name):
-    return resolve(name).prepare(record()[1])
+    return SCHEMES.resolve(name).prepare(record()[1])
 
 
 @pytest.mark.parametrize("name", ABLE)
 def test_every_scheme_keeps_the_contract(name):
     motion, _, measured = record()
-    scheme = resolve(name)
+    scheme = SCHEMES.resolve(name)
     assert scheme.name == name
-    assert scheme.knows_soil == (name in {"AKF_WHOLE", "AKF_WHOLE_WAVE", "KF_WHOLE", "MDE",
-                                          "THRUST_LEVER"})  # fmt: skip
+    knowing = {"AKF_WHOLE", "AKF_WHOLE_WAVE", "KF_WHOLE", "MDE", "THRUST_LEVER"}
+    assert bool(SCHEMES.list_ignored(scheme)) == (name not in knowing)
     kept = measured.copy()
     estimates = prepared(name).run(measured)
     assert np.array_equal(measured, kept)
@@ -67,7 +67,7 @@ def test_a_scheme_looks_ahead_by_its_wait_and_no_farther(name):
     assert changed[0] == max(400 - steps, 0)
 
 
-@pytest.mark.parametrize("name", [name for name in ABLE if resolve(name).linear])
+@pytest.mark.parametrize("name", [name for name in ABLE if SCHEMES.resolve(name).linear])
 def test_estimates_of_a_sum_are_the_sum_of_estimates(name):
     measured = record()[2][:600]
     other = np.random.default_rng(3).standard_normal(measured.shape) * measured.std(axis=0)
@@ -89,7 +89,7 @@ def test_a_steady_thrust_is_recovered(name):
     force[-2:, 0] = thrust, thrust * offset
     shape = respond_statically(setting.whole, force)[:, 0]
     reading = [0.0 if c.kind == "a" else shape[2 * c.node + 1] for c in setting.channels]
-    estimates = resolve(name).prepare(setting).run(np.tile(reading, (3000, 1)))
+    estimates = SCHEMES.resolve(name).prepare(setting).run(np.tile(reading, (3000, 1)))
     loads = np.array([-thrust, -thrust * (length + offset), thrust, thrust * offset])
     assert np.allclose(estimates.inputs[-1, [0, 2]], loads[[0, 2]], rtol=0.01)
     assert np.allclose(estimates.inputs[-1, [1, 3]], loads[[1, 3]], atol=0.003 * abs(loads[1]))
@@ -126,7 +126,7 @@ def test_a_record_of_the_exact_model_without_noise_is_recovered(name, bound):
     measured = states @ discrete.G.T + inputs @ discrete.J.T
     tuning = setting.tuning.model_copy(update={"process_noise": 1e-9})
     exact = replace(setting, tuning=tuning, rate_noise=1e-9)
-    estimates = resolve(name).prepare(exact).run(measured)
+    estimates = SCHEMES.resolve(name).prepare(exact).run(measured)
     late = slice(500, -100)
     assert np.all(np.abs(estimates.inputs - loads)[late].max(axis=0) < bound * loads.max(axis=0))
     moved = states[:, : model.modes] @ model.basis.T
@@ -139,23 +139,23 @@ def test_accelerometers_alone_are_blind_to_static_loads():
     blind = make_setting({"a": (0, 35, 40, 84, 175)}, 1e-4)
     for name in ("AKF", "GDF"):
         with pytest.raises(Unable, match=rf"{name} is blind: .* 14 of 20 .* 2 of the others"):
-            resolve(name).prepare(blind)
+            SCHEMES.resolve(name).prepare(blind)
     with pytest.raises(Unable, match=r"AKF_WHOLE is blind: .* 20 of 22 .* 2 of the others"):
-        resolve("AKF_WHOLE").prepare(blind)
+        SCHEMES.resolve("AKF_WHOLE").prepare(blind)
     with pytest.raises(Unable, match=r"QUASI_STATIC is blind: .* see 0 of 3 static shapes"):
-        resolve("QUASI_STATIC").prepare(blind)
+        SCHEMES.resolve("QUASI_STATIC").prepare(blind)
     with pytest.raises(Unable, match="THRUST_LEVER is blind: it needs an inclinometer"):
-        resolve("THRUST_LEVER").prepare(blind)
+        SCHEMES.resolve("THRUST_LEVER").prepare(blind)
     for name in ("KF_WHOLE", "MDE"):
-        resolve(name).prepare(blind)
+        SCHEMES.resolve(name).prepare(blind)
 
 
 def test_three_inclinometers_do_not_tell_waves_from_loads_at_the_cuts():
     # static: rotation, two balanced loads and the wave are four unknowns
     setting = make_setting({**SPARSE, "theta": (0, 84, 175)}, record_sigma(3))
-    resolve("AKF").prepare(setting)
+    SCHEMES.resolve("AKF").prepare(setting)
     with pytest.raises(Unable, match=r"AKF_WAVE is blind: .* 18 of 21 .* 1 of the others"):
-        resolve("AKF_WAVE").prepare(setting)
+        SCHEMES.resolve("AKF_WAVE").prepare(setting)
 
 
 def record_sigma(inclinometers):
@@ -170,33 +170,33 @@ def test_a_translation_that_drifts_makes_no_scheme_unable():
     radius = np.abs(np.linalg.eigvals(filtered.filter.F)).max()
     assert radius == pytest.approx(1.0, abs=1e-6)
     positioned = make_setting({"x": (175,), **SPARSE}, np.append(0.01, record_sigma(5)))
-    assert list_unseen_rigid(positioned, resolve("AKF").prepare(positioned).model) == []
+    assert list_unseen_rigid(positioned, SCHEMES.resolve("AKF").prepare(positioned).model) == []
 
 
 def test_the_dual_filter_says_its_spectral_radius():
     with pytest.raises(
         Unable, match=r"DUAL .*: the spectral radius of its closed loop is (1|above)"
     ):
-        resolve("DUAL").prepare(record()[1])
+        SCHEMES.resolve("DUAL").prepare(record()[1])
 
 
 def test_too_few_accelerometers_or_no_water_are_reasons():
     setting = make_setting({"theta": SPARSE["theta"], "a": (175,)}, 1e-5)
     with pytest.raises(Unable, match="GDF is blind: the feedthrough matrix J has rank 1, but 4"):
-        resolve("GDF").prepare(setting)
+        SCHEMES.resolve("GDF").prepare(setting)
     dry = replace(record()[1], wave_shape=0.0 * record()[1].wave_shape)
     for name in ("AKF_WAVE", "AKF_WHOLE_WAVE"):
         with pytest.raises(Unable, match=f"{name} has no wave load to estimate"):
-            resolve(name).prepare(dry)
+            SCHEMES.resolve(name).prepare(dry)
     with pytest.raises(Unable, match="MDE is blind to dynamics: it needs an accelerometer"):
-        resolve("MDE").prepare(make_setting({"theta": SPARSE["theta"]}, 1e-5))
+        SCHEMES.resolve("MDE").prepare(make_setting({"theta": SPARSE["theta"]}, 1e-5))
 
 
 def test_unknown_and_repeated_names_are_refused():
     with pytest.raises(InputError, match="there is no scheme 'EKF'; use AKF, "):
-        resolve("EKF")
+        SCHEMES.resolve("EKF")
     with pytest.raises(InputError, match="'AKF' stands there twice"):
-        resolve_all(["AKF", "AKF"])
+        SCHEMES.resolve_all(["AKF", "AKF"])
     with pytest.raises(InputError, match="the list is empty"):
-        resolve_all([])
-    assert [scheme.name for scheme in resolve_all(["MDE", "AKF"])] == ["MDE", "AKF"]
+        SCHEMES.resolve_all([])
+    assert [scheme.name for scheme in SCHEMES.resolve_all(["MDE", "AKF"])] == ["MDE", "AKF"]

@@ -11,7 +11,7 @@ from owtsweep.verdicts.inference import (
     NOT_REPRODUCED,
     REPRODUCED,
     UNDECIDED,
-    Claim,
+    JudgedClaim,
     all_of,
     mean_ratio,
 )
@@ -38,7 +38,7 @@ def test_a_single_record_and_a_scattered_denominator_decide_nothing():
     scattered = np.array([1e-3, 2e-3, 40.0])
     wild = mean_ratio("", 1e-3 * scattered + 1e-9, scattered, 1.0, "below")
     assert np.isnan(wild.low)
-    assert Claim("", (one,)).verdict == Claim("", (wild,)).verdict == UNDECIDED
+    assert JudgedClaim("", (one,)).verdict == JudgedClaim("", (wild,)).verdict == UNDECIDED
 
 
 @pytest.mark.parametrize("size", [1.0, 1e139])
@@ -55,19 +55,19 @@ def test_many_cells_are_corrected_by_holm():
     holds = mean_ratio("", np.array([1.0, 1.1, 0.9]), np.array([2.0, 2.2, 2.1]), 1.0, "below")
     fails = mean_ratio("", np.array([1.00, 1.30, 1.14]), np.array([0.8, 0.9, 0.9]), 1.0, "below")
     assert 0.02 < fails.p < 0.05
-    assert Claim("", (fails,)).verdict == NOT_REPRODUCED
-    assert Claim("", (fails, holds)).verdict == NOT_REPRODUCED
+    assert JudgedClaim("", (fails,)).verdict == NOT_REPRODUCED
+    assert JudgedClaim("", (fails, holds)).verdict == NOT_REPRODUCED
     unclear = mean_ratio("", np.array([1.0, 1.4, 0.9]), np.array([1.2, 1.1, 1.0]), 1.0, "below")
-    many = Claim("", (fails, unclear, unclear, holds))
+    many = JudgedClaim("", (fails, unclear, unclear, holds))
     assert many.verdict == UNDECIDED
     assert many.deciding is fails
 
 
 def test_what_is_missing_can_fall_but_not_stand():
     a, b = np.array([1.0, 1.1, 0.9, 1.0]), np.array([2.0, 2.2, 2.1, 1.9])
-    stands = Claim("", (mean_ratio("", a, b, 1.0, "below"),))
-    lacks = Claim("", stands.decisions, ("(3 s, 2 m)",))
-    falls = Claim("", (mean_ratio("", b, a, 1.0, "below"),), ("(3 s, 2 m)",))
+    stands = JudgedClaim("", (mean_ratio("", a, b, 1.0, "below"),))
+    lacks = JudgedClaim("", stands.decisions, ("(3 s, 2 m)",))
+    falls = JudgedClaim("", (mean_ratio("", b, a, 1.0, "below"),), ("(3 s, 2 m)",))
     assert (stands.verdict, lacks.verdict, falls.verdict) == (REPRODUCED, MISSING, NOT_REPRODUCED)
     assert all_of([stands, lacks]) == MISSING
     assert all_of([stands, lacks, falls]) == NOT_REPRODUCED

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
-import pytest
 
 from owtsweep.figures import style
+from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.page import Bullets, Heading, Paragraph, Picture, TextTable
-from owtsweep.verdicts.report import write_report
-from owtsweep.verdicts.sections import (
-    consistency_section,
-    count_verdicts,
-    format_ratio,
-    missing_section,
-)
-from owtsweep.verdicts.summary import Item, distance_rows, make_table
+from owtsweep.verdicts.report import write_report, write_verdicts
+from owtsweep.verdicts.score_table import ScoreTable
+from owtsweep.verdicts.sections import count_verdicts
 
 
 def contents(pictures):
@@ -52,56 +46,37 @@ def test_a_report_writes_tables_figures_and_both_pages(tmp_path):
     assert 'src="data:image/png;base64,' in html
 
 
-def test_a_summary_has_a_row_per_item_and_their_ratio():
-    numbers = pd.DataFrame({"scheme": ["A", "A", "B"], "log2": [0.2, -0.4, float("nan")]})
-    rows = [
-        Item("item", "number", 2.0, 3.0, agrees="yes"),
-        *distance_rows(numbers, {("A",): 0.35}),
-    ]
-    table = make_table(rows).set_index("item")
-    assert table.loc["item", "ratio"] == 1.5
-    median = table.loc["median |log2 ratio|, A"]
-    assert (round(median["reproduced"], 12), median["agrees"]) == (0.3, "yes")
-    assert median["why"] == "over 2 of 2 numbers, a factor of 1.23; agreement: at most 0.35"
-    incomplete = next(iter(distance_rows(numbers, {("A", "B"): 0.35})))
-    assert incomplete.agrees == "missing"
+def test_the_page_counts_verdicts_and_shows_statements_and_goals(tmp_path):
+    path = tmp_path / "claims.toml"
+    one = 'name = "{0}1"\ntext = "it is {1}"\nprinted = "here"\ndefinition = "{0} below 1."\n'
+    claim = 'text = "small"\nreason = "r"\n'
+    path.write_text(
+        'note = "Written before."\nkind = "bound"\nside = "below"\nbound = 1.0\n'
+        '[[statements]]\n' + one.format("F", "small")
+        + f'[[statements.claims]]\n{claim}select = {{ scenario = ["a", "c"] }}\n'
+        + '[[goals]]\n' + one.format("G", "best")
+        + f'[[goals.claims]]\n{claim}select = {{ scenario = "b" }}\n'
+    )  # fmt: skip
+    rows = [("a", 0, 0.1), ("a", 1, 0.2), ("b", 0, 2.0), ("b", 1, 2.1)]
+    scores = ScoreTable(pd.DataFrame(rows, columns=["scenario", "replicate", "value"]))
+    write_verdicts(
+        tmp_path / "page", read_claims(path), [scores], title="A paper", about="Two records.",
+        metadata={}, middle=[Heading("Between")], end=[Heading("Last")],
+    )  # fmt: skip
+    page = (tmp_path / "page" / "fidelity.md").read_text(encoding="utf-8")
+    assert "- Statements F1-F1: 1 missing.\n- Goals G1-G1: 1 not reproduced." in page
+    headings = [line for line in page.splitlines() if line.startswith("#")]
+    assert headings == [
+        "# A paper", "## In short", "## Statements", "### F1: missing", "## Between",
+        "## Goals of the project", "### G1: not reproduced", "## Last",
+    ]  # fmt: skip
+    assert "small: missing, 1 of 1 hold in the mean, a 0.15" in page
+    assert "Written before. Of each claim" in page
+    table = pd.read_csv(tmp_path / "page" / "fidelity_claims.csv")
+    assert table["statement"].tolist() == ["F1", "G1"]
+    assert table["missing"].tolist()[0] == "c"
+    assert table["holding"].tolist() == [1, 0]
 
 
-def test_an_infinite_distance_leaves_blanks_and_does_not_agree():
-    """A perfect scheme has it; warnings are errors in tests."""
-    numbers = pd.DataFrame({"scheme": ["A"] * 3, "log2": [-float("inf")] * 2 + [0.1]})
-    median, percentile = distance_rows(numbers, {("A",): 0.35})
-    assert not np.isfinite([median.reproduced, percentile.reproduced]).any()
-    assert (median.agrees, percentile.agrees) == ("no", "")
-    assert median.why == "over 3 of 3 numbers; agreement: at most 0.35"
-    far = pd.DataFrame({"scheme": ["A"], "log2": [-1053.0]})
-    assert "a factor of inf" in next(iter(distance_rows(far, {("A",): 0.35}))).why
-
-
-def test_sections_without_anything_to_tell_are_left_out():
-    complete = pd.DataFrame({"table": [1], "scheme": ["A"], "reproduced": [1.0]})
-    assert missing_section(complete, []) == []
-    lacking = complete.assign(reproduced=float("nan"))
-    assert missing_section(lacking, [])[-1] == Bullets(["Published numbers: Table 1 A."])
+def test_nothing_is_counted_as_nothing():
     assert count_verdicts([]) == ""
-
-
-def test_consistency_is_told_per_scheme():
-    table = pd.DataFrame(
-        {
-            "scheme": ["A", "A"],
-            "nees": [0.9, 1.2],
-            "nis": [float("nan")] * 2,
-            "verdict": ["mixed"] * 2,
-        }
-    )
-    *_, text, grid = consistency_section(table, ["A"], {"nees": 4.0, "nis": 2.0})
-    assert text.text.startswith("Mean NEES over 4 and mean NIS over 2 in each cell")
-    assert grid.rows == [["A", "0.9 to 1.2", "–", "mixed 2"]]
-
-
-@pytest.mark.parametrize(
-    ("ratio", "text"), [(0.0042, "0.0042"), (0.1, "0.10"), (1.0, "1.00"), (354.749, "354.75")]
-)
-def test_no_ratio_is_shown_as_zero(ratio, text):
-    assert format_ratio(ratio) == text

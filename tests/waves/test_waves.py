@@ -5,8 +5,7 @@ import pytest
 
 from owtsweep.errors import InputError
 from owtsweep.waves import Cylinder, Sea, Waves, draw_waves, inertia_force
-from owtsweep.waves.loads import inertia_coefficient
-from owtsweep.waves.sea import find_wave_number
+from owtsweep.waves.sea import find_wave_number, inertia_coefficient
 
 DEPTH = 30.0
 

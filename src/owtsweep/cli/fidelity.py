@@ -1,61 +1,96 @@
-"""The command `fidelity`: compare a run with the published results of its study."""
+"""The command `fidelity`: judge what a paper says by a run."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+import owtsweep
 from owtsweep.cli.program import DONE
-from owtsweep.config import require
-from owtsweep.errors import InputError, printable
+from owtsweep.errors import InputError, printable, require
+
+if TYPE_CHECKING:
+    from owtsweep.verdicts.claims_file import ClaimsFile
+
+#: In a checkout, the folder that holds the claims of the papers: <paper>/claims.toml.
+PAPERS = Path(owtsweep.__file__).parents[2] / "experiments"
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Compare the run `options.run` with published results; write a report, and return 0.
+    """Judge the claims of `options.claims` by the rows of the run `options.run`; return 0.
 
-    Tables, figures and the report are written into the subfolder fidelity/ of the run's folder.
-    `options` are the parsed arguments of the command; `argv` is not used.
-
-    With several tunings, each has a folder of its own: fidelity/<tuning>/.
+    Without a file, the claims are those of the paper of the run's study, which stand beside the
+    package in a checkout. Verdicts and a page are written into the subfolder fidelity/ of the run's
+    folder; with several tunings, each has a folder of its own: fidelity/<tuning>/. `argv` is not
+    used.
 
     Raises
     ------
     InputError
-        If the run's study has no published results, or a script of its own that judges them; if
-        the run holds expected values instead of records, or no case of it has succeeded.
+        If there is no such file, it cannot be used, it is about another study, or the rows of a run
+        can judge none of its statements; if the run holds expected values instead of records, or no
+        case of it has succeeded.
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
-    from owtsweep.io.steps import show_steps
-    from owtsweep.sweep.study import OK, Judged, blame
+    from owtsweep.sweep.scores import collect_scores
+    from owtsweep.verdicts.claims_file import read_claims
+    from owtsweep.verdicts.judge import list_beyond
+    from owtsweep.verdicts.report import write_verdicts
 
     opened = load(options.run)
-    study = opened.study
-    script = getattr(study, "judged_by", None)
-    if script is not None:
-        raise InputError(
-            f"{opened.folder}: a run of study {study.name!r} has one truth, and the statements of "
-            f"its paper compare several on the same records; they are judged by {script} of the "
-            "project's repository; run that"
-        )
-    if not isinstance(study, Judged):
-        raise InputError(
-            f"{opened.folder}: this is a run of study {study.name!r}, which has no published "
-            "results; name a run of a study with published results"
-        )
+    name = opened.study.name
+    file = read_claims(Path(options.claims)) if options.claims else find_claims(name)
     require(
-        opened.engine.samples,
-        f"{opened.folder}: this run has no records, so its results have no intervals; "
-        "name a run with engine=batch",
+        file.study in ("", name),
+        f"{options.claims}: its claims are about study {file.study!r}, and {opened.folder} is a "
+        f"run of study {name!r}; name claims about that",
     )
-    parts = {tuning: (part, part.cases()) for tuning, part in opened.by_tuning().items()}
-    require(
-        all(bool((rows["status"] == OK).any()) for _, rows in parts.values()),
-        f"{opened.folder}: no case of this run has succeeded; run its sweep again",
-    )
-    for tuning, (part, rows) in parts.items():
+    paper = file.paper or options.claims
+    statements = [*file.statements, *file.goals]
+    rest = f"python -m {file.script}" if file.script else "a table of scores"
+    for tuning, part in opened.by_tuning().items():
+        scores = collect_scores(part)
+        beyond = list_beyond(statements, [scores])
+        require(
+            len(beyond) < len(statements),
+            f"{opened.folder}: the rows of a run judge none of these statements, which compare "
+            f"what no run of study {name!r} has; {rest} judges them",
+        )
         folder = opened.place / "fidelity" / tuning
-        with refuse_in_one_line(folder), show_steps(), blame(study):
-            files = study.write_fidelity(part.config, rows, folder, metadata=opened.metadata())
+        about = f"{part.study.describe_origin(part.config)}. ".removeprefix(". ")
+        with refuse_in_one_line(folder):
+            files = write_verdicts(
+                folder,
+                file,
+                [scores],
+                title=f"How well run {opened.metadata()['folder']} reproduces {paper}",
+                about=f"{about}Brackets are 95 % intervals over the records.",
+                metadata=opened.metadata(),
+            )
+        if beyond:
+            print(f"not judged by the rows of a run: {', '.join(beyond)}; {rest} judges them")
         print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
     return DONE
+
+
+def find_claims(study: str) -> ClaimsFile:
+    """Return the claims of a study's paper.
+
+    Raises
+    ------
+    InputError
+        If this is no checkout, or no paper there is about this study.
+    """
+    from owtsweep.verdicts.claims_file import read_claims
+
+    for path in sorted(PAPERS.glob("*/claims.toml")):
+        file = read_claims(path)
+        if file.study == study:
+            return file
+    raise InputError(
+        f"--claims: there are no claims about study {study!r} here; name a file of claims, e.g. of "
+        "your own (a checkout of the project's repository has those of the papers, in experiments/)"
+    )

@@ -12,7 +12,7 @@ from owtsweep.cli import DONE
 from owtsweep.config import Tree
 from owtsweep.errors import InputError
 from owtsweep.studies import get_study, names
-from owtsweep.studies.registry import DEFAULT, blame_package, find_tree
+from owtsweep.studies.registry import DEFAULT, blame_package, find_tree, list_schemes
 
 #: Plurals of group names that are not formed by adding an s.
 PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
@@ -43,7 +43,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 def _list_choices(study: str, tree: Tree) -> list[str]:
     prefix = "" if study == DEFAULT else f"study={study} "
     with blame_package(study):
-        schemes: dict[str, str] = getattr(get_study(study), "schemes", dict)()
+        schemes = list_schemes(study)
         lines = [f"{prefix}schemes (schemes=[...]):"] if schemes else []
         lines += [_entry(name, purpose) for name, purpose in schemes.items()]
         for group in tree.groups():

@@ -18,14 +18,12 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.cli.combinations import Combination, combine, count_runs, parse
-from owtsweep.cli.dry_run import foretell
-from owtsweep.cli.job_outcome import OUTCOMES, JobOutcome, read_outcome, write_outcome
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
-from owtsweep.cli.running import run_one
+from owtsweep.cli.running import foretell, run_one
 from owtsweep.config import Config, Tree, changed, dump_with_units
 from owtsweep.config.composition import compose_hydra, require_readable
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.tuning_files import names_file
+from owtsweep.config.option_files import names_file
 from owtsweep.config.tunings import GROUP
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.files import check_writable, refuse_in_one_line
@@ -33,7 +31,14 @@ from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
-from owtsweep.sweep.multirun_record import PlannedRun, write_record
+from owtsweep.sweep.multirun_record import (
+    OUTCOMES,
+    JobOutcome,
+    PlannedRun,
+    read_outcome,
+    write_outcome,
+    write_record,
+)
 from owtsweep.sweep.provenance import read_manifest
 from owtsweep.sweep.worker import end_with_parent
 

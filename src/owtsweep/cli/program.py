@@ -19,7 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NoReturn
 
-from owtsweep import __version__
+from owtsweep._version import __version__
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.log_lines import Lines
 from owtsweep.io.search_path import no_modules_of_this_folder
@@ -87,8 +87,25 @@ def _add_vary(parser: Parser) -> None:
     _add_config_dir(parser)
 
 
+def _add_place(parser: Parser) -> None:
+    _add_overrides(parser, "structure=./my_tower.yaml")
+    parser.add_argument(
+        "--quantity", metavar="NAME", help="whose error counts: stress (default) or base_moment"
+    )
+    parser.add_argument("--count", metavar="N", type=int, help="most sensors to choose; default 8")
+    told = "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements"
+    parser.add_argument("--heights", metavar="LIST", help=told)
+    _add_config_dir(parser)
+
+
 def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
+
+
+def _add_fidelity(parser: Parser) -> None:
+    _add_run(parser)
+    told = "a file of claims (TOML) instead of those of the study's paper"
+    parser.add_argument("--claims", metavar="FILE", help=told)
 
 
 def _add_figures(parser: Parser) -> None:
@@ -143,9 +160,9 @@ COMMANDS = {
         _add_figures,
     ),
     "fidelity": (
-        "Hold a run against the published numbers and statements; writes RUN/fidelity/.",
+        "Judge the claims of a study's paper, or yours, by a run; writes RUN/fidelity/.",
         "fidelity results/study-0a1b2c3d4e",
-        _add_run,
+        _add_fidelity,
     ),
     "compare": (
         "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
@@ -166,6 +183,11 @@ COMMANDS = {
         "Draw each scheme's error over the values of one key, e.g. a GNSS rate (study=hub).",
         "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4]",
         _add_vary,
+    ),
+    "place": (
+        "Say how many inclinometers are enough, and where, before any is mounted (study=tower).",
+        "place study=tower structure=./my_tower.yaml grid.noise=[3]",
+        _add_place,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",

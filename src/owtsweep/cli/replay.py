@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
-from owtsweep.cli.running import may_start, print_answer, tell_end
+from owtsweep.cli.running import foretell, may_start, print_answer, tell_end
 from owtsweep.config import dump_with_units, require
 from owtsweep.errors import InputError
 from owtsweep.io.files import refuse_in_one_line
@@ -65,8 +64,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
+    from owtsweep.studies.replay.advice import recommend
     from owtsweep.studies.replay.loading import tell_lean
-    from owtsweep.studies.replay.recommending import recommend
     from owtsweep.studies.replay.terminal import list_spectrum_notes
 
     for note in list_spectrum_notes(config):

@@ -37,7 +37,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     opened = load(options.run)
     manifest = read_manifest(opened.folder)
     shown = {**_shorten(manifest, opened), "now": _describe_folder(opened)}
-    origin, questions = opened.config.describe_origin(), _describe_questions(opened)
+    origin, questions = opened.study.describe_origin(opened.config), _describe_questions(opened)
     parts = {"origin": origin, **shown, "asked": questions}
     _print({name: part for name, part in parts.items() if part not in ("", {})}, 0)
     return DONE
@@ -146,12 +146,8 @@ def _name_scheme(entry: Any) -> str:
 
 def _count_cases(opened: Run) -> dict[str, Any]:
     cases = dict.fromkeys(("done", "failed", "missing"), 0)
-    try:
-        plan = opened.plan()
-    except InputError as error:  # the run has no stored plan, and names a scheme of its author's
-        return {"cases": str(error)}
     store = opened.store
-    for key, block in plan.items():
+    for key, block in opened.plan().items():
         cases[store.status(key)] += block.cases
     unable: dict[str, int] = {}
     for setback in opened.unable():

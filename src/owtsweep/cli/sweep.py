@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.program import BAD_INPUT, DONE
-from owtsweep.cli.running import may_start, run_one
+from owtsweep.cli.running import foretell, may_start, run_one
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:

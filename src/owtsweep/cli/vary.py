@@ -19,8 +19,7 @@ from owtsweep.results.conditions import Condition, Value
 from owtsweep.studies import compose, get_study, locate
 from owtsweep.studies.registry import DEFAULT, list_serving
 from owtsweep.sweep.keys import NOT_IDENTIFYING, question_hash
-from owtsweep.sweep.study import Study, blame
-from owtsweep.sweep.varying import Varying
+from owtsweep.sweep.study import Study, Varying, blame
 
 EXAMPLE = "sensors.gnss.rate=1,2,5,10"
 #: Most values of a key: more can be told apart neither in the table nor in the figure.

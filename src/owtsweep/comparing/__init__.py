@@ -2,5 +2,5 @@
 
 A boundary is the value of a condition above which the second of two schemes is better than the
 first. The package needs the rows of a run's results and a description of the run
-(`aspects.Aspects`), which the study makes. The package does not depend on any study.
+(`comparison.Aspects`), which the study makes. The package does not depend on any study.
 """

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.comparing.aspects import Aspects
-from owtsweep.comparing.comparison import Comparison
+from owtsweep.comparing.comparison import Aspects, Comparison
 from owtsweep.config.section import unit_of
 from owtsweep.figures import style
 from owtsweep.results.conditions import Condition

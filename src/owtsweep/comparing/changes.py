@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.results.boundary import divide_crossings, split_cells
 from owtsweep.results.conditions import Value
 from owtsweep.statistics.contrasts import Contrast, difference, gap, ratio
-from owtsweep.statistics.holm import holm
+from owtsweep.statistics.inference import holm
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from owtsweep.comparing.aspects import Aspects
-from owtsweep.comparing.comparison import Candidate
+from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.results.best_scheme import find_best_schemes

@@ -7,10 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import Judged, find_common, judge
-from owtsweep.comparing.comparison import Candidate, Comparison, Findings, Pair
-from owtsweep.comparing.origin import describe_origins
+from owtsweep.comparing.comparison import Aspects, Candidate, Comparison, Findings, Pair
+from owtsweep.comparing.report import describe_origins
 from owtsweep.errors import InputError, require
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The types that the sweep package and the studies share to compare runs.
+"""The types that the sweep package and the studies share to compare runs, and what differs in runs.
 
 `owtsweep.sweep.compare` finds the runs, the keys in which the runs differ, and the pairs of runs to
 compare: a `Comparison`. A study that is `Comparable` turns the comparison into `Findings`.
@@ -7,15 +7,26 @@ compare: a `Comparison`. A study that is `Comparable` turns the comparison into 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from owtsweep.errors import printable
+from owtsweep.results.conditions import Condition, Grid
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: Sections and keys that do not count as swept: they say on which grid, where and how to run.
+NOT_SWEPT = frozenset(
+    {"grid", "schemes", "baselines", "compute", "results", "name", "config_version"}
+)
+#: The name of the run folder, used as a key if no other key distinguishes two runs.
+RUN = "run"
+FIRST = "first run"
 
 
 def show(value: Any) -> str:
@@ -197,3 +208,143 @@ class Comparable(Protocol):
             If these runs cannot be compared. In this case nothing is written.
         """
         ...
+
+
+def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return dotted key -> value for nested mappings, e.g. "hme.mhe.horizon" -> 10.
+
+    A list is a value, and so is an empty mapping. `prefix` is put before each key.
+    """
+    flat: dict[str, Any] = {}
+    for key, value in config.items():
+        if isinstance(value, Mapping) and value:
+            flat |= flatten(value, f"{prefix}{key}.")
+        else:
+            flat[f"{prefix}{key}"] = value
+    return flat
+
+
+def swept_keys(
+    configs: Sequence[Mapping[str, Any]], preferred: Sequence[str] = ()
+) -> tuple[list[str], list[str]]:
+    """Find a few keys that distinguish the configurations.
+
+    Return two lists of dotted keys: the distinguishing keys, and the other keys in which the
+    configurations differ. Keys are tried in order. A key is put into the first list unless the keys
+    already in this list determine its value. For example, the key `tuning` changes dozens of keys.
+    If `tuning` is in the first list, these keys are in the second list.
+
+    Parameters
+    ----------
+    configs
+        Configurations as plain mappings.
+    preferred
+        Dotted keys to try first: the keys that the user swept.
+    """
+    flat = [
+        {key: item for key, item in flatten(c).items() if key.split(".")[0] not in NOT_SWEPT}
+        for c in configs
+    ]
+    keys = list(dict.fromkeys(key for config in flat for key in config))
+    ids = {key: [identify(config.get(key)) for config in flat] for key in keys}
+    differing = [key for key in keys if len(set(ids[key])) > 1]
+    order = {key: place for place, key in enumerate(preferred)}
+    # Top-level names (tuning, experiment) come first: they determine whole sections.
+    differing.sort(key=lambda key: (order.get(key, len(order)), key.count(".") > 0))
+    kept: list[str] = []
+    for key in differing:
+        groups: dict[tuple[Hashable, ...], set[Hashable]] = {}
+        for index, value in enumerate(ids[key]):
+            groups.setdefault(tuple(ids[other][index] for other in kept), set()).add(value)
+        if any(len(values) > 1 for values in groups.values()):
+            kept.append(key)
+    return kept, [key for key in differing if key not in kept]
+
+
+def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pair]:
+    """Return the pairs of runs to compare.
+
+    Two runs are a pair if they differ in one key only and have neighbouring values of this key. The
+    first run is also paired with every other run. A pair is the two runs' indices and the key.
+
+    Parameters
+    ----------
+    places
+        One sequence per run, with one number per key: the rank of the run's value among all values
+        of the key, as `comparing.comparison.rank_values` computes it.
+    keys
+        The keys in which the runs differ.
+    """
+    pairs = []
+    for axis, key in enumerate(keys):
+        lines: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+        for index, place in enumerate(places):
+            rest = (*place[:axis], *place[axis + 1 :])
+            lines.setdefault(rest, []).append((place[axis], index))
+        for line in lines.values():
+            ordered = [index for _, index in sorted(line)]
+            pairs += [Pair(a, b, key) for a, b in pairwise(ordered)]
+    made = {(pair.first, pair.second) for pair in pairs}
+    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in made]
+    return sorted(pairs, key=lambda pair: (pair.first, pair.second))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Aspects:
+    """The properties of a run that a comparison needs.
+
+    Attributes
+    ----------
+    conditions
+        The conditions of the study, i.e. the axes of its grid.
+    grid
+        Name of a condition -> the run's values of this condition.
+    schemes
+        Names of the run's schemes, in the study's order.
+    criterion
+        The measure by which the run judges its schemes, e.g. "position" for the mean squared
+        position error.
+    window
+        The part of each record over which the criterion is averaged: "full" or "settled".
+    pairing
+        Configuration key -> its value, for all keys that determine the motion and noise of the
+        records. If two runs agree in all these values, records with equal conditions and replicate
+        are equal too, and the runs are compared record by record.
+    boundary
+        Names of two schemes: the first is expected to be better at small values of the last
+        condition, the second at large values. None if no two schemes are expected to differ so.
+    origin
+        Name of a setting -> its value in words, for the settings that a reader must know to read
+        the run's numbers: tuning, truth, records per cell and seed. It is shown in titles.
+    score
+        What the number is called by which schemes are judged.
+    beside
+        Names of the run's baselines, which a comparison leaves out.
+    best_of
+        For a run with expected values instead of records: a function that makes the table of best
+        schemes. The arguments of the function are the run's rows, the values of the conditions
+        that all compared runs have, the names of the schemes, and the criterion. None for a run
+        with records.
+    """
+
+    conditions: tuple[Condition, ...]
+    grid: Grid
+    schemes: Sequence[str]
+    criterion: str
+    window: str
+    pairing: Mapping[str, Any]
+    boundary: tuple[str, str] | None = None
+    origin: Mapping[str, str] = field(default_factory=dict)
+    score: str = "MSE"
+    beside: Sequence[str] = ()
+    best_of: Callable[[pd.DataFrame, Grid, Sequence[str], str], pd.DataFrame] | None = None
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the conditions."""
+        return [condition.name for condition in self.conditions]
+
+    @property
+    def size(self) -> int:
+        """The number of cells; a cell is a combination of one value of each condition."""
+        return math.prod(len(self.grid[name]) for name in self.names)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import Judged
-from owtsweep.comparing.comparison import Comparison
+from owtsweep.comparing.comparison import Aspects, Comparison
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
 from owtsweep.figures.palette import style_of

@@ -1,17 +1,20 @@
-"""Write the text of a comparison: an overview for the terminal, and the sections of a report."""
+"""Write the text of a comparison: overview for the terminal, sections of a report, origins."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import Judged
+from owtsweep.comparing.comparison import Aspects
 from owtsweep.io import markdown
 from owtsweep.results.conditions import Condition, show_value
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: Greatest number of different values of one setting that are listed.
+MOST_VALUES = 4
 
 
 def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame) -> pd.DataFrame:
@@ -134,3 +137,32 @@ def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
         fields += [f"{row['ratio']:.3g}", f"{low:.3g} to {high:.3g}" if known else "not known"]
         rows.append(fields)
     return markdown.table(header, rows)
+
+
+def describe_origins(aspects: Sequence[Aspects]) -> str:
+    """Return sentences on the tuning, truth, seed and number of records of compared runs.
+
+    One sentence lists the settings that have one value in all runs, with this value. Another lists
+    the settings that differ between the runs, with their values. The text is empty if the study
+    does not say where its numbers come from.
+
+    Parameters
+    ----------
+    aspects
+        The study's description of each run, in the order of the runs.
+    """
+    names = dict.fromkeys(name for told in aspects for name in told.origin)
+    common, different = [], []
+    for name in names:
+        values = list(dict.fromkeys(told.origin.get(name, "none") for told in aspects))
+        if len(values) == 1:
+            common.append(f"{name} {values[0]}")
+            continue
+        shown = [*values[:MOST_VALUES], "..."] if len(values) > MOST_VALUES else values
+        different.append(f"{name} ({', '.join(shown)})")
+    sentences = []
+    if common:
+        sentences.append(f"In all runs: {', '.join(common)}.")
+    if different:
+        sentences.append(f"The runs differ in {', '.join(different)}.")
+    return " ".join(sentences)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import field_validator
 
@@ -32,7 +32,6 @@ class Compute(Section):
         "whether kernels are compiled with vectors; false: plain loops, slower, the same bits "
         "(docs/vectors.md)",
         default=True,
-        younger=True,
     )
     scheduler: str | None = key(
         "address of the dask scheduler, tcp://host:port; only with backend dask", default=None
@@ -54,7 +53,7 @@ class Config(Section):
     #: may change without making another run.
     swept: ClassVar[tuple[str, ...]] = ()
     #: Config groups that set one section each, whose options may also be files of the user's:
-    #: `structure=./mine.yaml` (`owtsweep.config.section_files`).
+    #: `structure=./mine.yaml` (`owtsweep.config.option_files`).
     from_files: ClassVar[tuple[str, ...]] = ()
 
     study: str = key("which study it is")
@@ -88,58 +87,14 @@ class Config(Section):
             for name, tuned in sections.items()
         }
 
-    @classmethod
-    def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
-        """Return composed keys with the values that follow from other keys filled in.
-
-        This happens before the keys are typed, so that config.yaml stores the values. This base
-        class returns the keys unchanged.
-        """
-        return plain
-
-    def describe_origin(self) -> str:
-        """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
-
-        The line is empty if the study does not say.
-        """
-        return ""
-
     def start_of_folder(self) -> str:
         """Return the text with which the name of the run folder begins, before the run's hash."""
         return self.experiment
 
-    def describe_code(self) -> Any:
-        """Return a description of the user's own code that the keys of this configuration name.
-
-        The description is JSON data and is stored with the run, since the code itself is not
-        executed when the run is read. This base class returns None, because its keys cannot name
-        code.
-        """
-        return None
-
-    @classmethod
-    def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
-        """Return the keys of a stored run without names of code, so that no code is executed.
-
-        This base class returns the keys unchanged, because its keys cannot name code.
-
-        Parameters
-        ----------
-        plain
-            The keys of the stored run, as nested dicts, lists and scalars.
-        described
-            The description that `describe_code` returned when the run was made; None if the run
-            has no description, because it was made by an older version.
-
-        Raises
-        ------
-        InputError
-            If the description does not fit the keys.
-        """
-        return plain
-
     def check(self) -> None:
-        """Check conditions on several keys, and on the run's name; a study may add further checks.
+        """Check conditions on several keys, and on the run's name.
+
+        A study may add conditions on its keys alone; `Study.check` looks at what they name.
 
         Raises
         ------
@@ -167,25 +122,6 @@ class Config(Section):
                 re.fullmatch(r"[\w.+=,-]+", self.name) is not None and self.name not in (".", ".."),
                 f"name: {self.name!r} is no plain folder name; use letters, digits, . _ - + = ,",
             )
-
-    def check_outside(self) -> None:
-        """Check what lies outside of the configuration: files, and keys of other studies.
-
-        This happens when a configuration is composed, after `check`. It never happens when a run is
-        read: a stranger's run opens no file that it names. This base class has nothing to check.
-
-        Raises
-        ------
-        InputError
-            If a file cannot be used, or another study refuses its keys.
-        """
-
-    def names_outside(self) -> str:
-        """Return the key that names a file or another study's keys, without which there is no plan.
-
-        It is "" if no key does.
-        """
-        return ""
 
     def _check_scheduler(self, backend: str, scheduler: str | None) -> None:
         if backend != "dask":

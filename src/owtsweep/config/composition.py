@@ -5,69 +5,38 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from owtsweep.config import tunings
-from owtsweep.config.common import Config
 from owtsweep.config.hints import explain_key_of_list
 from owtsweep.config.hydra_errors import hydra_in_one_line
+from owtsweep.config.option_files import place_files
 from owtsweep.config.section import fields_along
-from owtsweep.config.section_files import place_section_files
 from owtsweep.config.stored import DEEPEST, read, resolved
-from owtsweep.config.tuning_files import place_files
+from owtsweep.config.tree import Tree
 from owtsweep.errors import InputError, require, shorten
 
-#: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
-TREES = "studies"
 #: Most digits of a number in an override: Python makes no number of more than 4300.
 MOST_DIGITS = 4000
 
 
-@dataclass(frozen=True)
-class Tree:
-    """A folder of YAML files from which Hydra composes a configuration.
+def admit(tree: Tree, overrides: Sequence[str]) -> list[str]:
+    """Return the overrides, with `++` before each one whose key is not in the primary file.
 
-    Attributes
-    ----------
-    folder
-        The path of the folder.
-    primary
-        The name, without .yaml, of the file in `folder` with which Hydra begins.
-    model
-        The pydantic model of the configuration, from which error messages take the names of keys.
+    Without `++`, Hydra refuses to set a key that is not in the YAML files. Overrides of config
+    groups, and of keys without a default in the model, are returned unchanged.
     """
-
-    folder: Path
-    primary: str
-    model: type[Config]
-
-    def groups(self) -> list[str]:
-        """Return the sorted names of the config groups, i.e. of the subfolders of `folder`."""
-        folders = (path.name for path in self.folder.iterdir() if path.is_dir())
-        return sorted(name for name in folders if name != TREES)
-
-    def options(self, group: str) -> list[str]:
-        """Return the options of a config group: the sorted names of its files, without .yaml."""
-        return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))
-
-    def admit(self, overrides: Sequence[str]) -> list[str]:
-        """Return the overrides, with `++` before each one whose key is not in the primary file.
-
-        Without `++`, Hydra refuses to set a key that is not in the YAML files. Overrides of config
-        groups, and of keys without a default in the model, are returned unchanged.
-        """
-        listed = _listed_keys(self)
-        groups = self.groups()
-        admitted = []
-        for override in map(quote_home, overrides):
-            path = override.partition("=")[0].split(".")
-            fields = fields_along(self.model, path)
-            has_default = any(not field.is_required() for field in fields)  # or its section has one
-            unlisted = len(fields) == len(path) and has_default and not tunings.holds(listed, path)
-            admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
-        return admitted
+    listed = _listed_keys(tree)
+    groups = tree.groups()
+    admitted = []
+    for override in map(quote_home, overrides):
+        path = override.partition("=")[0].split(".")
+        fields = fields_along(tree.model, path)
+        has_default = any(not field.is_required() for field in fields)  # or its section has one
+        unlisted = len(fields) == len(path) and has_default and not tunings.holds(listed, path)
+        admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
+    return admitted
 
 
 def quote_home(override: str) -> str:
@@ -164,8 +133,8 @@ def compose_plain(
     """Compose a tree and overrides to plain data: dicts, lists and scalars.
 
     If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
-    the results are joined (`owtsweep.config.tunings.join`). A tuning may be a file of the user's
-    (`owtsweep.config.tuning_files`), and so may a section (`owtsweep.config.section_files`).
+    the results are joined (`owtsweep.config.tunings.join`). A tuning or a section may be a file of
+    the user's (`owtsweep.config.option_files`).
 
     Parameters
     ----------
@@ -182,11 +151,8 @@ def compose_plain(
         If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
         stored, or several tunings cannot be joined; the message is one line.
     """
-    with (
-        place_section_files(overrides, tree.model) as (sections, first),
-        place_files(sections, tree.model.tuned) as (placed, second),
-    ):
-        words = [*_search_path(config_dir, placed, [*first, *second]), *placed]
+    with place_files(overrides, tree.model) as (placed, folders):
+        words = [*_search_path(config_dir, placed, folders), *placed]
         return _compose_tunings(tree, words, overrides)
 
 

@@ -8,8 +8,6 @@ from typing import Any, get_origin
 
 from owtsweep.config.section import bare_type, fields_along, is_section, read_facts
 
-#: Old key -> new key. The error for a renamed key gives its new name.
-RENAMED: dict[str, str] = {}
 #: Of keys in several sections that have one name, at most this many are suggested.
 MOST_NAMED = 3
 
@@ -31,8 +29,8 @@ def list_keys(model: Any, prefix: str = "") -> list[str]:
 def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     """Return a one-line message about a configuration key that does not exist.
 
-    The message gives the new name if the key was renamed. Otherwise it lists the keys in the same
-    section, or names the most similar key, or says how to print all keys.
+    The message lists the keys in the same section, or names the most similar key, or says how to
+    print all keys.
 
     Parameters
     ----------
@@ -41,8 +39,6 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     keys
         All keys that exist.
     """
-    if key in RENAMED:
-        return f"{key}: this key was renamed; use {RENAMED[key]}"
     section, _, leaf = key.rpartition(".")
     by_leaf: dict[str, list[str]] = {}
     for name in keys:

@@ -5,13 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from owtsweep.config.hints import explain_key_of_list, explain_unknown_key, list_keys
+from owtsweep.config.tree import Tree
 from owtsweep.errors import InputError
-
-if TYPE_CHECKING:
-    from owtsweep.config.composition import Tree
 
 
 @contextmanager

@@ -39,7 +39,7 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(
 #: Attributes that hold the bounds of a number.
 BOUNDS = ("gt", "ge", "lt", "le")
 #: The defaults of those facts that `key` declares besides a type, a default and bounds.
-NO_FACTS = {"unit": "", "form": "", "advice": "", "younger": False}
+NO_FACTS = {"unit": "", "form": "", "advice": ""}
 #: How messages and docs/configuration.md name a type.
 TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}
 
@@ -92,7 +92,6 @@ def key(
     unit: str = "",
     form: str = "",
     advice: str = "",
-    younger: bool = False,
     **bounds: Any,
 ) -> Any:
     """Declare a key of a section of the configuration; return the pydantic field.
@@ -110,20 +109,16 @@ def key(
         What a list must hold, in words, for error messages, e.g. "two edges in Hz".
     advice
         A remedy, for the error message about a number below its lower bound.
-    younger
-        True if some stored runs were made before this key existed. While the key has its default,
-        it is left out of the hash of a run and of the names of stored results. So the key does not
-        change the hash and the names of older runs.
     bounds
         Bounds as for `pydantic.Field`: ge, gt, le and lt for a number, min_length and max_length
         for a list.
     """
-    facts: dict[str, Any] = {"unit": unit, "form": form, "advice": advice, "younger": younger}
+    facts: dict[str, Any] = {"unit": unit, "form": form, "advice": advice}
     return Field(default, description=meaning, json_schema_extra=facts, **bounds)
 
 
 def read_facts(field: FieldInfo) -> dict[str, Any]:
-    """Return facts about a configuration key: a dict with unit, form, advice and younger.
+    """Return facts about a configuration key: a dict with unit, form and advice.
 
     `field` is the pydantic field of the key, declared by the function `key`. A fact that was not
     declared has its default.

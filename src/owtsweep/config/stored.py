@@ -1,7 +1,7 @@
 """Write and read config.yaml, the file in a run's folder with all keys of its configuration.
 
 A run's folder may come from another person. A stored configuration is therefore refused if it
-contains an interpolation (`${...}`) or an alias (`*name`).
+contains an interpolation (`${...}`) or an alias (`*name`). `dump_with_units` writes for readers.
 """
 
 from __future__ import annotations
@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.typed import as_plain
+from owtsweep.config.section import bare_type, is_section, read_facts
+from owtsweep.config.typed import as_mapping
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
 
@@ -30,7 +31,7 @@ def dump(config: Config) -> str:
     """Return all keys of a configuration as YAML text, the content of config.yaml."""
     from omegaconf import OmegaConf
 
-    return OmegaConf.to_yaml(OmegaConf.create(as_plain(config)))
+    return OmegaConf.to_yaml(OmegaConf.create(as_mapping(config)))
 
 
 def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
@@ -151,3 +152,42 @@ def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
     if not isinstance(plain, dict):
         raise InputError("config: this is a list, not a mapping of keys")
     return {str(key): value for key, value in plain.items()}
+
+
+def dump_with_units(config: Config) -> str:
+    """Return a configuration as YAML text, with comments such as `# m/s^2`.
+
+    The comment stands behind the key, on the line of the key. A key whose numbers have no unit has
+    no comment. The text holds the data of `dump`, and can be read back.
+    """
+    import yaml
+
+    text = dump(config)
+    lines = text.splitlines()
+    for line, unit in _find_units(yaml.compose(text, Loader=yaml.SafeLoader), type(config)):
+        lines[line] += f"  # {unit}"
+    return "\n".join([*lines, ""])
+
+
+def _find_units(node: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield the number of the line and the unit, for each key of a YAML node that has a unit.
+
+    Parameters
+    ----------
+    node
+        The node of a section, as `yaml.compose` returns it.
+    model
+        The class of the section.
+    """
+    for key, value in node.value:
+        if key.value not in model.model_fields:
+            continue
+        field = model.model_fields[key.value]
+        unit, kind = read_facts(field)["unit"], bare_type(field.annotation)
+        if unit:
+            yield key.start_mark.line, unit
+        elif is_section(kind) and isinstance(value.value, list):  # not null
+            yield from _find_units(value, kind)
+        elif get_origin(kind) is dict and is_section(get_args(kind)[1]):  # sections by name
+            for _, section in value.value:
+                yield from _find_units(section, get_args(kind)[1])

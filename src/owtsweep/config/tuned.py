@@ -35,14 +35,16 @@ class TunedConfig(Config):
         """The name of the tuning; several names are joined by "and"."""
         return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
 
-    def check_tuning(self) -> None:
-        """Check that `tuning`, `tunings` and the tuned sections are those of one run.
+    def check(self) -> None:
+        """Check also that `tuning`, `tunings` and the tuned sections are those of one run.
 
         Raises
         ------
         InputError
-            If names and sections do not fit together, or a tuned section is missing.
+            If names and sections do not fit together, or a tuned section is missing; also as
+            `Config.check`.
         """
+        super().check()
         several = bool(self.tunings)
         require(
             self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from owtsweep.config.common import Config
-from owtsweep.config.section import Section, read_facts
+from owtsweep.config.section import Section
 from owtsweep.config.wording import in_one_line
 from owtsweep.errors import InputError
 
@@ -36,17 +36,16 @@ def typed(model: type[S], plain: Any) -> S:
 
 
 def checked(model: type[C], plain: Any) -> C:
-    """Turn plain data into a frozen configuration of the class `model`, after all checks.
+    """Turn plain data into a frozen configuration of the class `model`, after `Config.check`.
 
     Raises
     ------
     InputError
-        If a key is unknown or missing, a type is wrong, a value is out of bounds, values do not fit
-        together, or a file that the configuration names cannot be used.
+        If a key is unknown or missing, a type is wrong, a value is out of bounds, or values do not
+        fit together.
     """
     config = typed(model, plain)
     config.check()
-    config.check_outside()
     return config
 
 
@@ -58,31 +57,9 @@ def changed(section: S, **values: Any) -> S:
     return section.model_copy(update=values)
 
 
-def as_plain(section: Section) -> dict[str, Any]:
+def as_mapping(section: Section) -> dict[str, Any]:
     """Return all keys of a configuration or of a section, as dicts, lists and scalars."""
     return section.model_dump(warnings=False)  # `changed` does not check types, so nor does this
-
-
-def as_mapping(section: Section) -> dict[str, Any]:
-    """Return the keys of a configuration or of a section from which hashes are made.
-
-    The result consists of dicts, lists and scalars. A key that was declared as younger (some stored
-    runs were made before the key existed) is left out while it has its default. A section that was
-    declared as younger is left out while all its keys are left out or have their defaults. So a new
-    key does not change the hashes of stored runs.
-    """
-    mapping = as_plain(section)
-    for name, field in type(section).model_fields.items():
-        value = getattr(section, name)
-        if isinstance(value, Section):
-            mapping[name] = as_mapping(value)
-        elif name in mapping and isinstance(value, dict):
-            sections = {key: item for key, item in value.items() if isinstance(item, Section)}
-            mapping[name] |= {key: as_mapping(item) for key, item in sections.items()}
-        default = field.get_default(call_default_factory=True)
-        if read_facts(field)["younger"] and (value == default or mapping[name] == {}):
-            mapping.pop(name, None)
-    return mapping
 
 
 def with_values(section: S, values: Mapping[str, Any]) -> S:
@@ -96,7 +73,7 @@ def with_values(section: S, values: Mapping[str, Any]) -> S:
     InputError
         If a key is unknown, a type is wrong, or a value is out of bounds.
     """
-    plain = as_plain(section)
+    plain = as_mapping(section)
     for key, value in values.items():
         *sections, name = key.split(".")
         inner = plain

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.estimation.late_gains import LateGains
-from owtsweep.estimation.late_model import LateModel, copying, transition
+from owtsweep.estimation.late_gains import LateGains, LateModel, copying, transition
 
 
 class ClosedStep(NamedTuple):

@@ -60,29 +60,11 @@ def choose_gains(natural: Array, waves: Array, cutoff: Array) -> Array:
     )
 
 
-def find_modes(natural: float, damping: float, waves: float, gains: Array) -> Array:
-    """Return the eigenvalues of the observer's error of one degree of freedom without turning.
-
-    `gains` has the shape (5,); all real parts are to be below 0.
-    """
-    k11, k12, k2, k3, k4 = gains
-    matrix = np.array(
-        [
-            [0.0, 1.0 - k11, -k11, 0.0, 0.0],
-            [-(waves**2), -2.0 * LAMBDA * waves - k12, -k12, 0.0, 0.0],
-            [0.0, -k2, -k2, 0.0, 1.0],
-            [0.0, -k3, -k3, 0.0, 0.0],
-            [0.0, -k4, -(natural**2) - k4, 1.0, -2.0 * damping * natural],
-        ]
-    )
-    return np.asarray(np.linalg.eigvals(matrix))
-
-
 def find_growth(natural: float, damping: float, waves: float, gains: Array, step: float) -> float:
     """Return the factor by which the error of one degree of freedom grows per step in `observe`.
 
     Explicit steps may be unstable where the observer is not: the factor is to be below 1.
-    Parameters are those of `find_modes`, and the sampling interval in s.
+    `gains` has the shape (5,); `step` is the sampling interval in s.
     """
     k11, k12, k2, k3, k4 = gains
     e = np.array([0.0, -1.0, -1.0, 0.0, 0.0])  # xi_1, xi_2, eta, b, nu

@@ -113,51 +113,6 @@ def carry_point(position: Array, rotation: Array, point: Array) -> Array:
     return np.asarray(position + rotation @ point)
 
 
-def find_pose_covariance(
-    reference: Array,
-    sigma: float | Array,
-    *,
-    about: About = "centroid",
-    weights: Array | None = None,
-) -> Array:
-    """Return the covariance of a pose to first order in the noise of points, shape (6, 6).
-
-    The attitude is level (T near the identity). The first three rows are of the position of the
-    reference frame's origin, m, the others of the small rotation d with T = Exp([d]x), rad.
-
-    Parameters
-    ----------
-    reference
-        Coordinates of the points, m, shape (points, 3).
-    sigma
-        Standard deviation of the white noise of observed coordinates, m: one for all, of each axis
-        (3,), or of each point and axis (points, 3).
-    about, weights
-        As of `find_pose`.
-
-    Raises
-    ------
-    InputError
-        As from `find_pose`, or if a standard deviation is negative.
-    """
-    anchor, w = find_anchor(reference, about, weights)
-    sigmas = np.broadcast_to(np.asarray(sigma, dtype=float), reference.shape)
-    require(
-        bool(np.all(sigmas >= 0.0) and np.isfinite(sigmas).all()),
-        f"sigma: {np.min(sigmas):g} m is no standard deviation; 0 m and more would work",
-    )
-    arms = cross_matrices(reference - anchor @ reference)
-    # d minimises sum w |e_k - e_anchor - d x arm_k|^2, with the noise e_k of each point.
-    normal = -np.einsum("k,kij,kjl->il", w, arms, arms)
-    to_turn = np.linalg.solve(normal, np.concatenate(list(w[:, None, None] * arms), axis=1))
-    # The noise of the anchor enters every difference.
-    of_anchor = np.concatenate([a * np.eye(3) for a in anchor], axis=1)
-    to_turn -= to_turn @ np.tile(of_anchor, (len(reference), 1))
-    to_position = of_anchor + cross_matrices(anchor @ reference) @ to_turn
-    both = np.concatenate([to_position, to_turn])
-    return np.asarray((both * sigmas.ravel() ** 2) @ both.T)
-
-
 def find_anchor(reference: Array, about: About, weights: Array | None) -> tuple[Array, Array]:
     """Return the parts of the points in the one that differences are taken to, and the weights.
 
@@ -192,11 +147,3 @@ def find_anchor(reference: Array, about: About, weights: Array | None) -> tuple[
         "undetermined (Wahba's problem); three or more points that are not on one line would work",
     )
     return anchor, w
-
-
-def cross_matrices(vectors: Array) -> Array:
-    """Return the matrices [v]x with [v]x u = v x u, shape (..., 3, 3), of vectors (..., 3)."""
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    zero = np.zeros_like(x)
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -90,6 +90,15 @@ def divide_by_deviation(error: Array, truth: Array) -> Array:
     return _divide(np.asarray(error), deviation)
 
 
+def scatter(truth: Array, estimate: Array) -> Array:
+    """Return the standard deviation of the error over that of the truth, of each column.
+
+    The mean error does not count: in the field the zero of an inclinometer is not known, and
+    fatigue needs the changes. A drift counts. (`compute_mae` keeps the mean.)
+    """
+    return divide_by_deviation(np.std(estimate - truth, axis=0), truth)
+
+
 def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -> Array:
     """Find by how much an estimate comes late, in s; negative if it runs ahead of the truth.
 

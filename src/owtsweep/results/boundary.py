@@ -20,7 +20,7 @@ from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition, Value, show_value
 from owtsweep.results.status import OK
 from owtsweep.results.superposition import PRODUCTS, find_crossing
-from owtsweep.statistics.bootstrap import percentile_interval, resample_means
+from owtsweep.statistics.inference import percentile_interval, resample_means
 from owtsweep.streams import encode_value
 
 if TYPE_CHECKING:

@@ -40,6 +40,9 @@ class Condition:
         the row of such a result the condition is NaN. Only the last condition may expand.
     plural
         The plural of the label, used in sentences; if it is "", the label with an s is used.
+    enters
+        What the condition changes: "world" (what moves), "sensors" (what is measured of it), or
+        "knowledge" (what schemes are told).
     """
 
     name: str
@@ -49,6 +52,7 @@ class Condition:
     in_streams: bool = False
     expands: bool = False
     plural: str = ""
+    enters: Literal["world", "sensors", "knowledge"] = "world"
 
     @property
     def title(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.results.conditions import order_values, sort_lines
 from owtsweep.results.cube import Cube, join_lines
 from owtsweep.results.unable import tell_in_summary
-from owtsweep.statistics.student import t_quantile
+from owtsweep.statistics.inference import t_quantile
 from owtsweep.statistics.sums import mean_and_error
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Models of sensor errors: noise, bias, losses, and a wrong clock."""
+"""Models of sensor errors: noise, bias, losses and outliers."""
 
 #: Version of this package's numbers. Raise it whenever a change alters a number that a study
 #: stores.

@@ -1,8 +1,9 @@
-"""Draws white noise and a wandering bias, in one or several pieces.
+"""Draws white noise, red noise (a first-order Gauss-Markov process) and a wandering bias.
 
-Both are made of standard normal numbers, taken from a random stream one after the other and scaled
-afterwards. Therefore, drawing in pieces gives the same numbers, bit for bit, as a single draw. With
-the same stream, noises of different intensity differ only in scale.
+White noise and bias may be drawn in one or several pieces. They are made of standard normal
+numbers, taken from a random stream one after the other and scaled afterwards. Therefore, drawing in
+pieces gives the same numbers, bit for bit, as a single draw. With the same stream, noises of
+different intensity differ only in scale.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 
 
 @dataclass
@@ -99,3 +100,47 @@ class WienerBias:
         np.cumsum(bias, out=bias)
         self.last = float(bias[-1])
         return bias
+
+
+def draw_gauss_markov(
+    generator: np.random.Generator,
+    count: int,
+    *,
+    sigma: float,
+    time: float,
+    step: float,
+    axes: int = 2,
+) -> Array:
+    """Draw samples of a first-order Gauss-Markov process on some axes, shape (count, axes).
+
+    The axes are independent of each other. Samples that are `step` apart have the correlation
+    exp(-step / time) (Bar-Shalom, Li and Kirubarajan 2001, section 8.2). The process is stationary
+    from its first sample on.
+
+    Parameters
+    ----------
+    generator
+        The random stream, from which a standard normal number per sample and axis is drawn.
+    sigma
+        Standard deviation of a sample along each axis, in the unit of the samples.
+    time
+        Time constant, s.
+    step
+        Sampling interval, s.
+    axes
+        Number of axes.
+
+    Raises
+    ------
+    InputError
+        If sigma is negative, or the time constant or the interval is not positive.
+    """
+    from scipy.signal import lfilter
+
+    require(sigma >= 0.0, f"sigma: {sigma:g} is no standard deviation; give 0 or more")
+    require(time > 0.0, f"time: {time:g} s is no time constant; give more than 0")
+    require(step > 0.0, f"step: {step:g} s is no interval; give more than 0")
+    memory = np.exp(-step / time)
+    driving = generator.standard_normal((count, axes))
+    driving[1:] *= np.sqrt(-np.expm1(-2.0 * step / time))
+    return np.asarray(sigma * lfilter([1.0], [1.0, -memory], driving, axis=0))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.student import p_value, t_quantile
+from owtsweep.statistics.inference import p_value, t_quantile
 from owtsweep.statistics.sums import mean_and_error, ordered_sum
 
 #: Schemes coincide if the relative difference of their values is at most this.

@@ -30,7 +30,7 @@ from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.io.reading import expand_home
 
-#: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
+#: Friction angles (degrees) that the fits of owtsweep.structures.sections hold for.
 ANGLES = (28.0, 40.0)
 #: Names of structures, which may be part of a file's name.
 NAME = re.compile(r"\w[\w .+-]{0,59}")
@@ -123,7 +123,6 @@ class Point(Section):
         unit="kg m^2",
         default=None,
         le=MOST_INERTIA,
-        younger=True,
     )
 
 
@@ -203,7 +202,6 @@ class Water(Section):
         "up to which height water adds mass; waves are about mean sea level, whatever it is",
         unit="m",
         default=0.0,
-        younger=True,
     )
 
 
@@ -224,7 +222,7 @@ class Structure(Section):
         "springs below the mudline; null: clamped at the lower end", default=None
     )
     foundation: Foundation | None = key(
-        "springs at the lower end in place of soil; null: none", default=None, younger=True
+        "springs at the lower end in place of soil; null: none", default=None
     )
     clamped: bool = key("whether the lower end is clamped", default=False)
     water: Water | None = key("null: no water", default=None)

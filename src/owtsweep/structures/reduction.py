@@ -18,9 +18,6 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.structures.bernoulli import PlaneBeam
 
-#: Modes with a square of the angular frequency below this part of the largest are rigid.
-RIGID = 1e-12
-
 
 @dataclass(frozen=True)
 class Reduced:

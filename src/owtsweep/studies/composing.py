@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from owtsweep.config import Config, Tree, checked, compose_plain, require
+from owtsweep.config import Config, Tree, admit, checked, compose_plain, require
 from owtsweep.config.stored import resolved
 from owtsweep.errors import InputError
 from owtsweep.studies import registry
@@ -53,13 +53,13 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     if name is None:
         default = next(n for n, entry in registry.OURS.items() if entry.primary == primary)
         tree = registry.find_tree(default)
-        return Located(None, tree, tree.admit(others))
+        return Located(None, tree, admit(tree, others))
     entry = registry.find_entry(name)
     _check_command(name, primary)
     given = {_key(other) for other in others}
     implied = [override for override in entry.implied if _key(override) not in given]
     tree = registry.find_tree(name)
-    return Located(name, tree, [*implied, *tree.admit(others)])
+    return Located(name, tree, [*implied, *admit(tree, others)])
 
 
 def compose(
@@ -117,8 +117,11 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
 
 def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
     name = study or str(plain.get("study", registry.DEFAULT))
-    model = registry.get_study(name).config_type()
-    return checked(model, model.complete({**plain, "study": name}))
+    chosen = registry.get_study(name)
+    config = checked(chosen.config_type(), chosen.complete({**plain, "study": name}))
+    chosen.check(config)
+    chosen.check_outside(config)
+    return config
 
 
 def _check_command(study: str, primary: str) -> None:

@@ -11,7 +11,7 @@ from owtsweep.studies.registry import OURS, get_study
 from owtsweep.sweep.study import Estimating, blame
 
 if TYPE_CHECKING:
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
 
 
 def estimate(overrides: Sequence[str] = (), replicate: int = 0) -> EstimatedRecord:

@@ -9,14 +9,16 @@ import os
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import Config, require, typed
+from owtsweep.config import checked, require
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.studies import registry
 from owtsweep.sweep import asked
+from owtsweep.sweep.keys import question_hash
+from owtsweep.sweep.plan import read_blocks, read_stored_plan
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.stored_plan import read_blocks, read_stored_plan
+from owtsweep.sweep.study import Study
 
 
 def open_run(folder: Path) -> Run:
@@ -37,38 +39,27 @@ def open_run(folder: Path) -> Run:
         f"{folder}: the folder holds no config.yaml; name the folder of a run",
     )
     plain, text = read_stored(path)
-    stored = read_stored_plan(folder, text)
-    config = _make_config(path, plain, None if stored is None else stored.get("code"))
-    tunings = [name for name in config.by_tuning() if name]
-    plan = None if stored is None else read_blocks(folder, stored, tunings)
-    study = registry.get_study(config.study)
-    question = asked.name_question(study.config_type(), plain, text)
-    return Run(folder, config, study, plan, question, home)
-
-
-def load_config(path: Path) -> Config:
-    """Read the configuration in a run's config.yaml, without reading other files of the run.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, is not a configuration of this program, or belongs to a study that
-        is not installed.
-    """
-    return _make_config(path, read_stored(path)[0], None)
-
-
-def _make_config(path: Path, plain: dict[str, Any], described: Any) -> Config:
-    study = str(plain.get("study", registry.DEFAULT))
+    study = _find_study(path, plain)
+    stored = read_stored_plan(study, folder, text)
     try:
-        model = registry.get_study(study).config_type()
-        config = typed(model, {**model.hide_code(plain, described), "study": study})
-        config.check()  # not `checked`, which opens the files that the keys name
-        return config
+        config = checked(study.config_type(), study.hide_code(plain, stored.get("code")))
+        study.check(config)  # not `check_outside`, which opens the files that the keys name
     except InputError as error:
-        if study not in registry.names():
+        raise InputError(f"{path}: {error}") from error
+    tunings = [name for name in config.by_tuning() if name]
+    plan = read_blocks(folder, stored, tunings)
+    return Run(folder, config, study, plan, question_hash(config), home)
+
+
+def _find_study(path: Path, plain: dict[str, Any]) -> Study:
+    """Return the study of a stored configuration, which `path` and `plain` name and hold."""
+    name = str(plain.get("study", registry.DEFAULT))
+    try:
+        return registry.get_study(name)
+    except InputError as error:
+        if name not in registry.names():
             raise InputError(
-                f"{path}: the study {study!r} of this run is not installed; install its package "
+                f"{path}: the study {name!r} of this run is not installed; install its package "
                 f"(there are {', '.join(registry.names())})"
             ) from error
         raise InputError(f"{path}: {error}") from error

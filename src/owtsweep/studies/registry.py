@@ -11,7 +11,7 @@ is sweep.yaml.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config, Tree, conf_directory, require
-from owtsweep.config.composition import TREES
 from owtsweep.config.hints import suggest_name
+from owtsweep.config.tree import TREES
 from owtsweep.errors import InputError, as_text
 from owtsweep.sweep.study import Study, broken_study
 
@@ -57,7 +57,7 @@ class Entry:
 
 #: The built-in studies. A study without the folder conf/studies/<name> uses the YAML files in conf.
 OURS = {
-    "hub": Entry("owtsweep.studies.hub:HubStudy"),
+    "hub": Entry("owtsweep.studies.hub.study:HubStudy"),
     "readings": Entry("owtsweep.studies.readings:ReadingsStudy", implied=("experiment=readings",)),
     "replay": Entry("owtsweep.studies.replay:ReplayStudy", primary="replay"),
     "tower": Entry("owtsweep.studies.tower:TowerStudy"),
@@ -114,6 +114,12 @@ def get_study(name: str) -> Study:
     return study  # type: ignore[no-any-return]
 
 
+def list_schemes(name: str) -> Mapping[str, str]:
+    """Return name -> description of the schemes of the study called `name`; {} if it has none."""
+    schemes: Mapping[str, str] = getattr(get_study(name), "schemes", dict)()
+    return schemes
+
+
 def list_serving(protocol: type) -> str:
     """Return the names of the studies that have a protocol such as `sweep.study.Tunable`, in words.
 
@@ -163,9 +169,9 @@ def _of_others() -> list[tuple[str, Entry]]:
 
 
 def _lacks(study: Any) -> list[str]:
-    """Return the sorted names of the members of the protocol `Study` that `study` does not have."""
-    protocol = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
-    return sorted(member for member in protocol if not hasattr(study, member))
+    """Return the sorted names of the members of `Study` that `study` does not have."""
+    members = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
+    return sorted(member for member in members if not hasattr(study, member))
 
 
 def find_tree(name: str) -> Tree:

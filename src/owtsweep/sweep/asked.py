@@ -64,22 +64,6 @@ def find_home(folder: Path) -> Path | None:
     return whole.parents[1] if is_question else None
 
 
-def name_question(model: type[Config], plain: Mapping[str, Any], text: str) -> str:
-    """Return the hash of the question of a stored configuration, 10 hexadecimal digits.
-
-    Parameters
-    ----------
-    model
-        The class of the study's configurations. No code that the configuration names is imported.
-    plain, text
-        The configuration as plain data, and the text of its file.
-    """
-    try:
-        return question_hash(typed(model, plain))
-    except InputError:  # keys of another study, or of another version
-        return blake2b(text.encode(), digest_size=HASH_BYTES).hexdigest()
-
-
 def list_questions(run: Path) -> Iterator[Question]:
     """Yield the questions of a run folder, sorted by hash; their files may be another person's."""
     for path in sorted((run / FOLDER).glob("*/config.yaml")):
@@ -114,9 +98,7 @@ def write_both(run: Path, question: str, contents: Mapping[str, bytes | str]) ->
 
 
 def copy_figures(run: Path, question: str, files: list[Path]) -> None:
-    """Copy figures that were drawn in the root into the folder of their question.
-
-    If the question has no folder (the run is older than such folders), copy nothing.
+    """Copy figures that were drawn in the root into the folder of their question, if it has one.
 
     Raises
     ------
@@ -165,11 +147,10 @@ def show(
     # First, because a full disk must be noticed before anything is moved.
     write_all({own / name: text for name, text in texts.items()})
     if os.path.lexists(run / CONFIG) and not cleared:
-        try:
-            plain, text = read_stored(run / CONFIG)
-            before = name_question(model, plain, text)
-        except InputError:  # unreadable, so nobody can say to which question the tables belong
-            before = blake2b(b"unreadable", digest_size=HASH_BYTES).hexdigest()
+        try:  # no code that the configuration names is imported
+            before = question_hash(typed(model, read_stored(run / CONFIG)[0]))
+        except InputError:  # damaged, so nobody can say to which question the tables belong
+            before = blake2b(b"damaged", digest_size=HASH_BYTES).hexdigest()
         if before != question:
             _move_made(run, question_folder(run, before))
     write_all({run / name: text for name, text in texts.items()})
@@ -183,28 +164,20 @@ def clear(run: Path) -> None:
         _delete(path)
 
 
-def _list_made(run: Path, *, every_table: bool = False) -> list[Path]:
+def _list_made(run: Path) -> list[Path]:
     """Return the paths in the root of a run folder that were made of a question's cases.
 
-    A CSV file is a table if a question has a table of this name, or with `every_table` in any case.
-    Other CSV files are the user's own.
+    A CSV file is a table if a question has a table of this name. Other CSV files are the user's.
     """
     tables = {path.name for path in (run / FOLDER).glob("*/*.csv")}
-    made = [path for path in run.glob("*.csv") if every_table or path.name in tables]
+    made = [path for path in run.glob("*.csv") if path.name in tables]
     return made + [run / name for name in MADE if os.path.lexists(run / name)]
 
 
 def _move_made(run: Path, target: Path) -> None:
     """Move what the root holds of a question into the question's folder, `target`."""
-    # A folder of before does not say which CSV files are tables.
-    made = _list_made(run, every_table=not target.is_dir())
-    if not made:
-        return
-    target.mkdir(parents=True, exist_ok=True)
-    for name in (CONFIG, "plan.json", "manifest.json"):
-        if (run / name).is_file() and not os.path.lexists(target / name):
-            shutil.copyfile(run / name, target / name)
-    for path in made:
+    for path in _list_made(run):
+        target.mkdir(parents=True, exist_ok=True)
         if path.is_dir() and not path.is_symlink() and (target / path.name).is_dir():
             # Files that only the question's folder has are kept: other figures, say.
             for inner in list(path.iterdir()):

@@ -25,8 +25,7 @@ from joblib._dask import DaskDistributedBackend
 
 from owtsweep.errors import InputError, require
 from owtsweep.sweep.study import Study
-from owtsweep.sweep.versions import tell_other_versions
-from owtsweep.sweep.worker import one_line
+from owtsweep.sweep.worker import one_line, tell_other_versions
 
 _Base: Any = DaskDistributedBackend
 
@@ -55,7 +54,7 @@ class Lost:
 def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterator[Client]:
     """Yield a connection to the dask cluster at `address`, after checking the cluster's workers.
 
-    `metadata` holds the versions that each worker must have, as `versions.all_versions` returns
+    `metadata` holds the versions that each worker must have, as `worker.all_versions` returns
     them. `address` is the address of the cluster's scheduler, e.g. tcp://host:8786.
 
     Raises

@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.comparing.comparison import (
+    RUN,
     Candidate,
     Comparable,
     Comparison,
     Findings,
+    make_pairs,
     rank_values,
     show,
+    swept_keys,
 )
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError, printable
@@ -29,7 +32,6 @@ from owtsweep.io.tables import write_table
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
-from owtsweep.sweep.swept import RUN, make_pairs, swept_keys
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep import compiled  # in this form the module counts as no source of kernels
 from owtsweep.io.search_path import no_modules_of_this_folder
 from owtsweep.sweep.plan import Plan
-from owtsweep.sweep.rows import Setback
-from owtsweep.sweep.schema import WrongRows
+from owtsweep.sweep.rows import Setback, WrongRows
 from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,

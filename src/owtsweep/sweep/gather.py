@@ -1,19 +1,21 @@
-"""Joins the rows of many shards (stored files) to one table, in bounded memory.
+"""Joins the rows of many shards (stored files) to one table, and the results of several tunings.
 
-An Arrow table of a hundred rows takes some 10 kB in addition to its content, and pandas needs more
-memory for text than for numbers. So shards are joined in batches, and each text is stored as an
-integer code.
+Memory is bounded. An Arrow table of a hundred rows takes some 10 kB in addition to its content, and
+pandas needs more memory for text than for numbers. So shards are joined in batches, and each text
+is stored as an integer code.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
 
+from owtsweep.config import Config
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +23,25 @@ if TYPE_CHECKING:
 
 #: Number of shards that are joined at a time.
 BATCH = 256
+
+
+@dataclass(frozen=True)
+class Results:
+    """The results of a run of one tuning.
+
+    Attributes
+    ----------
+    config
+        The run's configuration.
+    rows
+        The rows of the run's cases, sorted.
+    tables
+        The tables that the study makes of the rows, by name.
+    """
+
+    config: Config
+    rows: pd.DataFrame
+    tables: dict[str, pd.DataFrame]
 
 
 def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
@@ -43,31 +64,22 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     InputError
         If whole numbers of one table are too large for a column that has fractions in another.
     """
-    import pandas as pd
-
+    # Arrow's own pool would keep what is freed here from pandas.
+    pa.set_memory_pool(pa.system_memory_pool())
     remaining = iter(tables)
     batches = []
     while batch := list(islice(remaining, BATCH)):
-        batches.append(_columns(batch))
+        batches.append(_encode_texts(_join(batch).combine_chunks()))
     if not batches:
         return None
-    sizes = [len(next(iter(batch.values()))) for batch in batches]
-    names = list(dict.fromkeys(name for batch in batches for name in batch))
-    # The pieces of a column are freed as soon as it is whole.
-    columns = {name: _whole([batch.pop(name, None) for batch in batches], sizes) for name in names}
-    return pd.DataFrame(columns, copy=False)
-
-
-def join_tunings(frames: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Join the rows of several tunings, with the tuning's name in a new first column `tuning`."""
-    import pandas as pd
-
-    sizes = [len(frame) for frame in frames.values()]
-    codes = np.repeat(np.arange(len(sizes)), sizes)
-    names = pd.Categorical.from_codes(codes, pd.Index(list(frames)))
-    columns = dict.fromkeys(name for frame in frames.values() for name in frame)
-    whole = {name: _whole([f.get(name) for f in frames.values()], sizes) for name in columns}
-    return pd.DataFrame({"tuning": names, **whole}, copy=False)
+    whole = _join(batches).unify_dictionaries().replace_schema_metadata()
+    batches.clear()
+    # Column by column, each of which is freed as soon as pandas has it.
+    frame: pd.DataFrame = whole.to_pandas(split_blocks=True, self_destruct=True)
+    for name in _list_categorical(frame):
+        codes = frame[name].cat
+        frame[name] = codes.reorder_categories(sorted(codes.categories))
+    return frame
 
 
 def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
@@ -85,74 +97,54 @@ def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
 
 def as_text(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a copy of the frame whose categorical columns are plain text."""
-    text = {name: frame[name] for name in frame.columns if _is_categorical(frame[name])}
-    return frame.astype({name: column.cat.categories.dtype for name, column in text.items()})
+    return frame.astype(
+        {name: frame[name].cat.categories.dtype for name in _list_categorical(frame)}
+    )
 
 
-def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
-    """Join some Arrow tables; return column name -> values, copied out of Arrow's memory.
+def join_rows(stored: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the rows of all tunings, with plain text; with several, column `tuning` is first."""
+    return _join_tunings({tuning: as_text(rows) for tuning, rows in stored.items()})
 
-    Raises
-    ------
-    InputError
-        If a column's whole numbers in one table and fractions in another do not fit together.
-    """
+
+def join_tables(results: Mapping[str, Results]) -> dict[str, pd.DataFrame]:
+    """Return the tables of all tunings by name; with several, `tuning` is their first column."""
+    names = dict.fromkeys(name for part in results.values() for name in part.tables)
+    return {
+        name: _join_tunings({tuning: part.tables[name] for tuning, part in results.items()})
+        for name in names
+    }
+
+
+def _join_tunings(parts: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    import pandas as pd
+
+    if "" in parts:
+        return parts[""]
+    whole = pd.concat(parts.values(), ignore_index=True)
+    whole.insert(0, "tuning", [tuning for tuning, part in parts.items() for _ in range(len(part))])
+    return whole
+
+
+def _join(tables: list[Any]) -> Any:
     # Permissive: a column may hold whole numbers in one shard and fractions in another.
     try:
-        joined = pa.concat_tables(tables, promote_options="permissive").combine_chunks()
+        return pa.concat_tables(tables, promote_options="permissive")
     except pa.ArrowInvalid as error:
         raise InputError(
             f"cases: the numbers of these shards do not fit together ({error})"
         ) from error
-    columns = {}
-    for name, column in zip(joined.column_names, joined.columns, strict=True):
+
+
+def _encode_texts(table: Any) -> Any:
+    for place, (name, column) in enumerate(zip(table.column_names, table.columns, strict=True)):
         if pa.types.is_large_string(column.type) or pa.types.is_string(column.type):
-            column = column.dictionary_encode()
-        columns[name] = column.to_pandas().copy()
-    return columns
+            table = table.set_column(place, name, column.dictionary_encode())
+    return table
 
 
-def _whole(pieces: list[Any], sizes: list[int]) -> Any:
-    """Join successive pieces of one column, each of which comes from one batch of tables.
-
-    A piece is None if its batch lacks the column, and may hold missing values only. `sizes` are the
-    numbers of rows of the batches.
-    """
-    import pandas as pd
-
-    filled = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
-    if not filled:
-        return next(piece for piece in pieces if piece is not None).reindex(range(sum(sizes)))
-    whole = [
-        _nothing_like(filled[0], size) if piece is None or _is_nothing(piece) else piece
-        for piece, size in zip(pieces, sizes, strict=True)
-    ]
-    if _is_categorical(filled[0]):
-        return pd.api.types.union_categoricals(whole, sort_categories=True)
-    return pd.concat(whole, ignore_index=True)
-
-
-def _nothing_like(piece: Any, size: int) -> Any:
-    """Make a column of `size` missing values, of a type that can be joined with `piece`."""
-    import pandas as pd
-
-    if piece.dtype.kind in "iuf":
-        return pd.Series(np.full(size, np.nan))
-    if piece.dtype.kind == "b":
-        return pd.Series(np.full(size, None))
-    return pd.Series(index=range(size), dtype=piece.dtype)
-
-
-def _is_nothing(piece: Any) -> bool:
-    if _is_categorical(piece):
-        return len(piece.cat.categories) == 0
-    return bool(piece.dtype.kind == "O" and piece.isna().all())
-
-
-def _is_categorical(column: Any) -> bool:
-    import pandas as pd
-
-    return isinstance(column.dtype, pd.CategoricalDtype)
+def _list_categorical(frame: pd.DataFrame) -> list[str]:
+    return [str(name) for name in frame.select_dtypes("category")]
 
 
 def _rank(column: Any) -> Any:

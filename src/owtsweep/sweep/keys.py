@@ -27,6 +27,15 @@ NOT_IDENTIFYING = frozenset({"grid", "schemes", "baselines", "tune", "compute", 
 NOT_ASKED = frozenset({"tune", "compute", "results", "name"})
 
 
+def list_versions(study: Study) -> dict[str, str | int]:
+    """Return a study's name and versions, under study, schema_version and numerics_version."""
+    return {
+        "study": study.name,
+        "schema_version": study.schema_version,
+        "numerics_version": study.numerics_version,
+    }
+
+
 def block_key(study: Study, block: Block) -> str:
     """Return the key of a block (unit of work): 32 hexadecimal digits.
 
@@ -39,12 +48,7 @@ def block_key(study: Study, block: Block) -> str:
     InputError
         If the content holds a value without an exact JSON form (NaN, an array, an object).
     """
-    identity = {
-        "study": study.name,
-        "schema_version": study.schema_version,
-        "numerics_version": study.numerics_version,
-        "content": block.content,
-    }
+    identity = {**list_versions(study), "content": block.content}
     return _digest(identity, KEY_BYTES, what=f"block {block.label}")
 
 

@@ -1,4 +1,7 @@
-"""Writes and reads `multirun.json`: the runs of a multirun in order, and the keys that it swept."""
+"""Writes and reads what a multirun keeps: its runs in order, and the outcome of each.
+
+`multirun.json` has the runs and the keys that were swept. Outcomes are small files.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
 from owtsweep.io.reading import read_json
 
@@ -16,6 +19,8 @@ RECORD = "multirun.json"
 VERSION = 1
 #: Most bytes of a record: enough for a hundred thousand runs.
 MOST_BYTES = 100_000_000
+#: The folder, inside the folder of a multirun, that holds the outcomes of its runs.
+OUTCOMES = ".outcomes"
 
 
 @dataclass(frozen=True)
@@ -82,3 +87,54 @@ def read_record(folder: Path) -> Planned | None:
 
 def _is_name(text: str) -> bool:
     return Path(text).name == text and text not in ("", ".", "..")
+
+
+@dataclass(frozen=True)
+class JobOutcome:
+    """The outcome of one run of a multirun, stored as a small file in the multirun folder.
+
+    Runs may be computed in other processes or on other machines (joblib, submitit), so the
+    outcomes are passed in files, not in memory.
+
+    Attributes
+    ----------
+    folder
+        Name of the run folder inside the multirun folder.
+    overrides
+        The overrides of this run, without the override of the key `results`.
+    code
+        The exit code that this run would have had outside a multirun.
+    reason
+        One line that says why `code` is not 0; "" if `code` is 0.
+    """
+
+    folder: str
+    overrides: list[str]
+    code: int
+    reason: str
+
+
+def write_outcome(folder: Path, outcome: JobOutcome) -> None:
+    """Write an outcome to its file. `folder` is the multirun folder."""
+    file = folder / OUTCOMES / f"{outcome.folder}.json"
+    write_atomically(file, json.dumps(asdict(outcome)))
+
+
+def read_outcome(file: Path) -> JobOutcome:
+    """Return the outcome that a file holds.
+
+    If the file cannot be read or holds no outcome, return an outcome with exit code 1 and the
+    fault of the file as the reason.
+    """
+    try:
+        match read_json(file, MOST_BYTES):
+            case {
+                "folder": str(name),
+                "overrides": list(words),
+                "code": int(code),
+                "reason": str(reason),
+            } if name == file.stem and all(isinstance(word, str) for word in words):
+                return JobOutcome(name, words, code, printable(reason))
+        raise InputError(f"{file}: this is no outcome of a run")
+    except InputError as error:
+        return JobOutcome(file.stem, [], 1, str(error))

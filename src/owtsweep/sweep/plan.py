@@ -1,16 +1,35 @@
-"""Plans the work of a sweep: the blocks (units of work) by key, grouped into tasks."""
+"""Plans the work of a sweep: the blocks (units of work) by key; writes and reads plan.json.
+
+plan.json stands beside a run's configuration. With it the cases of a run are found without planning
+anew. So no code that the configuration names is imported. The file also holds the versions of what
+made the run; a run of other versions is refused.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+import os
+import re
+from collections.abc import Collection, Mapping
 from dataclasses import replace
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
 
 from owtsweep.config import Config, require
-from owtsweep.sweep.keys import block_key
+from owtsweep.errors import InputError, printable
+from owtsweep.io.reading import read_json
+from owtsweep.sweep.keys import block_key, list_versions
 from owtsweep.sweep.study import Block, Study
 
 #: Blocks by key, in the study's order.
 Plan = dict[str, Block]
+
+
+PLAN_FILE = "plan.json"
+#: Most bytes of plan.json: enough for a hundred million cases.
+MOST_BYTES = 2_000_000_000
+_KEY = re.compile(r"[0-9a-f]{32}")
 
 
 def make_plan(study: Study, config: Config) -> Plan:
@@ -53,3 +72,126 @@ def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
 def count_cases(plan: Mapping[str, Block]) -> int:
     """Return the number of cases in all blocks (units of work) of a plan."""
     return sum(block.cases for block in plan.values())
+
+
+def dump_plan(plan: Plan, study: Study, config: Config, text: str) -> str:
+    """Return the content of plan.json as text.
+
+    Parameters
+    ----------
+    plan
+        The blocks (units of work) of the run by key.
+    study, config
+        The run's study, which names its versions and says what is stored of a user's code, and its
+        configuration.
+    text
+        The content of config.yaml, to which the plan belongs.
+    """
+    several = "" not in config.by_tuning()
+    blocks = [
+        [key, block.label, block.cases, block.cases_per_row, *([block.tunings] * several)]
+        for key, block in plan.items()
+    ]
+    content = {
+        "versions": list_versions(study),
+        "config_digest": digest(text),
+        "code": study.describe_code(config),
+        "blocks": blocks,
+    }
+    return json.dumps(content)
+
+
+def digest(text: str) -> str:
+    """Return the digest of a text, the content of config.yaml: 32 hexadecimal digits."""
+    return blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def read_stored_plan(study: Study, folder: Path, text: str) -> Mapping[str, Any]:
+    """Read plan.json in a run folder; `text` is the content of the folder's config.yaml.
+
+    Raises
+    ------
+    InputError
+        If plan.json cannot be read or is not a JSON mapping, the run is of other versions than
+        those of `study`, or config.yaml has been changed since plan.json was written.
+    """
+    path = folder / PLAN_FILE
+    stored = read_json(path, MOST_BYTES) if os.path.lexists(path) else {}
+    if not isinstance(stored, dict):
+        raise _refuse(path)
+    require(
+        stored.get("versions") == list_versions(study),
+        f"{folder}: this run was made by another version of owtsweep; run its sweep again",
+    )
+    require(
+        stored.get("config_digest") == digest(text),
+        f"{folder}: its config.yaml was changed since {PLAN_FILE} was written; run its sweep again",
+    )
+    return stored
+
+
+def is_of_other_version(study: Study, folder: Path) -> bool:
+    """Return whether a folder holds a run of other versions than those of `study`.
+
+    A run without plan.json is one. A damaged plan.json and a run of another study are not.
+    """
+    path = folder / PLAN_FILE
+    if not os.path.lexists(path):
+        return os.path.lexists(folder / "config.yaml")
+    try:
+        stored = read_json(path, MOST_BYTES)
+    except InputError:
+        return False
+    match stored:
+        case {"versions": {"study": str(name)}} if name != study.name:
+            return False
+        case dict():
+            return stored.get("versions") != list_versions(study)
+    return False
+
+
+def read_blocks(folder: Path, stored: Mapping[str, Any], tunings: Collection[str]) -> Plan:
+    """Return the blocks of a stored plan by key.
+
+    These blocks have no content, so their rows can be read, but not computed.
+
+    Parameters
+    ----------
+    folder
+        The run folder, for messages.
+    stored
+        What `read_stored_plan` returns.
+    tunings
+        The tunings of the run if it has several, otherwise empty.
+
+    Raises
+    ------
+    InputError
+        If there are no blocks, or a block is not of the form that `dump_plan` writes.
+    """
+    blocks = stored.get("blocks")
+    if not isinstance(blocks, list) or not blocks:
+        raise _refuse(folder / PLAN_FILE)
+    plan: Plan = {}
+    for entry in blocks:
+        match entry:
+            case [str(key), str(label), int(cases), int(per_row), *names] if (
+                _KEY.fullmatch(key) and cases > 0 and per_row > 0 and _fit(names, tunings)
+            ):
+                of = tuple(names[0]) if names else ()
+                plan[key] = Block("", printable(label), {}, cases, per_row, tunings=of)
+            case _:
+                raise _refuse(folder / PLAN_FILE)
+    return plan
+
+
+def _fit(names: list[Any], tunings: Collection[str]) -> bool:
+    """Return whether a block's entry names tunings of the run, or none in a run of one tuning."""
+    if not tunings:
+        return not names
+    listed = names[0] if len(names) == 1 and isinstance(names[0], list) else []
+    return bool(listed) and all(name in tunings for name in listed)
+
+
+def _refuse(path: Path) -> InputError:
+    return InputError(f"{path}: this is no plan of a run; run its sweep again")

@@ -10,11 +10,11 @@ from owtsweep.io.files import check_writable, remove_stale, unwritable
 from owtsweep.io.reading import refuse_links
 from owtsweep.sweep import asked
 from owtsweep.sweep.keys import run_hash
+from owtsweep.sweep.plan import PLAN_FILE, is_of_other_version
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.stored_plan import NAME as PLAN
 
 #: Files in the root of a run folder that a sweep writes, besides tables.
-FILES = (asked.CONFIG, PLAN, "manifest.json", "run.log")
+FILES = (asked.CONFIG, PLAN_FILE, "manifest.json", "run.log")
 
 
 def check_folder(run: Run, *, fresh: bool) -> None:
@@ -23,8 +23,8 @@ def check_folder(run: Run, *, fresh: bool) -> None:
     Raises
     ------
     InputError
-        If a file or folder is in the way or cannot be written, or the folder that the user named
-        holds another run and `fresh` is False.
+        If a file or folder is in the way or cannot be written; or if `fresh` is False, and the
+        folder holds a run of another version, or the folder that the user named another run.
     """
     own = asked.question_folder(run.folder, run.question)
     # else run.log would be appended to its target, and --fresh would delete what lies elsewhere
@@ -39,8 +39,14 @@ def check_folder(run: Run, *, fresh: bool) -> None:
                 path.is_file() or not path.exists(),
                 f"{path}: this is a {kind} where a file belongs; move it away",
             )
-    if run.config.name is not None and not fresh:
-        _require_same_run(run)
+    if not fresh:
+        require(
+            not is_of_other_version(run.study, run.folder),
+            f"{run.folder}: this run was made by another version of owtsweep; to run it again, add "
+            "--fresh or delete the folder",
+        )
+        if run.config.name is not None:
+            _require_same_run(run)
 
 
 def prepare_folder(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
@@ -85,7 +91,7 @@ def _require_same_run(run: Run) -> None:
         same_study = plain.get("study") == run.config.study
         model = type(run.config)
         require(
-            same_study and run_hash(typed(model, model.hide_code(plain, None))) == run.hash,
+            same_study and run_hash(typed(model, plain)) == run.hash,
             f"name: {run.folder} holds a run with other settings; choose another name, or add "
             "--fresh to replace it",
         )

@@ -14,12 +14,12 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from owtsweep import __version__
+from owtsweep._version import __version__
 from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_json
-from owtsweep.sweep.stored_plan import digest
-from owtsweep.sweep.versions import shard_metadata
+from owtsweep.sweep.keys import list_versions
+from owtsweep.sweep.plan import digest
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
@@ -67,7 +67,7 @@ def start_manifest(
             "machine": platform.machine(),
             "cores": os.cpu_count(),
         },
-        **shard_metadata(run.study),
+        **list_versions(run.study),
         "config_hash": run.hash,
         "config_digest": digest(text),
         "config": _without_places(run.config),

@@ -16,9 +16,10 @@ from owtsweep.errors import InputError
 from owtsweep.io.tables import dump_tables
 from owtsweep.sweep import asked
 from owtsweep.sweep.execute import BACKENDS, Executor
+from owtsweep.sweep.gather import Results, join_tables
 from owtsweep.sweep.keys import question_hash, run_folder
 from owtsweep.sweep.log import repeat, run_log
-from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
+from owtsweep.sweep.plan import PLAN_FILE, Plan, count_cases, dump_plan, make_plan, make_tasks
 from owtsweep.sweep.prepare import prepare_folder
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.provenance import (
@@ -28,14 +29,10 @@ from owtsweep.sweep.provenance import (
     start_manifest,
     was_running,
 )
-from owtsweep.sweep.results import Results, join_tables
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.stored_plan import NAME as PLAN
-from owtsweep.sweep.stored_plan import dump_plan
 from owtsweep.sweep.study import UNABLE, Study, WarmsUp
-from owtsweep.sweep.versions import all_versions, count_outdated
-from owtsweep.sweep.worker import TaskResult, Work, one_line
+from owtsweep.sweep.worker import TaskResult, Work, all_versions, one_line
 
 logger = logging.getLogger(__name__)
 
@@ -116,7 +113,9 @@ def sweep(
     run = Run(run_folder(config), config, study, plan, question=question_hash(config))
     with _executor(run) as executor:
         text = dump(config)
-        prepare_folder(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
+        # The plan first: a folder with config.yaml alone would count as one of another version.
+        texts = {PLAN_FILE: dump_plan(plan, study, config, text), "config.yaml": text}
+        prepare_folder(run, texts, fresh=fresh)
         with run_log(run.folder):
             return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
 
@@ -178,8 +177,6 @@ class _Sweep:
         total = count_cases(self.plan)
         self.reused = total - count_cases(missing)
         logger.info("sweep of %d cases, %d of them stored already", total, self.reused)
-        for change, cases in count_outdated(self.run.study, store, self.plan, missing).items():
-            logger.warning("%d cases are recomputed: %s", cases, change)
         todo = make_tasks(missing)
         if others:
             # Another sweep may work on this run: start at the other end, to share the work.

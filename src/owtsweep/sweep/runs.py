@@ -11,18 +11,15 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError, printable
-from owtsweep.figures.drawings import draw_each
+from owtsweep.figures.drawings import Drawing, draw_each
 from owtsweep.io.tables import read_table
 from owtsweep.sweep import asked
-from owtsweep.sweep.drawing import list_drawings, name_overview
-from owtsweep.sweep.gather import as_text, sort_rows
+from owtsweep.sweep.gather import Results, join_rows, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import Plan, count_cases, make_plan
-from owtsweep.sweep.results import Results, join_rows
-from owtsweep.sweep.rows import Setback, collect_setbacks
-from owtsweep.sweep.schema import needed_columns
+from owtsweep.sweep.rows import Setback, collect_setbacks, needed_columns
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, UNABLE, Engine, Study, blame
+from owtsweep.sweep.study import OK, UNABLE, Engine, Joint, Study, blame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -102,22 +99,9 @@ class Run:
         """Return the run's plan, key -> block: `stored_plan`, or a new plan if that is None.
 
         A block is the unit of work and storage.
-
-        Raises
-        ------
-        InputError
-            If `stored_plan` is None, and a new plan needs the code of a user's scheme, which is
-            never imported when a run is read, or a file that the configuration names.
         """
-        if self.stored_plan is not None:
-            return self.stored_plan
-        key = self.config.names_outside()
-        require(
-            not key,
-            f"{self.folder}: it has no plan.json that fits its config.yaml, and a new plan needs "
-            f"what {key} names; run its sweep again",
-        )
-        return make_plan(self.study, self.config)
+        made = self.stored_plan
+        return make_plan(self.study, self.config) if made is None else made
 
     def by_tuning(self) -> dict[str, Run]:
         """Return tuning -> the run of this tuning alone, in the same folder.
@@ -149,7 +133,7 @@ class Run:
         InputError
             If no case is stored.
         """
-        return as_text(join_rows(self._finished()))
+        return join_rows(self._finished())
 
     def _finished(self) -> dict[str, pd.DataFrame]:
         """Return tuning -> rows, as `stored` does, with a warning of missing blocks.
@@ -329,3 +313,41 @@ class Run:
         if isinstance(tuning, str) and not self.tuning:
             table.insert(0, "tuning", tuning)
         return table
+
+
+def list_drawings(
+    engine: Engine, results: Mapping[str, Results], metadata: Mapping[str, str]
+) -> dict[str, Drawing]:
+    """Return figure name -> function that draws the figure.
+
+    With several tunings, figures that show them together come first, and the name of a figure of
+    one tuning ends with the tuning's name. A figure that does not depend on the tuning is listed
+    once, without a tuning's name.
+
+    Parameters
+    ----------
+    results
+        The results by tuning; the name is "" in a run of one tuning.
+    metadata
+        Texts to store in the figures' files.
+    """
+    untuned: frozenset[str] = frozenset()
+    listed: dict[str, Drawing] = {}
+    if "" not in results and isinstance(engine, Joint):
+        untuned = engine.untuned
+        listed |= engine.joint_drawings(results, metadata)
+    for tuning, result in results.items():
+        drawings = engine.drawings(result.config, result.tables, result.rows, metadata)
+        for name, drawing in drawings.items():
+            shared = tuning == "" or name in untuned
+            listed.setdefault(name if shared else f"{name}_{tuning}", drawing)
+    return listed
+
+
+def name_overview(engine: Engine, results: Mapping[str, Results]) -> str:
+    """Return the name, in `list_drawings`, of the figure of the main result."""
+    if "" not in results and isinstance(engine, Joint):
+        return next(iter(engine.joint_drawings(results, {})))
+    tuning, result = next(iter(results.items()))
+    name = engine.overview(result.config)
+    return f"{name}_{tuning}" if tuning else name

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from owtsweep.sweep.schema import Needed, WrongRows, check_columns, check_statuses, check_table
+from owtsweep.sweep.rows import Needed, WrongRows, check_columns, check_statuses, check_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,7 +85,7 @@ def decode(data: bytes, key: str, needed: Needed) -> Any:
     key
         The key of the block (unit of work) whose rows the file should hold.
     needed
-        The columns that the rows must have, as `schema.needed_columns` returns them.
+        The columns that the rows must have, as `rows.needed_columns` returns them.
 
     Raises
     ------

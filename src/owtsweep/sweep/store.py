@@ -18,7 +18,7 @@ from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
 from owtsweep.io.reading import read_bytes
 from owtsweep.sweep.gather import gather
-from owtsweep.sweep.schema import NOTHING, Needed, WrongRows, kinds_of
+from owtsweep.sweep.rows import NOTHING, Needed, WrongRows, kinds_of
 from owtsweep.sweep.shard import DamagedShard, decode, read_statuses
 from owtsweep.sweep.study import FAILED
 
@@ -49,7 +49,7 @@ class Store:
     folder
         The run folder.
     needed
-        The columns that every shard must have, as `schema.needed_columns` returns them.
+        The columns that every shard must have, as `rows.needed_columns` returns them.
     read_only
         If True, a damaged shard keeps its name, and nothing is written.
     """

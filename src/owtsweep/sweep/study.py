@@ -1,11 +1,12 @@
-"""Defines the protocols that a study implements for the machinery of a sweep.
+"""Defines what a study is to the machinery of a sweep: a base class, and protocols.
 
-`owtsweep.sweep` plans, runs, stores, resumes and draws through these protocols only. The package
+`owtsweep.sweep` plans, runs, stores, resumes and draws through these only. The package
 `owtsweep.sweep` imports no study, and never looks inside the content of a block.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -21,17 +22,17 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.config import Config
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition
-    from owtsweep.sweep.results import Results
+    from owtsweep.sweep.gather import Results
 
     C = TypeVar("C", bound=Config)
+    from owtsweep.results.conditions import Value
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "Judged", "Predicting",
-    "Spectral", "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame",
-    "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "Predicting", "Spectral",
+    "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -156,8 +157,8 @@ class WarmsUp(Protocol):
         """
 
 
-class Study(Protocol):
-    """The interface of a study: a family of experiments that share one type of configuration."""
+class Study(ABC):
+    """The base class of a study: a family of experiments that share one type of configuration."""
 
     name: str
     #: Increased when the columns of a shard change.
@@ -165,14 +166,77 @@ class Study(Protocol):
     #: Increased by hand whenever the numbers of a block change for the same content.
     numerics_version: int
 
+    @abstractmethod
     def config_type(self) -> type[Config]:
         """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""
 
+    @abstractmethod
     def conditions(self, config: Any) -> tuple[Condition, ...]:
         """Return the axes of the study's grid, in the order of the tables' columns."""
 
+    @abstractmethod
     def engine(self, config: Any) -> Engine:
         """Return an engine that plans, runs and draws this configuration."""
+
+    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return composed keys with the values that follow from other keys filled in.
+
+        This happens before the keys are typed, so that config.yaml stores the values.
+        """
+        return plain
+
+    def check(self, config: Any) -> None:  # noqa: B027 - a study need not check more
+        """Check that the study can run a configuration, after `Config.check` of its keys.
+
+        Raises
+        ------
+        InputError
+            If keys, schemes and motion do not fit together, or a value is refused.
+        """
+
+    def check_outside(self, config: Any) -> None:  # noqa: B027
+        """Check what lies outside of the configuration: files, and keys of other studies.
+
+        This happens when a configuration is composed, after `check`. It never happens when a run is
+        read: a stranger's run opens no file that it names.
+
+        Raises
+        ------
+        InputError
+            If a file cannot be used, or another study refuses its keys.
+        """
+
+    def describe_origin(self, config: Any) -> str:
+        """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
+
+        The line is empty if the study does not say.
+        """
+        return ""
+
+    def describe_code(self, config: Any) -> Any:
+        """Return a description of the user's own code that the keys of a configuration name.
+
+        The description is JSON data and is stored with the run, since the code itself is not
+        executed when the run is read. It is None if keys cannot name code.
+        """
+        return None
+
+    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """Return the keys of a stored run without names of code, so that no code is executed.
+
+        Parameters
+        ----------
+        plain
+            The keys of the stored run, as nested dicts, lists and scalars.
+        described
+            The description that `describe_code` returned when the run was made.
+
+        Raises
+        ------
+        InputError
+            If the description does not fit the keys.
+        """
+        return plain
 
 
 @runtime_checkable
@@ -260,28 +324,6 @@ def broken_study(name: str, package: str, reason: str) -> InputError:
 
 
 @runtime_checkable
-class Judged(Protocol):
-    """The interface of a study with published results, with which a run can be compared."""
-
-    def write_fidelity(
-        self, config: Any, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
-    ) -> list[Path]:
-        """Compare a run with the published results; write `fidelity.html` and other files.
-
-        Return the paths of all files. The engine that made the rows must have `samples` = True.
-
-        Parameters
-        ----------
-        config, rows
-            The run's configuration, and its cases as `Run.cases` returns them.
-        folder
-            The folder for the files, which is created if it does not exist.
-        metadata
-            Texts by name to store in the figures' files; the text `folder` names the run.
-        """
-
-
-@runtime_checkable
 class Spectral(Protocol):
     """The interface of a study that can compute error spectra of its estimation schemes.
 
@@ -331,3 +373,54 @@ class Tunable(Protocol):
 
     def tune(self, config: Any, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers; call `advance` with the scheme's name after each trial."""
+
+
+class Varied(Protocol):
+    """The errors of a study's schemes over the values of one key."""
+
+    def write(self, folder: Path, metadata: Mapping[str, str]) -> list[Path]:
+        """Write the table vary.csv and the figure into `folder`; return the paths of the files.
+
+        `metadata` holds texts by name to store in the figure's files.
+        """
+
+    def answer(self) -> RenderableType:
+        """Return what the terminal shows: a short table, and sentences that answer."""
+
+
+@runtime_checkable
+class Varying(Protocol):
+    """The interface of a study that can show its errors over the values of one key."""
+
+    def list_vary_defaults(self) -> Sequence[str]:
+        """Return the overrides that `vary` puts before those of the user.
+
+        The command leaves out an override whose key the user sets, or whose section.
+        """
+
+    def check_vary(self, along: Condition, configs: Mapping[Value, Any]) -> None:
+        """Check that the errors can be computed with these configurations, and shown together.
+
+        The arguments are those of `vary`.
+
+        Raises
+        ------
+        InputError
+            If they cannot be computed or shown together.
+        """
+
+    def vary(self, along: Condition, configs: Mapping[Value, Any]) -> Varied:
+        """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
+
+        Parameters
+        ----------
+        along
+            The key that is varied: its name as `label`, its unit and its scale.
+        configs
+            Value of the key -> the configuration with this value, in the order of the table.
+
+        Raises
+        ------
+        InputError
+            If a scheme cannot be computed.
+        """

@@ -19,17 +19,17 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING
 
+from owtsweep._version import __version__
 from owtsweep.config import Config
 from owtsweep.errors import as_text
 from owtsweep.freed_memory import keep_freed_memory
-from owtsweep.sweep.keys import block_key
+from owtsweep.sweep.keys import block_key, list_versions
 from owtsweep.sweep.log import LogEntry, collect_entries, working_on
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback, collect_setbacks, require_rows
 from owtsweep.sweep.shard import encode
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import FAILED, Block, Study
-from owtsweep.sweep.versions import tell_other_versions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,6 +140,29 @@ class Local:
 
     stop: threading.Event
     tell: Callable[[int], None]
+
+
+def all_versions(study: Study) -> dict[str, str]:
+    """Return a study's name and versions, and the version of owtsweep, all as text.
+
+    The keys are study, schema_version, numerics_version and owtsweep_version.
+    """
+    entries = {**list_versions(study), "owtsweep_version": __version__}
+    return {name: str(value) for name, value in entries.items()}
+
+
+def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
+    """Return in one line how the versions of a worker differ from `expected`; "" if they agree.
+
+    This function runs on the worker. `expected` is what `all_versions` returns in the process that
+    started the sweep.
+    """
+    ours = all_versions(study)
+    differing = [name for name, value in expected.items() if ours.get(name, value) != value]
+    if not differing:
+        return ""
+    told = ", ".join(f"{name} {ours[name]} instead of {expected[name]}" for name in differing)
+    return f"the worker has {told}; give it the coordinator's version of owtsweep"
 
 
 def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) -> TaskResult:

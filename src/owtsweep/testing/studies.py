@@ -117,7 +117,7 @@ def check_keys(study: Study, config: Config) -> list[str]:
     """
     keys = set(_keys(study, config))
     untried = []
-    for name, changes_numbers, other in variations(config):
+    for name, changes_numbers, other in variations(study, config):
         if other is None:
             untried.append(name)
             continue

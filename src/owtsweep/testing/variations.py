@@ -8,12 +8,13 @@ from typing import Any, Literal, get_args, get_origin
 from owtsweep.config import Config, Section, with_values
 from owtsweep.config.section import bare_type
 from owtsweep.errors import InputError
+from owtsweep.sweep.study import Study
 
 #: Keys that are not varied: `grid` and `schemes` only select blocks; the others have one value.
 NOT_VARIED = frozenset({"grid", "schemes", "study", "config_version"})
 
 
-def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
+def variations(study: Study, config: Config) -> Iterator[tuple[str, bool, Any]]:
     """Yield the configuration with one key changed, for each key in turn.
 
     Keys in `NOT_VARIED` are left out.
@@ -28,7 +29,7 @@ def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
         sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
         if not {name, *sections} & NOT_VARIED:
             inert = bool({name, *sections} & config.inert)
-            yield name, not inert, _vary(config, name, field, value)
+            yield name, not inert, _vary(study, config, name, field, value)
 
 
 def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
@@ -65,15 +66,15 @@ def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
             yield f"{prefix}{name}", field, value
 
 
-def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
+def _vary(study: Study, config: Any, name: str, field: Any, value: Any) -> Any:
     """Return the configuration with another value of the key `name`: the first that is accepted.
 
     Returns None if no tried value is accepted.
 
     Parameters
     ----------
-    config
-        The configuration, which is not changed.
+    study, config
+        The study, and the configuration, which is not changed.
     name, field, value
         Dotted key, its pydantic field and its value in `config`.
     """
@@ -83,7 +84,8 @@ def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
         try:
             other = with_values(config, {name: candidate})
             other.check()
-            other.check_outside()
+            study.check(other)
+            study.check_outside(other)
         except InputError:
             continue
         return other

@@ -13,9 +13,7 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.fieller import fieller
-from owtsweep.statistics.holm import holm
-from owtsweep.statistics.student import p_value, t_quantile
+from owtsweep.statistics.inference import fieller, holm, p_value, t_quantile
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
@@ -131,7 +129,7 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Claim:
+class JudgedClaim:
     """One claim of a paper, which is true if every one of its decisions holds.
 
     Attributes
@@ -182,7 +180,7 @@ class Claim:
         )
 
 
-def all_of(claims: Sequence[Claim]) -> str:
+def all_of(claims: Sequence[JudgedClaim]) -> str:
     """Return the verdict on a statement that makes several claims: the worst verdict of the claims.
 
     The verdicts from worst to best are "not reproduced", "missing", "undecided" and "reproduced".

@@ -10,7 +10,12 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.io.files import write_atomically
 from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
-from owtsweep.verdicts.page import Block, to_html, to_markdown
+from owtsweep.verdicts import sections
+from owtsweep.verdicts.claims_file import ClaimsFile
+from owtsweep.verdicts.judge import judge
+from owtsweep.verdicts.page import Block, Heading, Paragraph, to_html, to_markdown
+from owtsweep.verdicts.score_table import ScoreTable
+from owtsweep.verdicts.statements import tabulate_claims
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,3 +71,55 @@ def write_report(
         write_atomically(path, text)
         files.append(path)
     return files
+
+
+def write_verdicts(
+    folder: Path,
+    file: ClaimsFile,
+    scores: Sequence[ScoreTable],
+    *,
+    title: str,
+    about: str,
+    metadata: Mapping[str, str],
+    tables: Mapping[str, pd.DataFrame] | None = None,
+    middle: Sequence[Block] = (),
+    end: Sequence[Block] = (),
+) -> list[Path]:
+    """Judge all statements and goals of a file; write fidelity_claims.csv and the page.
+
+    Parameters
+    ----------
+    folder, title, metadata
+        As of `write_report`.
+    file, scores
+        The claims, and the tables of scores by which they are judged.
+    about
+        What the scores are of, in sentences.
+    tables
+        Further tables to write: file name without suffix -> table.
+    middle, end
+        Further blocks of the page: between statements and goals, and at the end.
+
+    Returns
+    -------
+    list of Path
+        All files written.
+    """
+    statements, goals = judge(file.statements, scores, file), judge(file.goals, scores, file)
+    claims = tabulate_claims([*statements, *goals])
+    return write_report(
+        folder,
+        title=title,
+        tables={**(tables or {}), "fidelity_claims": claims},
+        figures={},
+        contents=lambda _: [
+            Heading(title, 1),
+            Paragraph(about),
+            *sections.short_section(statements, goals),
+            *sections.statement_section(statements, file.note),
+            *middle,
+            *(sections.goal_section(goals) if goals else []),
+            *end,
+        ],
+        metadata=metadata,
+    )

@@ -1,21 +1,16 @@
-"""Judge the statements of a paper, explain the verdicts in words, and make tables of them."""
+"""Judged statements: their verdicts, the verdicts in words, and tables of them."""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.verdicts.inference import Claim, Decision, all_of
+from owtsweep.verdicts.inference import Decision, JudgedClaim, all_of
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: The evidence that a study's tests read.
-OfStudy = TypeVar("OfStudy")
 
 
 @dataclass(frozen=True)
@@ -37,7 +32,7 @@ class JudgedStatement:
     name: str
     text: str
     definition: str
-    claims: tuple[Claim, ...]
+    claims: tuple[JudgedClaim, ...]
 
     @property
     def verdict(self) -> str:
@@ -48,7 +43,7 @@ class JudgedStatement:
         return all_of(self.claims)
 
     @property
-    def settling(self) -> Claim:
+    def settling(self) -> JudgedClaim:
         """The claim that the data support least, among claims with the statement's verdict."""
         chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
         return min(chosen, key=lambda claim: claim.deciding.t)
@@ -59,31 +54,7 @@ class JudgedStatement:
         return "; ".join(f"{claim.text}: {explain(claim)}" for claim in self.claims)
 
 
-def judge(
-    texts: Mapping[str, str],
-    tests: Mapping[str, Callable[[OfStudy], list[Claim]]],
-    evidence: OfStudy,
-) -> list[JudgedStatement]:
-    """Judge all statements of a paper; return the judged statements in the order of `texts`.
-
-    Parameters
-    ----------
-    texts
-        Name of a statement -> what the paper says.
-    tests
-        Name of a statement -> its test: a function of the evidence that returns the claims. The
-        docstring of this function is the definition of the test that the report prints.
-    evidence
-        The run's values, passed to each test.
-    """
-    judged = []
-    for name, text in texts.items():
-        definition = " ".join((inspect.getdoc(tests[name]) or "").split())
-        judged.append(JudgedStatement(name, text, definition, tuple(tests[name](evidence))))
-    return judged
-
-
-def explain(claim: Claim) -> str:
+def explain(claim: JudgedClaim) -> str:
     """Explain a claim in one line: its verdict, its least favourable decision, and missing data."""
     parts = [claim.verdict]
     if claim.decisions:

@@ -3,8 +3,7 @@
 Waves are linear and travel in one direction. Heights are in m above the still water line.
 """
 
-from owtsweep.waves.loads import Cylinder, drag_force, inertia_force
-from owtsweep.waves.sea import Sea, Waves, draw_waves
+from owtsweep.waves.sea import Cylinder, Sea, Waves, drag_force, draw_waves, inertia_force
 
 #: Raised when a number that this room computes changes.
 NUMERICS_VERSION = 0

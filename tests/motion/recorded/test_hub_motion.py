@@ -11,7 +11,7 @@ from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import describe, identify_motion, read
+from owtsweep.motion.recorded import describe, read
 
 HEIGHT = 87.6
 TIME = np.arange(0.0, 300.0, 0.1)
@@ -132,7 +132,6 @@ def test_a_fixed_foundation_moves_as_the_tower_bends(tmp_path: Path) -> None:
     recording = read(alone)
     assert recording.names["position_y"] == "TTDspSS"
     assert any("relative to the tower base" in note for note in recording.notes)
-    assert identify_motion(str(alone), {}, motion="auto", tower_height=None) is None
 
 
 def test_whole_positions_come_first_and_of_several_gauges_none(tmp_path: Path) -> None:
@@ -146,7 +145,6 @@ def test_whole_positions_come_first_and_of_several_gauges_none(tmp_path: Path) -
     recording = read(one)
     assert recording.names["position_y"] == "TwHt1TPyi"
     assert any("a gauge at a height" in note for note in recording.notes)
-    assert identify_motion(str(one), {}, motion="auto", tower_height=None) is None
     assert "PtfmSurge" in read(one, tower_height=HEIGHT).names["position_x"]
     two = {**without(gauge, *ALL), "TwHt2TPxi": ("m", truth[:, 0])}
     several = writers.fast_text(tmp_path / "two.out", two)

@@ -1,9 +1,8 @@
 """Read recordings of motion and of sensors, check them, and resample them to a uniform grid."""
 
-from owtsweep.motion.recorded.choosing import MotionKind, identify_motion
-from owtsweep.motion.recorded.clear_band import find_clear_band
+from owtsweep.motion.recorded.choosing import MotionKind
 from owtsweep.motion.recorded.composing import Rotation
-from owtsweep.motion.recorded.deriving import MOTION_CUTOFF, to_motion
+from owtsweep.motion.recorded.deriving import MOTION_CUTOFF, find_clear_band, to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.gridding import Gridded, TimeGrid, find_common_grid, to_grid
@@ -22,7 +21,6 @@ __all__ = [
     "describe",
     "find_clear_band",
     "find_common_grid",
-    "identify_motion",
     "open_table",
     "read",
     "to_grid",

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.columns import PARTS, assign_roles, strip
-from owtsweep.motion.recorded.formats import open_table
+from owtsweep.motion.recorded.columns import PARTS, strip
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.parts import (
     PATTERNS,
@@ -29,14 +28,6 @@ from owtsweep.motion.recorded.parts import (
 MotionKind = Literal["auto", "tower", "rigid", "platform"]
 WHOLE = {"x": "twrtptdxi", "y": "twrtptdyi"}
 GAUGES = {"x": r"twht\dtpxi", "y": r"twht\dtpyi"}
-#: The names that gave the position, in their order, before parts were composed. Stored results of
-#: files for which they give the channels of `choose_motion` keep their names.
-BEFORE = (
-    {"x": "twht1tpxi", "y": "twht1tpyi"},
-    {"x": "yawbrtdxt", "y": "yawbrtdyt"},
-    {"x": "ttdspfa", "y": "ttdspss"},
-    {"x": "ptfmsurge", "y": "ptfmsway"},
-)
 
 
 @dataclass(frozen=True)
@@ -53,14 +44,11 @@ class Choice:
         do.
     note
         What the user should know about the chosen channels; "" if nothing.
-    new
-        Whether other channels were chosen than `BEFORE` would have given.
     """
 
     roles: Mapping[str, str] = field(default_factory=dict)
     problem: str = ""
     note: str = ""
-    new: bool = False
 
 
 def add_motion(
@@ -82,22 +70,6 @@ def add_motion(
         for axis in "xy":
             roles.pop(begin_position(chosen) + axis, None)
     return {**roles, **choice.roles}, choice
-
-
-def identify_motion(
-    path: str, given: Mapping[str, str | None], *, motion: str, tower_height: float | None
-) -> dict[str, str] | None:
-    """Return role -> channel of a file's motion; None if these are the channels of `BEFORE`.
-
-    None is returned for a file that cannot be opened, too. Arguments as for `choose_motion`.
-    """
-    try:
-        table = open_table(path)
-        chosen = assign_roles(table, given)
-        choice = choose_motion(table.names, chosen, given, motion=motion, tower_height=tower_height)
-    except InputError:
-        return None
-    return dict(choice.roles) if choice.new else None
 
 
 def choose_motion(
@@ -150,8 +122,7 @@ def choose_motion(
     if use == "reference_" and (unsaid or choice.problem):  # sensors can do without a reference
         return Choice(
             note="no reference: platform and tower are composed to one only if "
-            "columns.tower_height is given; columns.reference_x=NAME takes a channel",
-            new=True,
+            "columns.tower_height is given; columns.reference_x=NAME takes a channel"
         )
     return choice
 
@@ -164,7 +135,7 @@ def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, mot
     if motion == "rigid":
         parts = {role: name for role, name in parts.items() if role.startswith("platform")}
     if motion in ("auto", "rigid"):
-        return Choice(keep_axes(parts, axes), new=True)
+        return Choice(keep_axes(parts, axes))
     role_of = TRANSLATION if motion == "platform" else {axis: f"tower_{axis}" for axis in "xy"}
     roles = {use + axis: parts[role_of[axis]] for axis in axes if role_of[axis] in parts}
     if not roles:
@@ -175,7 +146,7 @@ def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, mot
         note = f"{listed}: the motion of the platform's reference point, not of the hub"
     else:
         note = _note_on_bending(roles.values())
-    return Choice(roles, note=f"{note} (columns.motion={motion})", new=True)
+    return Choice(roles, note=f"{note} (columns.motion={motion})")
 
 
 def _choose_by_names(
@@ -190,12 +161,10 @@ def _choose_by_names(
     `parts` maps the roles of parts to channels, `axes` are the wanted axes, and `use` begins the
     role of a position, e.g. "position_".
     """
-    pair: Mapping[str, str] = next((pair for pair in BEFORE if find(names, pair["x"])), {})
-    before = {use + axis: name for axis in pair if (name := find(names, pair[axis]))}
 
     def take(found: Mapping[str, str | None], note: str = "") -> Choice:
         roles = {use + axis: name for axis in axes if (name := found.get(axis))}
-        return Choice(roles, note=note, new=roles != before)
+        return Choice(roles, note=note)
 
     whole = {axis: find(names, pattern) for axis, pattern in WHOLE.items()}
     if whole["x"] or whole["y"]:
@@ -208,7 +177,7 @@ def _choose_by_names(
         gauge = {axis: found[0] for axis, found in gauges.items() if found}
         return take(gauge, _note_on_gauge(gauge, composable=bends and floats))
     if floats and (bends or not any(gauges.values())):
-        return Choice(keep_axes(parts, axes), new=True)
+        return Choice(keep_axes(parts, axes))
     if any(gauges.values()):
         found = gauges["x"] or gauges["y"]
         problem = (

@@ -5,89 +5,15 @@ After Maes, De Roeck and Lombaert (2018).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING
-
 from owtsweep import estimation, motion
-from owtsweep.figures import palette
-from owtsweep.studies.blade.looks import LOOKS
+from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.sweep.study import add_versions
-
-if TYPE_CHECKING:
-    from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
-    from owtsweep.results.conditions import Condition
-    from owtsweep.studies.blade.config import BladeConfig
-    from owtsweep.sweep.study import Engine
 
 __all__ = ["BladeStudy"]
 
-#: Packages whose code affects the numbers that the study stores.
-ROOMS = (motion, estimation)
 
-palette.reserve(LOOKS)
-
-
-class BladeStudy:
-    """The study of a hoisted blade, an `owtsweep.sweep.study.Study`."""
+class BladeStudy(DeclaredStudy):
+    """The study of a hoisted blade."""
 
     name = "blade"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/blade/fidelity.py"
-    schema_version = 1
-    numerics_version = add_versions(1, *ROOMS)
-
-    def schemes(self) -> dict[str, str]:
-        """Return name -> description of each scheme."""
-        from owtsweep.studies.blade.schemes import REGISTERED
-
-        return REGISTERED
-
-    def config_type(self) -> type[BladeConfig]:
-        """Return the class of the study's configurations."""
-        from owtsweep.studies.blade.config import BladeConfig
-
-        return BladeConfig
-
-    def conditions(self, config: BladeConfig) -> tuple[Condition, ...]:
-        """Return the two axes of the map, those of the key `axes`."""
-        from owtsweep.studies.blade.contest import CONTEST
-
-        return CONTEST.find_conditions(config.axes)
-
-    def engine(self, config: BladeConfig) -> Engine:
-        """Return the study's only engine."""
-        from owtsweep.studies.blade.engine import BladeEngine
-
-        return BladeEngine()
-
-    def estimate(self, config: BladeConfig, replicate: int) -> EstimatedRecord:
-        """Return a record of the grid's only cell, with the estimates of all schemes."""
-        from owtsweep.studies.blade.estimating import estimate_record
-
-        return estimate_record(config, replicate)
-
-    def compare(
-        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
-    ) -> Findings:
-        """Compare runs over the same axes: how best scheme and errors change between them.
-
-        Parameters
-        ----------
-        comparison
-            The runs, and the pairs of runs to compare.
-        folder
-            The folder for the figures. The tables are returned, not written.
-        metadata
-            Texts by name to store inside the figures' files.
-
-        Raises
-        ------
-        InputError
-            If the runs cannot be compared.
-        """
-        from owtsweep.comparing.compare import compare
-        from owtsweep.studies.blade.comparing import describe_run
-
-        return compare(comparison, folder, describe_run, metadata=metadata)
+    numerics_version = add_versions(1, motion, estimation)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -37,6 +38,11 @@ class Conditions:
     amplitude: float | None
     lever: float
     heading: float | None
+
+    @classmethod
+    def of(cls, cell: Mapping[str, float]) -> Conditions:
+        """Return a cell in which an axis without a value is missing."""
+        return cls(**{field.name: cell.get(field.name) for field in fields(cls)})  # type: ignore[arg-type]
 
 
 def list_cases(config: BladeConfig) -> list[Conditions]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,8 +12,8 @@ from owtsweep.studies.blade.believed import believe, draw_start, find_start_sigm
 from owtsweep.studies.blade.case import Conditions
 from owtsweep.studies.blade.contract import PLAN, Geometry, Measured, Setting, Truth
 from owtsweep.studies.blade.measuring import find_outages, measure
-from owtsweep.studies.blade.recorded_case import find_reference, load_lift
-from owtsweep.studies.blade.truth import make_truth
+from owtsweep.studies.blade.recorded_case import Lift, find_reference, load_lift
+from owtsweep.studies.blade.truth import Motion, make_truth
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
@@ -48,34 +47,52 @@ class Case(NamedTuple):
         return believe(config, conditions, self.start, self.start_sigma, self.geometry)
 
 
-def make_cases(
-    config: BladeConfig, conditions: Conditions, replicates: Sequence[int]
-) -> list[Case]:
-    """Return records of a cell.
+class World(NamedTuple):
+    """What moves in a record: a simulated blade, or the one of a recorded lift.
+
+    Attributes
+    ----------
+    replicate
+        Number of the record.
+    motion
+        The simulated motion; None if the lift is recorded.
+    lift, reference
+        The recorded lift, and what stands for its truth; None if the lift is simulated.
+    """
+
+    replicate: int
+    motion: Motion | None = None
+    lift: Lift | None = None
+    reference: Truth | None = None
+
+
+def make_world(config: BladeConfig, conditions: Conditions, replicate: int) -> World:
+    """Simulate the motion of a record, or read the recorded lift.
 
     Raises
     ------
     InputError
         If a recorded lift cannot be used.
     """
-    if config.recorded.imu is not None:
-        return [_take_lift(config, conditions)]
-    cases = []
-    for replicate in replicates:
-        motion = make_truth(config, replicate, conditions)
-        measured = measure(config, motion, conditions, replicate)
-        start = draw_start(config, motion, replicate)
-        cases.append(Case(motion.truth, measured, start, find_start_sigma(config), PLAN))
-    return cases
-
-
-def _take_lift(config: BladeConfig, conditions: Conditions) -> Case:
-    """Return a recorded lift; fixes are withheld in outages."""
+    if config.recorded.imu is None:
+        return World(replicate, make_truth(config, replicate, conditions))
     lift = load_lift(config)
+    return World(replicate, lift=lift, reference=find_reference(config, lift))
+
+
+def observe(config: BladeConfig, conditions: Conditions, world: World) -> Case:
+    """Return the record of a cell; fixes of a recorded lift are withheld in outages."""
+    if world.motion is not None:
+        measured = measure(config, world.motion, conditions, world.replicate)
+        start = draw_start(config, world.motion, world.replicate)
+        return Case(world.motion.truth, measured, start, find_start_sigma(config), PLAN)
+    lift = world.lift
+    assert lift is not None
+    assert world.reference is not None
     hidden = find_outages(config, conditions.outage)[:, None, None]
     fixes = lift.measured.fixes
     return Case(
-        find_reference(config, lift),
+        world.reference,
         replace(lift.measured, fixes=np.where(hidden, np.nan, fixes)),
         lift.start,
         lift.start_sigma,

@@ -8,13 +8,12 @@ import numpy as np
 
 from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
+from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.blade.boom import HIGHEST
 from owtsweep.studies.blade.contract import DOF
-from owtsweep.studies.blade.schemes import REGISTERED
+from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.sections import AXES
 from owtsweep.studies.blade.tugger import hold
-from owtsweep.studies.contest.axes import check_axes
-from owtsweep.studies.scheme_names import check_names
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
@@ -39,7 +38,7 @@ def check(config: BladeConfig) -> None:
     InputError
         If two values cannot work together; the message says what would work.
     """
-    check_names(config.schemes, REGISTERED)
+    SCHEMES.resolve_all(config.schemes)
     check_axes(config.axes, config.grid, AXES, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
     config.recorded.check()
@@ -48,6 +47,14 @@ def check(config: BladeConfig) -> None:
     _check_motion(config)
     _check_sensors(config)
     _check_boom(config)
+
+
+def check_outside(config: BladeConfig) -> None:
+    """Raise `InputError` if a file of a recorded lift cannot be used."""
+    from owtsweep.studies.blade.recorded_case import load_lift
+
+    if config.recorded.imu is not None:
+        load_lift(config)
 
 
 def _check_recorded(config: BladeConfig) -> None:

@@ -6,11 +6,11 @@ from owtsweep.results.conditions import Condition
 
 #: All axes, in the order of `sections.AXES`.
 CONDITIONS = (
-    Condition("sigma", "standard deviation of a GNSS fix", "m", scale="log"),
-    Condition("outage", "length of an outage of GNSS", "s"),
-    Condition("offset", "by what GNSS time stamps come late", "s"),
+    Condition("sigma", "standard deviation of a GNSS fix", "m", scale="log", enters="sensors"),
+    Condition("outage", "length of an outage of GNSS", "s", enters="sensors"),
+    Condition("offset", "by what GNSS time stamps come late", "s", enters="sensors"),
     Condition("period", "natural period of the swing", "s"),
     Condition("amplitude", "standard deviation of the swing", "m", scale="log"),
-    Condition("lever", "error of the antenna's place", "m"),
+    Condition("lever", "error of the antenna's place", "m", enters="sensors"),
     Condition("heading", "standard deviation of the heading", "deg", scale="log"),
 )

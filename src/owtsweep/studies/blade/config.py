@@ -7,10 +7,10 @@ from typing import ClassVar, Literal
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
-from owtsweep.studies.scheme_names import SchemeNames
 
 
 class BladeConfig(TunedConfig):
@@ -33,12 +33,11 @@ class BladeConfig(TunedConfig):
     )
     record: Record = key("a record of motion and measurements")
     motion: Motion = key("how the blade moves on its hook")
-    boom: Boom = key("the crane's boom and its accelerometers", default=Boom(), younger=True)
+    boom: Boom = key("the crane's boom and its accelerometers", default=Boom())
     unit: Unit = key("the inertial unit, set by unit=NAME; it does not feel Earth's rotation")
     grade: str = key("what the inertial unit is called, set by unit=NAME")
     recorded: Recorded = key(
-        "a recorded lift in place of a simulated one (docs/blade.md)", default=Recorded(),
-        younger=True,
+        "a recorded lift in place of a simulated one (docs/blade.md)", default=Recorded()
     )  # fmt: skip
     sensors: Sensors = key("GNSS and total stations")
     tuning: str | list[str] = key(
@@ -49,37 +48,13 @@ class BladeConfig(TunedConfig):
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
 
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.blade.contest import CONTEST
-        from owtsweep.studies.contest.origin import describe_origin
 
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.blade.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if a file of a recorded lift cannot be used."""
-        from owtsweep.studies.blade.recorded_case import load_lift
-
-        if self.recorded.imu is not None:
-            load_lift(self)
-
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        return "recorded.imu" if self.recorded.imu is not None else ""
+#: What `studies.base` looks for.
+CONFIG = BladeConfig

@@ -7,12 +7,13 @@ the blade's centre of gravity in its reference position. The body's frame is thi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.studies.base.contract import Ready
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.tuning import Tuning
@@ -58,10 +59,6 @@ class Geometry(NamedTuple):
 
 #: The geometry of simulated records.
 PLAN = Geometry(ROOT, UNIT, ANTENNAS)
-
-
-class Unable(Exception):
-    """A scheme cannot work at a setting; the message is the reason."""
 
 
 class BoomMotion(NamedTuple):
@@ -240,23 +237,5 @@ class Estimates:
     boom: Array | None = None
 
 
-class Prepared(Protocol):
-    """A scheme made ready for one setting."""
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-
-
-class Scheme(Protocol):
-    """An estimation scheme of the blade study."""
-
-    name: str
-
-    def prepare(self, setting: Setting) -> Prepared:
-        """Make the scheme ready for a setting.
-
-        Raises
-        ------
-        Unable
-            If the scheme cannot work there; the message says why.
-        """
+#: A scheme made ready for one setting.
+Prepared = Ready[Measured, Estimates]

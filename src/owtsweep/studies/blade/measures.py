@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.blade_angles import find_angles
+from owtsweep.studies.base.contest import WAIT
+from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.blade.boom import find_boom_error
 from owtsweep.studies.blade.contract import Estimates, Truth
-from owtsweep.studies.contest import WAIT
 
 #: Criteria of the maps -> what the title of a map says.
 CRITERIA = {
@@ -36,10 +37,6 @@ OTHERS = {
     "nis": "normalised squared innovation of a fix, over its dimension",
     "boom": "tip of the boom above .15 Hz, by its accelerometers: rms error in space, m",
 }
-
-
-class NotFinite(ValueError):
-    """An estimate holds an infinite number or NaN."""
 
 
 class Judged(NamedTuple):

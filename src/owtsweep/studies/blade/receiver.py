@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.sensing.gauss_markov import draw_gauss_markov
-from owtsweep.sensing.outliers import draw_outliers
+from owtsweep.sensing.faults import draw_outliers
+from owtsweep.sensing.noise import draw_gauss_markov
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.sections import Receiver

@@ -29,7 +29,7 @@ from owtsweep.studies.blade.recorded_files import (
     read_fixes,
     read_inertial,
 )
-from owtsweep.studies.blade.schemes import resolve
+from owtsweep.studies.blade.schemes import SCHEMES
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
@@ -169,7 +169,7 @@ def find_reference(config: BladeConfig, lift: Lift) -> Truth:
         config, list_cases(config)[0], lift.start, lift.start_sigma, config.recorded.geometry
     )
     measured = lift.measured
-    found = resolve(REFERENCE).prepare(setting).run(measured)
+    found = SCHEMES.resolve(REFERENCE).prepare(setting).run(measured)
     to_unit = -setting.geometry.to_root
     return Truth(
         step=measured.step,

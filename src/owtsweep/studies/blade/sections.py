@@ -87,11 +87,9 @@ class Motion(Section):
     gust_time: Positive = key("time constant of gusts", unit="s")
     tugger: Tugger = key(
         "lines that hold heading and pitch, whose freedoms are those without lines",
-        default=Tugger(), younger=True,
+        default=Tugger()
     )  # fmt: skip
-    bending: Bending = key(
-        "how the blade bends beyond its root end", default=Bending(), younger=True
-    )
+    bending: Bending = key("how the blade bends beyond its root end", default=Bending())
 
     @field_validator("freedoms", mode="before")
     @classmethod
@@ -191,7 +189,7 @@ class Sensors(Section):
     fix_rate: Positive = key("GNSS fixes per second", unit="Hz")
     vertical: Positive = key("vertical over horizontal standard deviation of a fix")
     receiver: Receiver = key(
-        "errors of GNSS besides white noise, set by receiver=NAME", default=Receiver(), younger=True
+        "errors of GNSS besides white noise, set by receiver=NAME", default=Receiver()
     )
     outage_every: Positive = key("time from the beginning of an outage to the next", unit="s")
     start_position: Positive = key("error of the position with which a record begins", unit="m")

@@ -35,7 +35,6 @@ class Tuning(Section):
         "its place as states",
         unit="m",
         default=0.1,
-        younger=True,
     )
     agreement: Positive = key(
         "standard deviation with which the hook's swing and the navigation agree", unit="m"

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
-from owtsweep.studies.contest.axes import check_axes
-from owtsweep.studies.floater.schemes import REGISTERED
+from owtsweep.studies.base.axes import check_axes
+from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.sections import AXES
-from owtsweep.studies.scheme_names import check_names
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig
@@ -27,12 +26,21 @@ def check(config: FloaterConfig) -> None:
     """
     from owtsweep.studies.floater.checks_record import check_motion, check_sensors
 
-    check_names(config.schemes, REGISTERED)
+    SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
     check_axes(config.axes, config.grid, AXES, len(config.schemes))
     check_motion(config)
     check_sensors(config)
     _check_times(config)
+
+
+def check_outside(config: FloaterConfig) -> None:
+    """Raise `InputError` if the file of a recorded motion cannot be used."""
+    from owtsweep.studies.floater.motion_recorded import read_motion
+
+    motion, record = config.motion, config.record
+    if motion.kind == "recorded":
+        read_motion(motion, steps=record.steps, step=1.0 / record.rate, lead=0)
 
 
 def _check_times(config: FloaterConfig) -> None:

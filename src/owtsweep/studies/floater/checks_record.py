@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.config import require
+from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.motion_recorded import read_motion
+from owtsweep.studies.floater.schemes import SCHEMES
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig
@@ -63,13 +64,6 @@ def check_motion(config: FloaterConfig) -> None:
     _check_angles(config)
 
 
-def check_file(config: FloaterConfig) -> None:
-    """Raise `InputError` if the file of a recorded motion cannot be used."""
-    motion, record = config.motion, config.record
-    if motion.kind == "recorded":
-        read_motion(motion, steps=record.steps, step=1.0 / record.rate, lead=0)
-
-
 def _check_angles(config: FloaterConfig) -> None:
     """Check that pitch stays below 90 degrees, and roll, too, if a scheme takes angles for small.
 
@@ -77,7 +71,8 @@ def _check_angles(config: FloaterConfig) -> None:
     bear any roll below 180 degrees, where the angle jumps.
     """
     motion, grid = config.motion, config.grid
-    angled = [name for name in config.schemes if name not in LARGE_ANGLES]
+    names = list_names(config.schemes)
+    angled = [name for name in names if name in SCHEMES.listed and name not in LARGE_ANGLES]
     most = 90.0 if angled else 180.0
     who = f", where Euler angles fail ({', '.join(angled)})" if angled else ""
     instead = ", or schemes=[ERROR_STATE]" if angled else ""

@@ -7,9 +7,9 @@ from typing import ClassVar, Literal
 from owtsweep.config import Config, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.sections import Grid, Motion, Sensors
 from owtsweep.studies.floater.tuning import Tuned, Tuning
-from owtsweep.studies.scheme_names import SchemeNames
 
 
 class FloaterConfig(TunedConfig):
@@ -41,36 +41,13 @@ class FloaterConfig(TunedConfig):
         "name: the section filters of this tuning; only with several tunings", default={}
     )
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.contest.origin import describe_origin
-        from owtsweep.studies.floater.contest import CONTEST
 
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.floater.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if the file of a recorded motion cannot be used."""
-        from owtsweep.studies.floater.checks_record import check_file
-
-        check_file(self)
-
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        return "motion.file" if self.motion.kind == "recorded" else ""
+#: What `studies.base` looks for.
+CONFIG = FloaterConfig

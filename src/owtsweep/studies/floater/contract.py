@@ -7,12 +7,13 @@ All arrays of a record begin with its samples. Columns are the degrees of freedo
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.studies.base.contract import Ready
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.tuning import Tuning
@@ -20,10 +21,6 @@ if TYPE_CHECKING:
 #: Degrees of freedom: surge, sway, heave, then the Euler angles roll, pitch, yaw
 #: (Mehammer et al. 2018, Eq. 1).
 DOF = ("x", "y", "z", "phi", "theta", "psi")
-
-
-class Unable(Exception):
-    """A scheme cannot work at a setting; the message is the reason."""
 
 
 @dataclass(frozen=True)
@@ -164,23 +161,5 @@ class Estimates:
     wait: float = 0.0
 
 
-class Prepared(Protocol):
-    """A scheme made ready for one setting: gains are computed, records can be run."""
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-
-
-class Scheme(Protocol):
-    """An estimation scheme of the floater study."""
-
-    name: str
-
-    def prepare(self, setting: Setting) -> Prepared:
-        """Make the scheme ready for a setting.
-
-        Raises
-        ------
-        Unable
-            If the scheme cannot work there; the message says why.
-        """
+#: A scheme made ready for one setting.
+Prepared = Ready[Measured, Estimates]

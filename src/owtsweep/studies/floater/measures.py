@@ -11,7 +11,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.contest import WAIT
+from owtsweep.studies.base.contest import WAIT
+from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.floater.contract import DOF, Estimates, Truth
 from owtsweep.studies.floater.sums import find_lags, sum_errors
 
@@ -38,10 +39,6 @@ OTHERS = {
 LONGEST_LAG, LONGEST_PART = 5.0, 0.2
 #: In relative errors, a position counts as this part of its rms at least.
 FLOOR = 0.1
-
-
-class NotFinite(ValueError):
-    """An estimate holds an infinite number or NaN."""
 
 
 def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> dict[str, float]:

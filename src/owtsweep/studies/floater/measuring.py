@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.sensing.losses import Losses
+from owtsweep.sensing.faults import Losses
 from owtsweep.streams import stream
 from owtsweep.studies.floater.case import Conditions
 from owtsweep.studies.floater.contract import Measured

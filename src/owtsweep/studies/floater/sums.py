@@ -6,9 +6,6 @@ import numpy as np
 
 from owtsweep.compiled import njit
 
-#: What `sum_errors` adds up, in its order.
-SUMMED = ("position", "velocity", "nees", "variance", "variance_velocity")
-
 
 @njit
 def sum_errors(position, velocity, covariance):  # pragma: no cover - compiled

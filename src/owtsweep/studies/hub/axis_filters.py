@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.late_model import copying, transition
+from owtsweep.estimation.late_gains import copying, transition
 from owtsweep.studies.hub.spectral_axis import SpectralAxis
 
 

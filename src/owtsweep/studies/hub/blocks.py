@@ -22,8 +22,9 @@ from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.conditions import list_condition_names
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
+from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.records import Records, make_records_at
-from owtsweep.studies.hub.schemes import list_entries, resolve_all, under
+from owtsweep.studies.hub.resolving import resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
 from owtsweep.sweep.study import Block
 

@@ -19,8 +19,9 @@ from owtsweep.motion.tracking import LEAST
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.expected.checks import check_expected
 from owtsweep.studies.hub.fix_rules import check_fix_rules
+from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.plant import check_plant, is_plant, require_spectrum
-from owtsweep.studies.hub.schemes import list_baselines, resolve_all
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sizes import (
     check_buffers,
     check_fix_interval,
@@ -31,7 +32,7 @@ from owtsweep.studies.hub.switching.checks import check_switch
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.studies.hub.sections import Mhe
+    from owtsweep.studies.hub.scheme_sections import Mhe
 
 logger = logging.getLogger(__name__)
 

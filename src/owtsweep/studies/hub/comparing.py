@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from owtsweep.comparing.aspects import Aspects
-from owtsweep.comparing.comparison import Candidate
-from owtsweep.studies.hub import baseline_names, scheme_names
+from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.studies.hub.conditions import BOUNDARY, get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
 from owtsweep.studies.hub.expected import answers
+from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import list_origin
 from owtsweep.studies.hub.plant import describe_content, is_plant
+from owtsweep.studies.hub.resolving import scheme_names
 
 #: The keys on which a record's motion depends, besides natural period and replicate. Changing
 #: sigma, delay, rate, bias or tuning changes neither the motion's phases nor the draws of the
@@ -41,7 +41,7 @@ def describe_run(run: Candidate) -> Aspects:
         pairing=pairing,
         boundary=None if is_plant(config) else BOUNDARY,
         origin=list_origin(config),
-        beside=baseline_names(config),
+        beside=list_baselines(config),
         best_of=None
         if samples
         else lambda rows, grid, schemes, criterion: answers.best_scheme(

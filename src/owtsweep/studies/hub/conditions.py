@@ -116,8 +116,18 @@ def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False)
     With `baselines` the cube holds the run's baselines too, after the schemes.
     """
     from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub import baseline_names, scheme_names
+    from owtsweep.studies.hub.names import list_baselines
+    from owtsweep.studies.hub.resolving import scheme_names
 
-    names = scheme_names(config) + (baseline_names(config) if baselines else [])
+    names = scheme_names(config) + (list_baselines(config) if baselines else [])
     conditions = get_conditions(config)
     return Cube.of_rows(rows, names, conditions, get_grid(config), measures=MEASURES)
+
+
+def criteria(config: HubConfig) -> tuple[str, ...]:
+    """Return the measures by whose MSE best_scheme.csv ranks the schemes.
+
+    These measures are "position", "velocity" and the configured `measures.criterion`. A measure is
+    listed only once.
+    """
+    return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))

@@ -1,6 +1,7 @@
 """The configuration of the hub-motion study: its keys, types, bounds and meanings.
 
-Units are SI, but angles (wave direction) are in degrees. The sections are in `sections`.
+Units are SI, but angles (wave direction) are in degrees. The sections are in `sections` and
+`scheme_sections`.
 """
 
 from __future__ import annotations
@@ -11,20 +12,16 @@ from typing import Any, ClassVar, Literal
 from owtsweep.config import Config, Finite, Positive, key, require
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
+from owtsweep.studies.hub.scheme_sections import FilterTuning, Hme, Skf, Switch, Tuning
 from owtsweep.studies.hub.sections import (
-    FilterTuning,
     Grid,
-    Hme,
     Measures,
     MotionConfig,
     Record,
     SensorConfig,
     SpectrumConfig,
-    Tuning,
+    Tune,
 )
-from owtsweep.studies.hub.skf_section import Skf
-from owtsweep.studies.hub.switching.section import Switch
-from owtsweep.studies.hub.tuning.settings import Tune
 
 #: In a run of several tunings, these sections stand in `tunings.<name>`, not at the top.
 TUNED = tuple(Tuning.model_fields)
@@ -57,9 +54,9 @@ class HubConfig(TunedConfig):
     )
     grid: Grid = key("the axes of the sweep")
     record: Record = key("a record of motion and measurements")
-    motion: MotionConfig = key("where the motion comes from", default=MotionConfig(), younger=True)
+    motion: MotionConfig = key("where the motion comes from", default=MotionConfig())
     structure: Structure | None = key(
-        "the structure that moves; with motion=plant only", default=None, younger=True
+        "the structure that moves; with motion=plant only", default=None
     )
     spectrum: SpectrumConfig = key("the spectrum of the motion")
     normalise: Literal["peak", "rms"] = key(
@@ -82,14 +79,12 @@ class HubConfig(TunedConfig):
     tunings: dict[str, Tuning] = key(
         "name: the sections ekf, mkf, hme1, hme2, hme of this tuning; only with several tunings",
         default={},
-        younger=True,
     )
     schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
     baselines: list[Literal["NONE", "HOLD", "DELTA"]] = key(
         "shown beside the schemes: no estimator, the last fix, the last two fixes extrapolated; "
         "[]: none",
         default=[],
-        younger=True,
     )
     ekf: FilterTuning = key("the filter of EKF", default=ABSENT)
     mkf: FilterTuning = key("the filter of MKF", default=ABSENT)
@@ -100,76 +95,20 @@ class HubConfig(TunedConfig):
         "SKF and SKFA, which know the spectrum of the motion, or track it; on request, "
         "schemes=[...,SKF,SKFA]",
         default=Skf(),
-        younger=True,
     )
-    switch: Switch = key("the scheme SWITCH", default=Switch(), younger=True)
+    switch: Switch = key("the scheme SWITCH", default=Switch())
     measures: Measures = key("what is measured, and what the map judges")
-    tune: Tune = key("what the command `tune` searches", default=Tune(), younger=True)
-
-    @classmethod
-    def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
-        """Return the keys with numbers in place of `auto`, from the sensors by rule."""
-        from owtsweep.studies.hub.tilt import warn_of_growth
-        from owtsweep.studies.hub.tuning.rules import fill_in
-
-        warn_of_growth(plain)
-        return fill_in(plain)
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, and the number of records with their seed."""
-        from owtsweep.studies.hub.origin import describe_origin
-
-        return f"Tuning {self.tuning_name}. {' '.join(describe_origin(self).split())}"
-
-    def describe_code(self) -> Any:
-        """Return what a run stores of its schemes: a list with one mapping per scheme.
-
-        Each mapping holds the scheme's name, whether the scheme is linear, and whether it has a
-        kernel.
-        """
-        from owtsweep.studies.hub.schemes import resolve_all
-        from owtsweep.studies.hub.schemes.stored import describe
-
-        one = next(iter(self.by_tuning().values()))
-        return describe(resolve_all(self.schemes, one))
-
-    @classmethod
-    def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
-        """Return the keys of a stored run with a stand-in for each user's scheme.
-
-        So the code of these schemes need not be imported. `plain` maps the keys to their values;
-        `described` is what `describe_code` returned when the run was stored, or None.
-        """
-        from owtsweep.studies.hub.schemes.stored import stand_in
-
-        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+    tune: Tune = key("what the command `tune` searches", default=Tune())
 
     def check(self) -> None:
-        """Check that the values can work together.
+        """Check also that each tuning has a name that can be part of a file's name.
 
         Raises
         ------
         InputError
-            If two values cannot work together; the message says what would work.
+            If not; also as `TunedConfig.check`.
         """
         super().check()
-        from owtsweep.studies.hub.checks import check
-
-        self._check_tunings()
-        for config in self.by_tuning().values():
-            check(config)
-
-    def _check_tunings(self) -> None:
-        """Check that each tuning has its sections, and a name that can be part of a file's name."""
-        several = bool(self.tunings)
-        require(
-            self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),
-            f"tuning: {self.tuning} and the tunings of this run do not fit together; choose one by "
-            "tuning=NAME, or several by tuning=[NAME,NAME]",
-        )
-        for section in TUNED:
-            given = getattr(self, section) is not None
-            require(given != several, f"{section}: this key has no value; give it one")
         for name in self.tunings:
             require(
                 re.fullmatch(r"[\w.+=-]+", name) is not None,

@@ -8,26 +8,20 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from owtsweep.figures.drawings import save_figure
-from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
-from owtsweep.results.winners import tell_beaten, tell_winners
-from owtsweep.studies.hub import (
-    baseline_names,
-    blocks,
-    criteria,
-    figures,
-    planning,
-    prediction,
-    scheme_names,
-)
+from owtsweep.studies.hub import blocks, planning, prediction
 from owtsweep.studies.hub.conditions import (
     NATURAL_PERIOD,
+    criteria,
     get_conditions,
     get_map_conditions,
     list_maps,
     make_cube,
 )
 from owtsweep.studies.hub.expected import answers, drawing, engine
+from owtsweep.studies.hub.figures import listing
+from owtsweep.studies.hub.names import REGISTERED, list_baselines, list_entries
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.plant import (
     FRICTION_ANGLE,
@@ -36,7 +30,7 @@ from owtsweep.studies.hub.plant import (
     is_plant,
     list_breaking,
 )
-from owtsweep.studies.hub.schemes import REGISTERED, list_entries, resolve_all
+from owtsweep.studies.hub.resolving import resolve_all, scheme_names
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 from owtsweep.sweep.study import Square
@@ -47,7 +41,7 @@ if TYPE_CHECKING:
 
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.results import Results
+    from owtsweep.sweep.gather import Results
     from owtsweep.sweep.study import Block, Engine
 
 logger = logging.getLogger(__name__)
@@ -98,9 +92,9 @@ class _Engine:
 
         It is figure 18 of Ren et al. (2019).
         """
-        return figures.MAP
+        return listing.MAP
 
-    untuned = figures.UNTUNED
+    untuned = listing.UNTUNED
 
     def joint_drawings(
         self, results: Mapping[str, Results], metadata: Mapping[str, str]
@@ -126,7 +120,7 @@ class RecordsEngine(_Engine):
     samples = True
     plan = staticmethod(planning.plan)
     run = staticmethod(blocks.run)
-    drawings = staticmethod(figures.drawings)
+    drawings = staticmethod(listing.drawings)
 
     def backend(self, config: HubConfig) -> str:
         """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
@@ -168,7 +162,7 @@ class RecordsEngine(_Engine):
         """
         cube = make_cube(config, rows, baselines=True)
         window = config.measures.window
-        best = find_best_schemes(cube, window, criteria(config), baseline_names(config))
+        best = find_best_schemes(cube, window, criteria(config), list_baselines(config))
         return {"summary": _add_efficiency(summarise(cube), config), "best_scheme": best}
 
 
@@ -179,7 +173,7 @@ class PlantEngine(RecordsEngine):
         **{name: kind for name, kind in _Engine.row_types.items() if name != NATURAL_PERIOD.name},
         **{condition.name: float for condition in SEA_CONDITIONS if condition != FRICTION_ANGLE},
     }
-    drawings = staticmethod(figures.drawings_of_plant)
+    drawings = staticmethod(listing.drawings_of_plant)
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""

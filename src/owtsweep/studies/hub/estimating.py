@@ -8,15 +8,16 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import as_text
-from owtsweep.evaluation.estimated_record import EstimatedRecord, Reading
+from owtsweep.evaluation.estimate import EstimatedRecord, Reading
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.conditions import get_grid
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.plant import is_plant
 from owtsweep.studies.hub.records import make_records_at
-from owtsweep.studies.hub.schemes import list_entries, resolve_all
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import observe
 
 UNITS = {

@@ -10,7 +10,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import require
-from owtsweep.studies.hub.sections import FilterTuning
+from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 #: Values of the key `fix_rule`; the kernels use the index.
 FIX_RULES = ("plain", "gate", "huber")

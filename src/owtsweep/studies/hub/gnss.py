@@ -50,14 +50,12 @@ class Gnss(Section):
     rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
     delay: NotNegative = key("age of a fix when it arrives; whole IMU steps", unit="s")
     scale: Positive = key(
-        "scale error: a fix is the position times this number, plus noise; 1: none",
-        default=1.0,
-        younger=True,
+        "scale error: a fix is the position times this number, plus noise; 1: none", default=1.0
     )
-    outliers: Outliers = key("fixes with a gross error", default=Outliers(), younger=True)
-    loss: Loss = key("fixes that never arrive", default=Loss(), younger=True)
+    outliers: Outliers = key("fixes with a gross error", default=Outliers())
+    loss: Loss = key("fixes that never arrive", default=Loss())
     correlation: Correlation = key(
-        "red noise of the fixes, besides their white noise", default=Correlation(), younger=True
+        "red noise of the fixes, besides their white noise", default=Correlation()
     )
 
     @property

@@ -18,7 +18,7 @@ from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
 from owtsweep.studies.hub.plant import is_plant, make_plant
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.

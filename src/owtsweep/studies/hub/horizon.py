@@ -14,7 +14,7 @@ from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.fix_rules import PLAIN, FixRule
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, HorizonArrays, LeanTerms
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
-from owtsweep.studies.hub.sections import Mhe
+from owtsweep.studies.hub.scheme_sections import Mhe
 
 INPUTS = ("all", "averaged", "sampled")
 

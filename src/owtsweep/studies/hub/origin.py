@@ -5,11 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.hub.plant import describe_plant, is_plant
-from owtsweep.studies.hub.tuning.rules import take_facts
+from owtsweep.studies.hub.tuning_rules import take_facts
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.sections import SensorConfig
+
+#: Value of the configuration key `normalise` -> what the amplitude of a motion measures.
+MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 
 
 def list_sensors(sensors: SensorConfig) -> dict[str, str]:
@@ -69,6 +72,11 @@ def describe_origin(config: HubConfig) -> str:
     line about the sensors, if they have what the paper's have not, e.g. a tilt.
     """
     return _tell(config, describe_draws(config))
+
+
+def describe_in_a_line(config: HubConfig) -> str:
+    """Return in one line the tuning, the truth, and the number of records with their seed."""
+    return f"Tuning {config.tuning_name}. {' '.join(describe_origin(config).split())}"
 
 
 def describe_one_record(config: HubConfig) -> str:

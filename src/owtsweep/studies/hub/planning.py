@@ -10,15 +10,16 @@ from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from typing import Any
 
-from owtsweep.config import Section, as_mapping, require
+from owtsweep.config import Section, as_mapping
 from owtsweep.results.conditions import Value
 from owtsweep.studies.hub.conditions import describe_values, list_record_conditions
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.plant import describe_content, is_plant
-from owtsweep.studies.hub.schemes import list_entries, resolve_all
-from owtsweep.studies.hub.schemes.stored import StoredScheme
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
+from owtsweep.studies.hub.stored_schemes import StoredScheme
 from owtsweep.sweep.source import describe_source, explain_doubt
 from owtsweep.sweep.study import Block
 
@@ -98,8 +99,7 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
         content |= describe_content(config)
     else:
         content |= {key: whole[key] for key in ("spectrum", "normalise", "band")}
-        if config.motion.envelope is not None:
-            content["envelope"] = config.motion.envelope
+        content["envelope"] = config.motion.envelope
     content["settling_time"] = config.measures.settling_time
     content["extremes"] = config.measures.extremes
     return content
@@ -124,15 +124,10 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
     InputError
         If the scheme is a user's scheme of a stored run, whose code is not loaded.
     """
-    require(
-        not isinstance(scheme, StoredScheme),
-        f"schemes: {scheme.name} is a scheme of the run's author, whose code is not loaded, and "
-        "the run has no plan.json that fits its config.yaml; only its tables can be read",
-    )
+    if isinstance(scheme, StoredScheme):
+        scheme.start(None, None)  # says that it cannot
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
-    values = {section: _plain(attrgetter(section)(config)) for section in sections}
-    # An empty section is one of younger keys alone, at their defaults.
-    tuning = {section: value for section, value in values.items() if value != {}}
+    tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
     content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
     if isinstance(entry, Mapping):
         content["entry"] = {str(key): value for key, value in entry.items()}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.studies.hub.blocks import uses_kernels
 from owtsweep.studies.hub.plant import is_plant
-from owtsweep.studies.hub.schemes import resolve_all, under
+from owtsweep.studies.hub.resolving import resolve_all, under
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK, count_table_bytes
 
 if TYPE_CHECKING:

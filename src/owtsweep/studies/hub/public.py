@@ -9,10 +9,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.hub import ROOMS
+from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import Lanes
+    from owtsweep.studies.hub.batch import Lanes, sum_errors
     from owtsweep.studies.hub.blocks import backend
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
     from owtsweep.studies.hub.compiling import compile_kernels
@@ -25,40 +25,35 @@ if TYPE_CHECKING:
         look_constant,
     )
     from owtsweep.studies.hub.estimates import chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.fidelity.score import (
-        at_amplitude,
-        compare,
-        make_lanes,
-        scheme_products,
-        score,
-    )
     from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.kernels.layout import WIDTH
+    from owtsweep.studies.hub.names import BASELINES, INSTEAD
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.planning import explain_anew, scheme_content
-    from owtsweep.studies.hub.schemes import BASELINES, INSTEAD, resolve_all
-    from owtsweep.studies.hub.schemes import check_scheme as require_scheme
+    from owtsweep.studies.hub.records import make_records
+    from owtsweep.studies.hub.resolving import check_scheme as require_scheme
+    from owtsweep.studies.hub.resolving import resolve, resolve_all
     from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
-    from owtsweep.studies.hub.tilt_cost import believe
-    from owtsweep.studies.hub.tuning.following import follow_sensors
+    from owtsweep.studies.hub.study import HubKeys
+    from owtsweep.studies.hub.tuning_rules import believe, follow_sensors
     from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum",
-    "ForceNoise", "Grid", "HubConfig", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme",
-    "Sensors", "at_amplitude", "backend", "believe", "bias_of", "chain_for_runs", "chunks",
-    "compare", "compile_kernels", "error_spectrum", "expected_mse", "explain_anew", "fix_count",
-    "fix_noise", "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_lanes",
-    "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
-    "scheme_products", "score", "simulate_bias", "state_chunks", "trajectories",
+    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme",
+    "Sensors", "backend", "believe", "bias_of", "chain_for_runs", "chunks", "compile_kernels",
+    "error_spectrum", "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
+    "has_acceleration", "lag_of", "look_constant", "make_records", "make_sensors", "noise_floor",
+    "require_scheme", "resolve", "resolve_all", "scheme_content", "simulate_bias", "state_chunks",
+    "sum_errors", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
 _HOMES = {
-    "batch": ["Lanes"],
+    "batch": ["Lanes", "sum_errors"],
     "blocks": ["backend"],
     "chain": ["Chain", "chain_for_runs"],
     "compiling": ["compile_kernels"],
@@ -66,17 +61,18 @@ _HOMES = {
     "contract": ["Scheme", "Sensors"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["chunks", "state_chunks", "trajectories"],
-    "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
     "filter_states": ["bias_of", "has_acceleration", "lag_of"],
     "kernels.layout": ["WIDTH"],
+    "names": ["BASELINES", "INSTEAD"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
     "planning": ["explain_anew", "scheme_content"],
-    "schemes": ["BASELINES", "INSTEAD", "require_scheme", "resolve_all"],
+    "records": ["make_records"],
+    "resolving": ["require_scheme", "resolve", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
-    "tilt_cost": ["believe"],
-    "tuning.following": ["follow_sensors"],
+    "study": ["HubKeys"],
+    "tuning_rules": ["believe", "follow_sensors"],
     "winners": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.

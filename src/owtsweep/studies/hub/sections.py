@@ -1,6 +1,6 @@
-"""The sections of the hub-motion study's configuration: their keys, types, bounds and meanings.
+"""The sections of the hub study's configuration on grid, motion, sensors, measures and search.
 
-Units are SI, but angles (yaw) are in degrees.
+Units are SI, but angles (yaw) are in degrees. Those of the schemes are in `scheme_sections`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from pydantic import BeforeValidator, Field
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.section import require_magnitude
-from owtsweep.gravity import GRAVITY
 from owtsweep.structures.description import ANGLES
 from owtsweep.studies.hub.gnss import Gnss
 
@@ -77,7 +76,6 @@ class MotionConfig(Section):
         "pairs of time (s) and factor on the amplitude, e.g. [[0,0.1],[1000,10]]: a sea that grows "
         "and falls (motion=spectrum only); null: none",
         default=None,
-        younger=True,
     )
 
 
@@ -111,14 +109,12 @@ class Imu(Section):
         "(motion=plant only)",
         unit="rad/m",
         default=0.0,
-        younger=True,
     )
     high_pass: Positive | None = key(
         "corner of an AC coupling, a first-order high-pass of what the IMU feels of the motion "
         "(its noise and bias do not pass it); null: none",
         unit="Hz",
         default=None,
-        younger=True,
     )
 
 
@@ -141,178 +137,6 @@ class SensorConfig(Section):
     )
 
 
-class Variance(Section):
-    """The variance of a measurement: computed by a rule from the sensor's sigma, times `scale`."""
-
-    rule: Literal["sigma2", "sigma2_over_step", "sigma2_times_ratio"] = key(
-        "sigma2: sigma^2; sigma2_over_step: sigma^2 / T_a, Eq. (10f) on a per-sample variance; "
-        "sigma2_times_ratio: sigma^2 M with M = T_g / T_a"
-    )
-    scale: Positive = key("factor on the rule's variance")
-
-
-class FilterTuning(Section):
-    """The tuning of one Kalman filter: model, discretisation, update rule and covariances."""
-
-    model: Literal["sigma1", "sigma2"] = key(
-        "Sigma_1 estimates the acceleration; Sigma_2 takes it as an input"
-    )
-    discretisation: Literal["exact", "first_order"] = key("exact, or first order as Eq. (10c-e)")
-    update_rule: Literal["proper", "mask_columns", "mask_rows", "every_step"] = key(
-        "between fixes: proper updates by the IMU alone; mask_columns and mask_rows zero columns "
-        "or rows of the gain; every_step updates the covariance as if there were a fix"
-    )
-    q_a: NotNegative = key(
-        "density of the white noise that drives the acceleration of Sigma_1; not used by Sigma_2",
-        unit="(m/s^3)^2/Hz",
-    )
-    q_b: NotNegative | None = key(
-        "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
-    )
-    tilt: Finite = key(
-        "lean of the IMU per displacement that the filter believes in; auto (in a tuning file): "
-        "sensors.imu.tilt",
-        unit="rad/m",
-        default=0.0,
-        younger=True,
-    )
-    fix_rule: Literal["plain", "gate", "huber"] = key(
-        "plain: every fix counts alike; gate: a fix too far from its prediction is refused (not in "
-        "HME2); huber: it counts less, in HME2 within the window's cost. With gate or huber the "
-        "scheme is not linear",
-        default="plain",
-        younger=True,
-    )
-    gate_probability: float = key(
-        "fix_rule=gate: probability with which a fix without gross error passes (chi-square, two "
-        "degrees of freedom)",
-        default=0.999,
-        younger=True,
-        gt=0.0,
-        lt=1.0,
-    )
-    gate_patience: int = key(
-        "fix_rule=gate: fixes that are refused in a row; then every fix is taken until one lies "
-        "within the gate, for the state must be wrong",
-        unit="fixes",
-        default=1,
-        younger=True,
-        ge=1,
-    )
-    huber_limit: Positive = key(
-        "fix_rule=huber: distance beyond which the weight of a fix falls as 1 / distance",
-        unit="standard deviations",
-        default=2.0,
-        younger=True,
-    )
-    r_gnss: Variance = key("variance of a fix")
-    r_imu: Variance = key("variance of a sample")
-    p0: list[Positive] = key(
-        "initial variances of position, velocity, acceleration, bias",
-        form="four finite variances above zero (position, velocity, acceleration, bias)",
-        min_length=4,
-        max_length=4,
-    )
-
-    @property
-    def lean(self) -> float:
-        """The specific force by leaning, g tilt, in m/s^2 per metre of displacement."""
-        return GRAVITY * self.tilt
-
-
-class Constraints(Section):
-    """The bounds of the states in the MHE's window: largest magnitudes of the components."""
-
-    position: Positive | None = key(
-        "of the hub, north and east; null: none", unit="m", default=None, younger=True
-    )
-    velocity: Positive | None = key(
-        "of the hub, north and east; null: none", unit="m/s", default=None, younger=True
-    )
-    #: b^b = R' (g - x4), since x4 = -R b^b + g in Eq. (6).
-    bias: Positive | None = key(
-        "of the IMU in its own frame, as its data sheet states it; null: none",
-        unit="m/s^2",
-        default=None,
-        younger=True,
-    )
-
-
-class Mhe(Section):
-    """The settings of the moving horizon estimator (MHE) of HME2."""
-
-    interval: Positive = key(
-        "T_m; whole IMU steps whose number divides the GNSS interval", unit="s"
-    )
-    horizon: int = key("N_m, length of the window", unit="GNSS interval", ge=1, le=1_000_000)
-    arrival: Literal["mkf", "fixed", "none"] = key(
-        "x_m0: a prior from the scheme's own past (mkf), the oldest state itself (fixed), or none"
-    )
-    inputs: Literal["all", "averaged", "sampled"] = key(
-        "every IMU sample, the mean of the last T_m held for the next, or one sample per T_m held"
-    )
-    weights: Literal["diagonal", "full"] = key("diagonal as printed, or full")
-    q_a: Positive | None = key(
-        "density of the accelerometer's noise behind the link weights; null: the sensor's own",
-        unit="(m/s^2)^2/Hz",
-    )
-    q_b: Positive | None = key(
-        "density of the bias walk behind the link weights; null: the sensor's own",
-        unit="(m/s^2)^2/s",
-    )
-    r_fix: Variance = key("variance of a fix")
-    p0: list[Positive] = key(
-        "initial variances of position, velocity, bias",
-        form="three finite variances above zero (position, velocity, bias)",
-        min_length=3,
-        max_length=3,
-    )
-    smoother_window: int | None = key(
-        "HME2's own N_s; null: hme.smoother_window",
-        unit="IMU steps",
-        ge=0,
-        advice="use 0 for no smoother",
-    )
-    solver: Literal["qrqp", "ipopt"] = key("of each MHE problem in the reference engine")
-    constraints: Constraints | None = key(
-        "bounds on the window's states; with any of them HME2 is not linear",
-        default=None,
-        younger=True,
-    )
-
-    @property
-    def bounds(self) -> tuple[float, float, float]:
-        """The largest allowed magnitudes of position (m), velocity (m/s) and bias (m/s^2).
-
-        A magnitude that is not bounded is infinite.
-        """
-        limits = self.constraints or Constraints()
-        values = (limits.position, limits.velocity, limits.bias)
-        p, v, b = (float("inf") if value is None else value for value in values)
-        return p, v, b
-
-
-class Predictor(Section):
-    """The settings of the predictor of HME1 and HME2, Algorithm 9 of Ren et al. (2019)."""
-
-    hold: Literal["zero", "first"] = key(
-        "specific force between two IMU samples: zero: the older sample, as in the paper; first: "
-        "linear from sample to sample",
-        default="zero",
-        younger=True,
-    )
-
-
-class Hme(Section):
-    """The settings that HME1 and HME2 share, and the settings of HME2's MHE."""
-
-    smoother_window: int = key(
-        "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
-    )
-    mhe: Mhe = key("the moving horizon estimator of HME2")
-    predictor: Predictor = key("the predictor", default=Predictor(), younger=True)
-
-
 class Measures(Section):
     """The measures to compute, and the criterion by which schemes are ranked."""
 
@@ -328,15 +152,27 @@ class Measures(Section):
         "also how near the schemes come to the bounds of the settled position and velocity MSE: "
         "columns efficiency_a and efficiency_b of summary.csv, and a figure",
         default=False,
-        younger=True,
     )
 
 
-class Tuning(Section):
-    """The sections that a tuning sets, for one of several tunings in a run."""
+class Tune(Section):
+    """The settings of the command `tune`. No result of a run depends on them."""
 
-    ekf: FilterTuning = key("the filter of EKF")
-    mkf: FilterTuning = key("the filter of MKF")
-    hme1: FilterTuning = key("the filter of HME1")
-    hme2: FilterTuning = key("the filter of HME2")
-    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
+    amplitude: list[Positive] | None = key(
+        "smallest and largest amplitude that `tune` tunes for; null: those of the grid",
+        unit="m",
+        form="two amplitudes in m, smallest first, e.g. tune.amplitude=[0.2,3]",
+        default=None,
+        min_length=2,
+        max_length=2,
+    )
+    trials: int = key("trials of `tune` per scheme", default=100, ge=1, le=100_000)
+    seed: int = key(
+        "of the search; not the run's `seed`, with which `tune` judges what it found",
+        default=7,
+        ge=0,
+        advice="use an integer >= 0",
+    )
+    replicates: int = key(
+        "records per natural period on which `tune` judges what it found", default=8, ge=2, le=1000
+    )

@@ -16,10 +16,8 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
-from owtsweep.sensing.gauss_markov import draw_gauss_markov
-from owtsweep.sensing.losses import Losses
-from owtsweep.sensing.noise import WhiteNoise, WienerBias
-from owtsweep.sensing.outliers import draw_outliers
+from owtsweep.sensing.faults import Losses, draw_outliers
+from owtsweep.sensing.noise import WhiteNoise, WienerBias, draw_gauss_markov
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.sections import SensorConfig
 

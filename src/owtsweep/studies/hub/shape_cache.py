@@ -8,7 +8,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
-from owtsweep.studies.hub.expected.cache import cached
+from owtsweep.studies.hub.cache import cached
 
 
 def fit_or_recall(frequency: Array, density: Array, states: int, floor: Array) -> ShapingFilter:

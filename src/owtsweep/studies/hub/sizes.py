@@ -10,8 +10,8 @@ from math import prod
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
+from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.plant import get_sea_grid, is_plant
-from owtsweep.studies.hub.schemes import list_entries
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

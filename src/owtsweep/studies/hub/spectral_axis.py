@@ -8,11 +8,15 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Model, discretise
-from owtsweep.estimation.late_gains import LateGains, schedule_late
-from owtsweep.estimation.late_model import LateModel, find_first_covariance
+from owtsweep.estimation.late_gains import (
+    LateGains,
+    LateModel,
+    find_first_covariance,
+    schedule_late,
+)
 from owtsweep.motion.shaping import ShapingFilter
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.skf_section import Skf
+from owtsweep.studies.hub.scheme_sections import Skf
 
 #: Longest transient that is stored, in steps (2621 s at 100 Hz); then the last cycle is repeated.
 LONGEST_TRANSIENT = 2**18

@@ -9,8 +9,8 @@ import numpy as np
 
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
+from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.shape_cache import fit_or_recall
-from owtsweep.studies.hub.skf_section import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
 
 #: Least share of an axis in the variance of the motion. An axis without any motion would have a

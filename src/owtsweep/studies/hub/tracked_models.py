@@ -18,8 +18,8 @@ from owtsweep.motion.tracking import VARIANCES, Candidate
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.growing_gains import GrowingGains
 from owtsweep.studies.hub.known_motion import find_noise_density
+from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.shape_cache import fit_or_recall
-from owtsweep.studies.hub.skf_section import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis, make_axis
 from owtsweep.studies.hub.spectral_model import FLOOR
 

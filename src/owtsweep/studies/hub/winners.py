@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from owtsweep.studies.hub import baseline_names, scheme_names
-from owtsweep.studies.hub.schemes import INSTEAD
+from owtsweep.studies.hub.names import INSTEAD, list_baselines
+from owtsweep.studies.hub.resolving import scheme_names
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -89,7 +89,7 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
     for name, values in changed.items():
         table.loc[leads, name] = values
     winning, undecided, leading = (
-        [name for name in baseline_names(config) if (cells["baseline"] == name).any()]
+        [name for name in list_baselines(config) if (cells["baseline"] == name).any()]
         for cells in (led[wins], led[~wins], led)
     )
     told = [f"{name}: {ESTIMATES[name]} {UNDECIDED}." for name in undecided]

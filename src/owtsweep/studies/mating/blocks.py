@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
-from types import SimpleNamespace
 from typing import Any
 
 import pandas as pd
 
 from owtsweep.config import as_mapping
-from owtsweep.evaluation.mating import Limits
 from owtsweep.results.status import FAILED, UNABLE
-from owtsweep.studies.contest import WAIT
-from owtsweep.studies.contest.planning import plan_blocks
-from owtsweep.studies.contest.rows import Judgement, make_rows
+from owtsweep.studies.base.blocks import Planned, plan_blocks
+from owtsweep.studies.base.contest import WAIT
+from owtsweep.studies.base.rows import Judgement, make_rows
 from owtsweep.studies.mating.conditions import AXES
 from owtsweep.studies.mating.config import MatingConfig
+from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import (
     configure_blade,
     configure_hub,
@@ -24,7 +22,7 @@ from owtsweep.studies.mating.joining import (
     find_told_motion,
     find_true_motion,
 )
-from owtsweep.studies.mating.measures import compare
+from owtsweep.studies.mating.measures import Limits, compare
 from owtsweep.sweep.study import Block
 
 #: Most records of a block.
@@ -35,11 +33,9 @@ NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "c
 
 def plan(config: MatingConfig) -> list[Block]:
     """Return all blocks of a configuration: one per cell, scheme, and some records."""
-    cells = [
-        SimpleNamespace(**dict(zip(AXES, values, strict=True)))
-        for values in product(*(getattr(config.grid, axis) for axis in AXES))
-    ]
-    return plan_blocks(config, cells, AXES, _describe_content(config), MOST_RECORDS)
+    schemes = [Planned(name) for name in config.schemes]
+    content = _describe_content(config)
+    return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, AXES)
 
 
 def run(config: MatingConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
@@ -58,13 +54,13 @@ def run(config: MatingConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         for scheme in schemes:
             reason = of_blade.failures.get(scheme)
             if reason is not None:
-                judged[scheme].append(Judgement.none(UNABLE, Exception(reason)))
+                judged[scheme].append(Judgement.none(UNABLE, reason))
                 continue
             told = find_told_motion(of_blade, scheme, of_hub, config.hub_scheme)
             try:
                 found = compare(true, told, limits, config.record.settled)
             except ValueError as error:
-                judged[scheme].append(Judgement.none(FAILED, error))
+                judged[scheme].append(Judgement.none(FAILED, str(error)))
                 continue
             if of_blade.waits[scheme] > 0.0:
                 found[WAIT] = of_blade.waits[scheme]

@@ -11,8 +11,8 @@ import numpy as np
 
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import show_value
-from owtsweep.studies.contest import WAIT
-from owtsweep.studies.contest.origin import describe_draws
+from owtsweep.studies.base.contest import WAIT
+from owtsweep.studies.base.origin import describe_draws
 from owtsweep.studies.mating.contest import CONTEST
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
 
     waiting = set(summary[summary["measure"] == WAIT]["scheme"])
     schemes = [name for name in config.schemes if name not in waiting]
-    across, upwards = CONTEST.find_conditions(config.axes)
+    across, upwards = CONTEST.find_conditions(config)
     columns, rows = (sorted(getattr(config.grid, axis)) for axis in config.axes)
     figure = style.new_figure(
         len(PANELS) * (len(columns) * CELL[0] + 0.35) + AROUND[0],

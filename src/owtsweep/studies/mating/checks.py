@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import require
-from owtsweep.studies.contest.axes import check_axes
+from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.mating.conditions import AXES
 from owtsweep.studies.mating.joining import configure_blade, configure_hub
 
@@ -40,7 +40,7 @@ def check(config: MatingConfig) -> None:
     )
 
 
-def check_others(config: MatingConfig) -> None:
+def check_outside(config: MatingConfig) -> None:
     """Check the configurations of the other studies.
 
     Raises

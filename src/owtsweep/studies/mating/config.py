@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.record import Record
-from owtsweep.studies.scheme_names import SchemeNames
+
+
+def _refuse_classes(value: Any) -> Any:
+    """Return `value`; raise `ValueError` if it is a list that holds more than names."""
+    for item in value if isinstance(value, list) else []:
+        if isinstance(item, Mapping):
+            raise ValueError(
+                f"{dict(item)} is no name; this study takes schemes of the blade study, by the "
+                "names that `owtsweep list` shows; a class of your own (_target_) runs in "
+                "study=blade, and in the other studies"
+            )
+    return value
 
 
 class Grid(Section):
@@ -48,7 +62,7 @@ class MatingConfig(Config):
     hub: list[str] = key("overrides of study=hub: its motion and sensors")
     tuning: str = key("name of the tuning of both studies")
     hub_scheme: str = key("the scheme of the hub study that estimates the hub's motion")
-    schemes: SchemeNames = key(
+    schemes: Annotated[list[str], BeforeValidator(_refuse_classes)] = key(
         "names of schemes of the blade study, which estimate the root's motion", min_length=1
     )
     criterion: Literal["relative", "speed", "wrong"] = key("what the map on the terminal judges")
@@ -58,32 +72,6 @@ class MatingConfig(Config):
         """The name of the tuning."""
         return self.tuning
 
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.contest.origin import describe_origin
-        from owtsweep.studies.mating.contest import CONTEST
 
-        return describe_origin(CONTEST, self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        from owtsweep.studies.mating.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if one of the other studies refuses its keys."""
-        from owtsweep.studies.mating.checks import check_others
-
-        check_others(self)
-
-    def names_outside(self) -> str:
-        """Return a key of which another study's configuration is composed."""
-        return "blade"
+#: What `studies.base` looks for.
+CONFIG = MatingConfig

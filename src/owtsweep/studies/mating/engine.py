@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
-from owtsweep.studies.contest import maps, tables, terminal
+from owtsweep.studies.base.engine import ContestEngine
 from owtsweep.studies.mating import blocks
 from owtsweep.studies.mating.contest import CONTEST
 
@@ -17,27 +16,14 @@ if TYPE_CHECKING:
     from owtsweep.studies.mating.config import MatingConfig
 
 
-class MatingEngine:
+class MatingEngine(ContestEngine):
     """The engine of the mating study (protocol `owtsweep.sweep.study.Engine`)."""
 
-    samples = True
-    #: Columns without which no table can be made.
-    row_types: ClassVar[Mapping[str, type]] = {
-        **dict.fromkeys(("scheme", "measure", "window"), str),
-        **dict.fromkeys((*CONTEST.axes, "replicate", "value"), float),
-    }
     plan = staticmethod(blocks.plan)
     run = staticmethod(blocks.run)
-    tables = staticmethod(partial(tables.make_tables, CONTEST))
-    terminal = staticmethod(partial(terminal.show, CONTEST))
 
-    def backend(self, config: MatingConfig) -> str:
-        """Return "loky", joblib's backend for processes."""
-        return "loky"
-
-    def sort_columns(self) -> list[str]:
-        """Return the columns that identify a row."""
-        return [*CONTEST.axes, "scheme", "measure", "window", "replicate"]
+    def __init__(self) -> None:
+        super().__init__(CONTEST)
 
     def drawings(
         self,
@@ -49,11 +35,5 @@ class MatingEngine:
         """Return the map of each criterion, and the map of chances."""
         from owtsweep.studies.mating.chances import list_figures
 
-        return {
-            **maps.list_maps(CONTEST, config, tables, rows, metadata),
-            **list_figures(config, tables, metadata),
-        }
-
-    def overview(self, config: MatingConfig) -> str:
-        """Return the name of the map by the key `criterion`."""
-        return f"map_{config.criterion}"
+        figures = super().drawings(config, tables, rows, metadata)
+        return {**figures, **list_figures(config, tables, metadata)}

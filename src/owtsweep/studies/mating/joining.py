@@ -19,7 +19,7 @@ from owtsweep.studies.registry import get_study
 
 if TYPE_CHECKING:
     from owtsweep.config import Config
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
+    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.studies.mating.config import MatingConfig
 
 #: From north and east to the axes of the blade's frame: north, west, up.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from owtsweep.studies.hub.public import ROOMS
+from owtsweep.studies.hub.public import ROOMS, HubKeys
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["ReadingsStudy"]
 
 
-class ReadingsStudy:
+class ReadingsStudy(HubKeys):
     """The study that searches with Optuna for readings of the paper.
 
     A reading is a choice of the values that the paper leaves open. A block of the plan is one

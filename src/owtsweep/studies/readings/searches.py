@@ -3,7 +3,7 @@
 A target says what to search: the parameters, the schemes and the kind of score. A trial is one set
 of values of the parameters. For the kind "published" a trial is a reading of the paper, i.e. a
 choice of the values that the paper leaves open. The score is then the distance of the results from
-the paper's results (the hub's `fidelity.score`). For the kind "settled" the score is the settled
+the paper's results (`readings.score`). For the kind "settled" the score is the settled
 position MSE. All trials are kept, including bad trials.
 """
 
@@ -17,20 +17,20 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from owtsweep.comparing.comparison import flatten
 from owtsweep.config import as_mapping, conf_directory, require, with_values
 from owtsweep.config.stored import read
 from owtsweep.errors import InputError, as_text
-from owtsweep.studies.hub.public import (
-    Lanes,
+from owtsweep.studies.hub.public import Lanes
+from owtsweep.studies.readings.config import ReadingsConfig
+from owtsweep.studies.readings.score import (
     at_amplitude,
     compare,
     make_lanes,
     scheme_products,
     score,
 )
-from owtsweep.studies.readings.config import ReadingsConfig
 from owtsweep.sweep.study import FAILED, OK, Block
-from owtsweep.sweep.swept import flatten
 
 #: Columns of every trial besides its parameters.
 COLUMNS = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
-from owtsweep.studies.hub.public import ROOMS
+from owtsweep.studies.hub.public import ROOMS, HubKeys
 from owtsweep.sweep.study import Block, add_versions
 
 if TYPE_CHECKING:
@@ -14,12 +14,13 @@ if TYPE_CHECKING:
 
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition
+    from owtsweep.studies.hub.public import HubConfig
     from owtsweep.studies.replay.config import ReplayConfig
 
 __all__ = ["ReplayStudy"]
 
 
-class ReplayStudy:
+class ReplayStudy(HubKeys):
     """The study of recorded data, which is also its only engine.
 
     A block of the plan runs one scheme on one record. A further block for each record runs no
@@ -41,6 +42,10 @@ class ReplayStudy:
         from owtsweep.studies.replay.config import ReplayConfig
 
         return ReplayConfig
+
+    def describe_origin(self, config: HubConfig) -> str:
+        """Return nothing, because a replay's truth is in its record."""
+        return ""
 
     def conditions(self, config: ReplayConfig) -> tuple[Condition, ...]:
         """Return an empty tuple: a replay has records instead of a grid of conditions."""

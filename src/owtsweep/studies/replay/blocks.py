@@ -12,7 +12,6 @@ import numpy as np
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError, as_text
-from owtsweep.motion.recorded import identify_motion
 from owtsweep.studies.hub.public import (
     WIDTH,
     Scheme,
@@ -28,6 +27,7 @@ from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
+from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.estimated import use_estimates
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise
 from owtsweep.studies.replay.identification.rows import (
@@ -36,7 +36,7 @@ from owtsweep.studies.replay.identification.rows import (
     list_values,
     name_second_run,
 )
-from owtsweep.studies.replay.loading import hash_file, label_files, load_record, may_read
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import count_replicates, listen
 from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
 from owtsweep.sweep.study import FAILED, OK, Block
@@ -73,7 +73,6 @@ def plan(config: ReplayConfig) -> list[Block]:
         # a file that may not be read fails with that reason when its blocks are run
         digest = hash_file(file) if may_read(file) else ""
         content = {**shared, "file": label, "digest": digest}
-        content |= _identify_motion(config, file)
         content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
         first = {
             **content,
@@ -120,27 +119,13 @@ def _plan_noise(
 
 def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
     whole = as_mapping(config)
-    content = {key: whole[key] for key in ("seed", "engine", "sensors", "band", "gaps")}
-    content["columns"], content["units"] = config.columns.given(), config.units.given()
+    names = ("seed", "engine", "sensors", "band", "gaps", "columns", "units")
+    content = {key: whole[key] for key in names}
     content["replay"] = {
         key: item for key, item in whole["replay"].items() if key not in NOT_SHARED
     }
     content["settling_time"] = config.measures.settling_time
     return content
-
-
-def _identify_motion(config: ReplayConfig, file: str) -> dict[str, Any]:
-    """Return what tells the motion in a file from that of versions that composed none.
-
-    This is nothing for a file from which such versions took the same channels, so that the results
-    they stored are found.
-    """
-    columns = config.columns
-    changed = {key: item for key, item in as_mapping(columns).items() if key in columns.settings()}
-    roles = identify_motion(
-        file, columns.given(), motion=columns.motion, tower_height=columns.tower_height
-    )
-    return {"motion": {**changed, "roles": roles}} if changed or roles is not None else {}
 
 
 def warm_up(config: ReplayConfig, workers: int) -> None:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.student import t_quantile
+from owtsweep.statistics.inference import t_quantile
 from owtsweep.statistics.sums import mean_and_error
 from owtsweep.studies.hub.public import BASELINES
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from owtsweep.config import Positive, Section, key, require
-from owtsweep.config.stored import read_stored
-from owtsweep.errors import InputError
 from owtsweep.motion.recorded import MotionKind, Rotation
 from owtsweep.studies.hub.public import Grid, HubConfig
-from owtsweep.sweep.keys import run_hash
+from owtsweep.studies.replay.files import hash_file
 
 #: Hexadecimal digits of a record's hash in the run folder's name, and the most bytes before them.
 DIGITS, LONGEST_START = 8, 235
@@ -42,18 +38,16 @@ class Roles(Section):
     fix_y: str | None = key("position fixes when they arrive", default=None)
     reference_x: str | None = key("a position to measure the errors against", default=None)
     reference_y: str | None = key("a position to measure the errors against", default=None)
-    platform_surge: str | None = key(
-        "of the platform's reference point along x", default=None, younger=True
-    )
-    platform_sway: str | None = key("as platform_surge, along y", default=None, younger=True)
-    platform_roll: str | None = key("turn of the platform about x", default=None, younger=True)
-    platform_pitch: str | None = key("turn of the platform about y", default=None, younger=True)
-    platform_yaw: str | None = key("turn of the platform about z", default=None, younger=True)
+    platform_surge: str | None = key("of the platform's reference point along x", default=None)
+    platform_sway: str | None = key("as platform_surge, along y", default=None)
+    platform_roll: str | None = key("turn of the platform about x", default=None)
+    platform_pitch: str | None = key("turn of the platform about y", default=None)
+    platform_yaw: str | None = key("turn of the platform about z", default=None)
     tower_x: str | None = key(
-        "displacement of the tower top from its base by bending", default=None, younger=True
+        "displacement of the tower top from its base by bending", default=None
     )
-    tower_y: str | None = key("as tower_x", default=None, younger=True)
-    tower_z: str | None = key("as tower_x", default=None, younger=True)
+    tower_y: str | None = key("as tower_x", default=None)
+    tower_z: str | None = key("as tower_x", default=None)
 
     def given(self) -> dict[str, str]:
         """Return a mapping from role to text, without the roles whose value is null."""
@@ -70,20 +64,17 @@ class Columns(Roles):
         "the tower's bending alone; rigid: the platform with a stiff tower; platform: the "
         "platform's reference point alone",
         default="auto",
-        younger=True,
     )
     tower_height: Positive | None = key(
         "height of the tower top above the platform's reference point, to compose the motion",
         default=None,
         unit="m",
-        younger=True,
     )
 
     rotation: Rotation = key(
         "how the platform's angles are to be read. zyx: turns about z, y and x, as in OpenFAST "
         "from 4.0 on; small: the small angles of FAST and of OpenFAST before",
         default="zyx",
-        younger=True,
     )
 
     def settings(self) -> dict[str, Any]:
@@ -115,12 +106,9 @@ class ReplaySettings(Section):
         "of recorded sensors; estimate: from the record too, with advice for both; stated: taken "
         "as it is",
         default="estimate",
-        younger=True,
     )
     disagreement: Literal["refuse", "accept"] = key(
-        "what to do if specific force and positions contradict each other",
-        default="refuse",
-        younger=True,
+        "what to do if specific force and positions contradict each other", default="refuse"
     )
 
 
@@ -175,30 +163,14 @@ class ReplayConfig(HubConfig):
             f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
 
-    def names_outside(self) -> str:
-        """Return the key that names the records."""
-        return "grid.files"
-
-    def describe_origin(self) -> str:
-        """Return nothing, because a replay's truth is in its record."""
-        return ""
-
     def start_of_folder(self) -> str:
         """Return the experiment; for a single record also a digest of the record's bytes.
 
-        So records with one name, from different folders, do not share a run folder. A run folder
-        from before names had a digest is used again if it holds a replay of this file.
+        So records with one name, from different folders, do not share a run folder.
         """
-        from owtsweep.studies.replay.loading import hash_file
-
         if len(self.grid.files) != 1:
             return self.experiment
         (file,) = self.grid.files
-        before = Path(self.results) / f"{self.experiment}-{run_hash(self)}" / "config.yaml"
-        with suppress(InputError):  # there is none, or it cannot be read
-            match read_stored(before)[0]:
-                case {"grid": {"files": [stored]}} if stored == file:
-                    return self.experiment
         start = self.experiment.encode()[:LONGEST_START].decode(errors="ignore")
         return f"{start}-{hash_file(file)[:DIGITS]}"
 

@@ -15,7 +15,8 @@ from owtsweep.motion.whittle import Fit, fit_lines, periodogram
 from owtsweep.studies.hub.public import BASELINES, Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.loading import hash_file, load_record
+from owtsweep.studies.replay.files import hash_file
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.measuring import cut_into_pieces, listen
 from owtsweep.studies.replay.record import ReplayRecord, release_memory

@@ -1,27 +1,27 @@
-"""Load the record in a file; give files labels and hashes."""
+"""Load the record in a file; give files labels and hashes.
+
+If the roles guessed for a file's channels give no record, the error says which they can have.
+"""
 
 from __future__ import annotations
 
-import hashlib
-import os
+import shlex
 from collections import OrderedDict
-from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
-from pathlib import Path
 from threading import Lock
 from typing import Any
 
+import numpy as np
+
 from owtsweep.config import require
-from owtsweep.errors import InputError, printable
-from owtsweep.io.reading import require_regular
+from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Recording, read
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors
 from owtsweep.studies.replay.record import ReplayRecord, release_memory
-from owtsweep.studies.replay.roles import explain_no_motion
 
 #: Number of records kept in memory, and the bytes above which older ones are dropped.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
@@ -29,60 +29,11 @@ _RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
 #: What each record that was read says of a platform that turns.
 _LEANS: dict[Any, str] = {}
 _LOCK = Lock()
-
-
-def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Give each file a label; return a mapping from label to file, in the order of the files.
-
-    A label is the file's name without extensions. If several files have one name, the second file's
-    label ends in "-2", the third file's in "-3", and so on.
-    """
-    labels: dict[str, str] = {}
-    for file in files:
-        stem = printable(Path(file).name.split(".")[0] or Path(file).name)
-        label, number = stem, 2
-        while label in labels:
-            label, number = f"{stem}-{number}", number + 1
-        labels[label] = file
-    return labels
-
-
-def hash_file(file: str) -> str:
-    """Return the hash of a file's contents; the two files of a HAWC2 result share one hash.
-
-    A HAWC2 result is a pair of files: NAME.sel and NAME.dat.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
-    """
-    path = Path(file)
-    try:
-        parts = [path]
-        if path.suffix.lower() in (".sel", ".dat"):
-            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
-        for part in parts:
-            require_regular(part)
-        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
-        return _hash(states)
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
-
-
-def may_read(file: str) -> bool:
-    """Return False if a file is there but its permissions do not let this process read it."""
-    return os.access(file, os.R_OK) or not os.path.exists(file)
-
-
-@lru_cache(maxsize=4096)
-def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
-    result = hashlib.blake2b(digest_size=16)
-    for name, _, _ in states:
-        with open(name, "rb") as stream:
-            while chunk := stream.read(1 << 20):
-                result.update(chunk)
-    return result.hexdigest()
+#: Quantity that alone gives no record -> the quantity its channels can be instead, and when.
+INSTEAD = {
+    "acceleration": ("specific_force", "if a level IMU measured them"),
+    "fix": ("position", "if they are the motion itself and not a receiver's noisy fixes"),
+}
 
 
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
@@ -186,3 +137,45 @@ def _rename(recording: Recording, old: str, new: str) -> Recording:
         channels={swap.get(role, role): item for role, item in recording.channels.items()},
         names={swap.get(role, role): item for role, item in recording.names.items()},
     )
+
+
+def explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
+    """Return one line: there is no position, what the channels can be, and the command to type."""
+    found = [quantity for quantity in INSTEAD if recording.has(quantity)]
+    if not found or recording.has("specific_force"):
+        return f"{recording.path}: no position: set columns.position_x and columns.position_y"
+    told = f"{recording.path}: no position and no specific force"
+    for quantity in found:
+        role, when = INSTEAD[quantity]
+        names = [recording.names[f"{quantity}_{a}"] for a in _axes(recording, quantity)]
+        told += f"; {' and '.join(names)}, taken as {quantity}, can be {role}, {when}"
+    if found == ["acceleration"]:
+        return f"{told}, and beside fixes (columns.fix_x) or a reference (columns.reference_x)"
+    kind = "an IMU and a GNSS" if "acceleration" in found else "motion"
+    return f"{told}. For {kind}: {_write_command(config, recording, found[0])}"
+
+
+def _write_command(config: ReplayConfig, recording: Recording, quantity: str) -> str:
+    """Return the command that replays the file with the channels of `quantity` as `INSTEAD` says.
+
+    Columns and units that the user gave are kept. Beside a specific force the rate of the fixes is
+    stated, unless it is that of the configuration.
+    """
+    new = {f"{quantity}_{a}": f"{INSTEAD[quantity][0]}_{a}" for a in _axes(recording, quantity)}
+    shown = [*new, *(f"fix_{a}" for a in _axes(recording, "fix") if f"fix_{a}" not in new)]
+    columns = {**config.columns.given(), **{role: recording.names[role] for role in shown}}
+    words = [f"columns.{new.get(role, role)}={name}" for role, name in columns.items()]
+    words += [f"units.{new.get(role, role)}={u}" for role, u in config.units.given().items()]
+    if quantity == "acceleration":
+        time, value = recording.series(f"fix_{_axes(recording, 'fix')[0]}")
+        came = time[np.flatnonzero(np.diff(value, prepend=np.nan))]  # a repeated fix is no new one
+        step = float(np.median(np.diff(came))) if len(came) > 1 else np.inf
+        imu = config.sensors.imu.rate
+        rate = imu / max(round(imu * step), 1) if np.isfinite(step) else config.sensors.gnss.rate
+        if rate != config.sensors.gnss.rate:
+            words.append(f"sensors.gnss.rate={rate:.12g}")
+    return shlex.join(["owtsweep", "replay", str(recording.path), *words])
+
+
+def _axes(recording: Recording, quantity: str) -> list[str]:
+    return [axis for axis in "xy" if f"{quantity}_{axis}" in recording.channels]

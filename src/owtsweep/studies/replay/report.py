@@ -13,11 +13,12 @@ from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.words import describe_table, warn_of_noise
-from owtsweep.studies.replay.loading import label_files, load_record, tell_lean
-from owtsweep.studies.replay.modes import describe_modes
+from owtsweep.studies.replay.loading import load_record, tell_lean
 from owtsweep.studies.replay.place import compute_fit_share
 from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.sentences import describe_modes, describe_tilt
 from owtsweep.studies.replay.terminal import (
     BASELINES_TOLD,
     list_fit_warnings,
@@ -25,7 +26,6 @@ from owtsweep.studies.replay.terminal import (
     make_sentences,
     tell_windows,
 )
-from owtsweep.studies.replay.tilting import describe_tilt
 
 if TYPE_CHECKING:
     import pandas as pd

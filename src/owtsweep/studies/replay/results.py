@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.statistics.student import t_quantile
+from owtsweep.statistics.inference import t_quantile
 from owtsweep.statistics.sums import mean_and_error
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice, choosing
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.rows import (
     ESTIMATED,
     STATED,
     pick_second_run,
     tabulate_noise,
 )
-from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK

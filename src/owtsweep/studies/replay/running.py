@@ -18,7 +18,7 @@ from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.checking import verify
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.loading import label_files
+from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.seastates import read_table
 from owtsweep.studies.replay.words import quote_texts, tell_missing
 

@@ -16,7 +16,7 @@ from owtsweep.motion.recorded.formats.streams import TextStream
 from owtsweep.motion.recorded.formats.table import number_repeats, shorten, tidy
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import FACTS
-from owtsweep.studies.replay.loading import label_files
+from owtsweep.studies.replay.files import label_files
 
 if TYPE_CHECKING:
     import pandas as pd

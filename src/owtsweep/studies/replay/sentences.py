@@ -1,4 +1,4 @@
-"""Write the rows of the table of advice as sentences, for the report and the terminal."""
+"""Say in sentences what a replay advises, which peaks a record has, and what a tilt costs there."""
 
 from __future__ import annotations
 
@@ -6,7 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.studies.hub.public import BASELINES, INSTEAD
+from owtsweep.errors import InputError
+from owtsweep.motion.modes import LEAST_SHARE, LEVEL
+from owtsweep.studies.hub.public import BASELINES, INSTEAD, believe, make_sensors
+from owtsweep.studies.replay.choosing import LEAST_MARGIN
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.facts import MOST_MODES
+from owtsweep.studies.replay.place import expect_at_record
 
 #: A margin (an error / the best error - 1) of at least this is stated as a factor, not in percent.
 MARGIN_IN_TIMES = 2.0
@@ -127,3 +133,68 @@ def _describe_difference(difference: float, base: float, *ends: float) -> str:
         told, unit, word = [f"{100.0 * part:.3g}" for part in parts], "%", "more"
     interval = f" (95 %: {told[1]} to {told[2]} {unit})" if len(told) > 2 else ""
     return f"{told[0]} {unit} {word}{interval}"
+
+
+def describe_modes(config: ReplayConfig, record: Any) -> str:
+    """Name the peaks of a record's spectrum: period, share of the variance, whether in the band.
+
+    `record` is the record's row of records.csv. Returns "" if the row was stored before peaks were
+    searched for.
+    """
+    if not np.isfinite(record.get("slow_share", np.nan)):
+        return ""
+    low, high = config.fit_band
+    told = []
+    for number in range(1, MOST_MODES + 1):
+        period = float(record.get(f"mode_{number}_period", np.nan))
+        if np.isfinite(period):
+            outside = "" if low <= 1.0 / period <= high else ", outside the band"
+            share = 100.0 * record[f"mode_{number}_share"]
+            told.append(f"{period:.3g} s ({share:.0f} % of the variance{outside})")
+    text = f"peaks of the spectrum: {', '.join(told)}"
+    if not told:
+        text = f"the spectrum has no peak that is more than scatter (p < {LEVEL:g})"
+    slow = float(record["slow_share"])
+    if slow >= LEAST_SHARE:
+        text += f"; {100.0 * slow:.0f} % of the variance has periods beyond "
+        text += f"{record['slow_period']:.3g} s, too long for this record to time"
+    return text
+
+
+def describe_tilt(config: ReplayConfig, record: Any) -> str:
+    """Say in a sentence what the tilt of the IMU costs at a record's period and size.
+
+    The errors are those expected of the schemes for the fitted spectrum: by filters that know the
+    tilt, and by filters that take the IMU for level. `record` is the record's row of records.csv.
+    Returns "" if no tilt is stated (`sensors.imu.tilt`).
+    """
+    tilt = config.sensors.imu.tilt
+    if isinstance(tilt, str) or tilt == 0.0:
+        return ""
+    told = f"a tilt of {tilt:g} rad/m"
+    try:
+        unaware, aware = (
+            expect_at_record(believe(config, belief), record) for belief in (0.0, tilt)
+        )
+    except InputError as error:
+        return f"{told}: what it costs cannot be computed: {error}"
+    if not unaware or not aware:
+        return f"{told}: the record has no place in the map, so what it costs is not known"
+    lean = make_sensors(config.sensors).lean
+    period = float(record["natural_period"])
+    share = abs(lean) * (period / (2.0 * np.pi)) ** 2
+    which = 1 if config.measures.criterion == "velocity" else 0
+    unit = ("m", "m/s")[which]
+    best_without = min(unaware, key=lambda name: unaware[name][which])
+    best_known = min(aware, key=lambda name: aware[name][which])
+    without, known = unaware[best_without][which], aware[best_known][which]
+    verdict = "it does not matter at this period and size"
+    if without > (1.0 + LEAST_MARGIN) * known:
+        verdict = "it matters, so let the filters know it"
+    elif known > (1.0 + LEAST_MARGIN) * without:
+        verdict = "the motion is so small that filters do better if they take the IMU for level"
+    return (
+        f"{told} is {100.0 * share:.2g} % of the acceleration at {period:.3g} s; the least "
+        f"expected error is {np.sqrt(without):.3g} {unit} ({best_without}) if the filters do not "
+        f"know it, {np.sqrt(known):.3g} {unit} ({best_known}) if they do: {verdict}"
+    )

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.figures.lines import POINTS
+from owtsweep.figures.lines import POINTS, Envelope
 from owtsweep.studies.hub.public import (
     Chain,
     OnePassSeries,
@@ -21,7 +21,6 @@ from owtsweep.studies.hub.public import (
     state_chunks,
 )
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.envelope import Envelope
 from owtsweep.studies.replay.estimating import make_lanes
 from owtsweep.studies.replay.measuring import cut_into_pieces, simulate_true_bias
 from owtsweep.studies.replay.session import Alike, Session, raise_bound, skip_start

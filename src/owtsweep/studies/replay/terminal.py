@@ -11,9 +11,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.identification.rows import ESTIMATED
 from owtsweep.studies.replay.identification.words import count_doubted, warn_of_noise
 from owtsweep.studies.replay.loading import tell_lean
-from owtsweep.studies.replay.modes import describe_modes
-from owtsweep.studies.replay.sentences import write_sentence
-from owtsweep.studies.replay.tilting import describe_tilt
+from owtsweep.studies.replay.sentences import describe_modes, describe_tilt, write_sentence
 
 if TYPE_CHECKING:
     import pandas as pd

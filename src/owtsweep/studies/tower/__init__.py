@@ -5,62 +5,48 @@ Estimators of input and state on a structure between two cuts, after Simpson et 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Collection
+from typing import TYPE_CHECKING, Any
 
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
-from owtsweep.figures import palette
-from owtsweep.studies.tower.looks import LOOKS
+from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
-    from owtsweep.evaluation.estimated_record import EstimatedRecord
-    from owtsweep.results.conditions import Condition
     from owtsweep.studies.tower.config import TowerConfig
-    from owtsweep.sweep.study import Engine
+    from owtsweep.sweep.placing import Placed, Question
 
 __all__ = ["TowerStudy"]
 
-#: Packages whose code affects the numbers that the study stores.
-ROOMS = (waves, structures, sensing, motion, estimation, evaluation)
 
-palette.reserve(LOOKS)
-
-
-class TowerStudy:
-    """The study of a substructure between two cuts, an `owtsweep.sweep.study.Study`."""
+class TowerStudy(DeclaredStudy):
+    """The study of a substructure between two cuts."""
 
     name = "tower"
-    #: The script that judges the statements of the study's paper.
-    judged_by = "experiments/tower/fidelity.py"
-    schema_version = 1
-    numerics_version = add_versions(3, *ROOMS)
+    numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
 
-    def schemes(self) -> dict[str, str]:
-        """Return name -> description of each scheme."""
-        from owtsweep.studies.tower.schemes import REGISTERED
+    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return the keys with the content of a structure in place of its name or file.
 
-        return REGISTERED
+        Raises
+        ------
+        InputError
+            If there is no such structure.
+        """
+        from owtsweep.config.typed import as_mapping
 
-    def config_type(self) -> type[TowerConfig]:
-        """Return the class of the study's configurations."""
-        from owtsweep.studies.tower.config import TowerConfig
+        if not isinstance(plain.get("structure"), str):
+            return plain
+        return {**plain, "structure": as_mapping(structures.find_structure(plain["structure"]))}
 
-        return TowerConfig
+    def list_place_defaults(self, given: Collection[str]) -> list[str]:
+        """Return the overrides of `place`: one noise, and accelerometers if no sensor is given."""
+        from owtsweep.studies.tower.placing import list_defaults
 
-    def conditions(self, config: TowerConfig) -> tuple[Condition, ...]:
-        """Return the axes of the grid: sensor noise, and the soil of the schemes' model."""
-        from owtsweep.studies.tower.conditions import CONDITIONS
+        return list_defaults(given)
 
-        return CONDITIONS
+    def place(self, config: TowerConfig, question: Question) -> Placed:
+        """Choose inclinometers one by one by the error that the AKF's covariance predicts."""
+        from owtsweep.studies.tower.placing import place
 
-    def engine(self, config: TowerConfig) -> Engine:
-        """Return the study's only engine."""
-        from owtsweep.studies.tower.engine import TowerEngine
-
-        return TowerEngine()
-
-    def estimate(self, config: TowerConfig, replicate: int) -> EstimatedRecord:
-        """Return a record of the grid's only cell, with the estimates of all schemes."""
-        from owtsweep.studies.tower.estimating import estimate_record
-
-        return estimate_record(config, replicate)
+        return place(config, question)

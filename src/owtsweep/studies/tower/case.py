@@ -11,12 +11,13 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.streams import stream
+from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.channels import Place, list_places
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import Channel
+from owtsweep.studies.tower.contract import Channel, Setting
 from owtsweep.studies.tower.measuring import add_errors, take_signals
 from owtsweep.studies.tower.recorded_truth import load_motions
-from owtsweep.studies.tower.setting import Substructure, model_substructure
+from owtsweep.studies.tower.setting import Substructure, make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 
@@ -138,6 +139,18 @@ def measure(config: TowerConfig, case: Case, direction: str, channels: Sequence[
         [f"{name_channel(case, place)}_{direction}" for place in case.places],
         1.0 / config.record.rate,
     )
+
+
+def tell(
+    config: TowerConfig,
+    case: Case,
+    direction: str,
+    soil_factor: float,
+    channels: Sequence[Channel],
+) -> Setting:
+    """Return what schemes are told of one direction of a record."""
+    believed = make_believed(config.filters, 1.0 / config.record.rate, case.motion[direction])
+    return make_setting(config, case.part, direction, soil_factor, channels, believed)
 
 
 def name_channel(case: Case, place: Place) -> str:

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.grid_size import check_blocks
-from owtsweep.studies.scheme_names import check_names
 from owtsweep.studies.tower.channels import count_rotations, list_places
 from owtsweep.studies.tower.loads.recorded import read_loads
 from owtsweep.studies.tower.loads.wind import NAMES
 from owtsweep.studies.tower.recorded_truth import load_motions
-from owtsweep.studies.tower.schemes import REGISTERED
+from owtsweep.studies.tower.schemes import SCHEMES
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.config import TowerConfig
@@ -35,7 +34,7 @@ def check(config: TowerConfig) -> None:
     config.structure.check()
     config.wind.check()
     config.fatigue.check()
-    check_names(config.schemes, REGISTERED)
+    SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
     _check_loads(config)
     grid = config.grid
@@ -59,7 +58,7 @@ def check(config: TowerConfig) -> None:
     )
 
 
-def check_files(config: TowerConfig) -> None:
+def check_outside(config: TowerConfig) -> None:
     """Check the files of recorded loads and of a recorded structure.
 
     Raises

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -10,11 +10,10 @@ from owtsweep.arrays import Array
 from owtsweep.config import Config, Finite, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
-from owtsweep.config.typed import as_plain
-from owtsweep.structures import Structure, find_structure
+from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
-from owtsweep.studies.scheme_names import SchemeNames
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.tower.loads.config import SeaState, Wind
 from owtsweep.studies.tower.measuring import Faults
 from owtsweep.studies.tower.recorded import Recorded
@@ -63,7 +62,11 @@ class TowerConfig(TunedConfig):
     filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
-    schemes: SchemeNames = key("names; `owtsweep list` says what each is", min_length=1)
+    schemes: SchemeEntries = key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )
@@ -87,47 +90,6 @@ class TowerConfig(TunedConfig):
         """
         return np.asarray(list_nodes(self.structure, *self.heights) - self.structure.mudline)
 
-    @classmethod
-    def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
-        """Return the keys with the content of a structure in place of its name or file.
 
-        Raises
-        ------
-        InputError
-            If there is no such structure.
-        """
-        if not isinstance(plain.get("structure"), str):
-            return plain
-        return {**plain, "structure": as_plain(find_structure(plain["structure"]))}
-
-    def describe_origin(self) -> str:
-        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.tower.origin import describe_origin
-
-        return describe_origin(self)
-
-    def check(self) -> None:
-        """Check that the values can work together.
-
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
-        """
-        super().check()
-        self.check_tuning()
-        from owtsweep.studies.tower.checks import check
-
-        check(self)
-
-    def check_outside(self) -> None:
-        """Raise `InputError` if a file of recorded loads or of a record cannot be used."""
-        from owtsweep.studies.tower.checks import check_files
-
-        check_files(self)
-
-    def names_outside(self) -> str:
-        """Return the key that names a file; "" if none does."""
-        if self.wind.file is not None:
-            return "wind.file"
-        return "recorded.file" if self.recorded.file is not None else ""
+#: What `studies.base` looks for.
+CONFIG = TowerConfig

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
+from owtsweep.studies.base.contract import Ready
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.tuning import Tuning
@@ -20,10 +21,6 @@ INPUTS = ("F0", "M0", "F175", "M175")
 #: What a channel measures: displacement (m), rotation (rad), acceleration (m/s^2), strain of the
 #: outer fibre (no unit).
 Kind = Literal["x", "theta", "a", "strain"]
-
-
-class Unable(Exception):
-    """A scheme cannot work at a set-up; the message is the reason."""
 
 
 @dataclass(frozen=True)
@@ -140,26 +137,5 @@ class Estimates:
     wait: float = 0.0
 
 
-class Prepared(Protocol):
-    """A scheme made ready for one setting: gains are computed, records can be run."""
-
-    def run(self, measured: Array) -> Estimates:
-        """Estimate from measurements, shape (steps, channels)."""
-
-
-class Scheme(Protocol):
-    """An estimation scheme of the tower study."""
-
-    name: str
-    #: Whether the scheme's model holds the soil, so that its result depends on `soil_factor`.
-    knows_soil: bool
-
-    def prepare(self, setting: Setting) -> Prepared:
-        """Make the scheme ready for a setting.
-
-        Raises
-        ------
-        Unable
-            If the scheme is unstable or blind there; the message says why, with the spectral radius
-            or the rank.
-        """
+#: A scheme made ready for one setting; measurements have the shape (steps, channels).
+Prepared = Ready[Array, Estimates]

@@ -19,8 +19,10 @@ from owtsweep.evaluation.signals import (
     compute_trac,
     divide_by_deviation,
     find_lag,
+    scatter,
 )
 from owtsweep.structures.fatigue import compute_damage, count_cycles, find_equivalent_range
+from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Kind
 
@@ -86,7 +88,7 @@ def compare(
 
     Raises
     ------
-    ValueError
+    NotFinite
         If an estimate is not finite.
     """
     settled = slice(config.record.settled, None)
@@ -96,7 +98,7 @@ def compare(
         estimate, motion = estimates[direction], case.motion[direction]
         moved, loads = estimate.displacement[settled], estimate.inputs[settled]
         if not (np.isfinite(moved).all() and np.isfinite(loads).all()):
-            raise ValueError("the estimate is not finite")
+            raise NotFinite("the estimate is not finite")
         true_moved, true_loads = motion.displacement[settled], motion.inputs[settled]
         true = true_fatigue[direction]
         fatigue = _count(config, case, estimate.displacement, estimate.inputs, case.part.stress)
@@ -123,15 +125,6 @@ def compare(
     found["damage"] = float(np.abs(ratios[damages > COUNTS * damages.max()]).max(initial=0.0))
     found["displacement"] = worst
     return found
-
-
-def scatter(truth: Array, estimate: Array) -> Array:
-    """Return the standard deviation of the error over that of the truth, of each column.
-
-    The mean error does not count: in the field the zero of an inclinometer is not known, and
-    fatigue needs the changes. A drift counts. (The measures `mae` keep the mean.)
-    """
-    return divide_by_deviation(np.std(estimate - truth, axis=0), truth)
 
 
 def _compare_signals(

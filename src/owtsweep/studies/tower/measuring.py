@@ -9,7 +9,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import NotNegative, Section, key
 from owtsweep.gravity import GRAVITY
-from owtsweep.sensing.losses import Losses
+from owtsweep.sensing.faults import Losses
 from owtsweep.sensing.noise import WienerBias
 from owtsweep.studies.tower.contract import Kind
 from owtsweep.studies.tower.truth import Motion

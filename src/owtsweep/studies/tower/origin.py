@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.contest.origin import describe_draws
+from owtsweep.studies.base.origin import describe_draws
 from owtsweep.studies.tower.measures import QUIETEST
 
 if TYPE_CHECKING:
@@ -21,6 +21,12 @@ def describe_truth(config: TowerConfig) -> str:
     wind = f"loads of {config.wind.file}" if config.wind.file else f"wind {config.wind.speed:g} m/s"
     gravity = "" if config.truth.gravity else ", without gravity"
     return f"{config.structure.name}, {wind}, {waves}{gravity}, {config.record.duration:g} s"
+
+
+def describe_sensors(config: TowerConfig) -> str:
+    """Return the set-up's name, and in words what is wrong with it and with the schemes' model."""
+    wrong = describe_errors(config)
+    return f"{config.sensors.name}{f'; wrong: {wrong}' if wrong else ''}"
 
 
 def describe_errors(config: TowerConfig) -> str:

@@ -26,6 +26,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.estimation.periodic import CovarianceMap
+from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.contract import Channel, Setting
 from owtsweep.studies.tower.models import model_cut
 
@@ -35,6 +36,8 @@ SETTLED = 1e-6
 DOUBLINGS = 17
 #: Most sets of sensors that an exhaustive choice tries: some minutes.
 MOST_SETS = 200_000
+#: From so many sets on, an exhaustive choice tells how far it is.
+MANY_SETS = 1000
 #: A column this small beside the largest entry of its matrix is zero.
 NOTHING = 1e-9
 #: By what a set of sensors is judged.
@@ -113,6 +116,7 @@ def pose(
     *,
     stress_scale: Array | float = 1.0,
     moment_scale: float = 1.0,
+    ground: float | None = None,
     wave: bool = False,
 ) -> Problem:
     """Pose the choice of sensors for one direction.
@@ -128,6 +132,8 @@ def pose(
     stress_scale, moment_scale
         What predicted errors are divided by, in Pa, shape (welds,) or one number, and in N m: e.g.
         the standard deviations of the true signals. With 1, errors are in Pa and N m.
+    ground
+        Height of the ground above mean sea level in m; None: the lower cut is at the ground.
     wave
         Whether the wave load is a further unknown (AKF_WAVE).
     """
@@ -156,7 +162,7 @@ def pose(
     return Problem(
         transition=transition,
         given=given.T @ given,
-        heights=setting.cut.heights[nodes] - setting.cut.heights[0],
+        heights=setting.cut.heights[nodes] - (setting.cut.heights[0] if ground is None else ground),
         rows=rows[len(setting.channels) :, kept],
         stress=bent[:, kept],
         moment=moment[kept],
@@ -263,11 +269,16 @@ def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "st
     sets = comb(candidates, count)
     require(
         sets <= MOST_SETS,
-        f"count: {count} of {candidates} heights are {sets} sets, more than {MOST_SETS}; choose "
-        "greedily or give fewer heights",
+        f"--heights: {count} of {candidates} are {sets} sets, more than {MOST_SETS}; give fewer",
     )
-    tried = (predict(problem, chosen) for chosen in combinations(range(candidates), count))
-    return min(tried, key=lambda choice: choice.error(criterion))
+    best = predict(problem, range(count))
+    for number, chosen in enumerate(combinations(range(candidates), count)):
+        if sets >= MANY_SETS and number % (sets // 10) == 0:
+            tell_step(f"{number} of {sets} sets of {count} inclinometers")
+        choice = predict(problem, chosen)
+        if choice.error(criterion) < best.error(criterion):
+            best = choice
+    return best
 
 
 def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress") -> list[Choice]:
@@ -294,9 +305,9 @@ def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress
     else:
         require(
             False,
-            f"count: no {count} of the candidate heights let the filter see all loads; a cut has "
-            "4 unknown loads, of which accelerometers see 2: choose 3 or more inclinometers, and "
-            "2 or more accelerometers",
+            f"--count: no {count} of the candidate heights let the filter see all loads; a cut has "
+            "4 unknown loads (5 in waves), of which accelerometers see 2: choose 3 or more "
+            "inclinometers (4 in waves), beside 2 or more accelerometers",
         )
     choices = [best]
     while len(choices[-1].chosen) < count:
@@ -315,7 +326,7 @@ def _count_candidates(problem: Problem, count: int) -> int:
     candidates = len(problem.heights)
     require(
         0 <= count <= candidates,
-        f"count: {count} inclinometers, but there are {candidates} candidate heights; give more "
+        f"--count: {count} inclinometers, but there are {candidates} candidate heights; give more "
         "heights or choose fewer",
     )
     return candidates

@@ -1,12 +1,13 @@
-"""Set up the choice of inclinometers for a structure, and check a choice on simulated records.
+"""Set up the choice of inclinometers, and check a choice on simulated records.
 
-The record that gives the size of every signal (and so the noise of its sensor, and the scale of its
-error) is simulated with the loads of the tower study's configuration.
+Structure, loads, noise and the sensors that are there already are those of the tower study's
+configuration. A record gives the size of every signal, and so the noise of its sensor, and the
+scale of its error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -18,17 +19,19 @@ from owtsweep.config import changed
 from owtsweep.errors import require
 from owtsweep.streams import stream
 from owtsweep.structures import Structure
-from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
+from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.structures.stress import stress_matrix
 from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.channels import find_node
+from owtsweep.studies.tower.channels import Place, find_node, list_places
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import Channel, Setting
+from owtsweep.studies.tower.contract import Channel, Kind, Setting
+from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
 from owtsweep.studies.tower.placement import Problem, pose
+from owtsweep.studies.tower.sections import KINDS
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
-#: Accelerometers where none are named.
+#: Accelerometers where the user names no sensor.
 SPREAD = 5
 #: Signals below this share of the largest one of their kind are none: a clamped foot, a free end.
 SILENT = 1e-3
@@ -44,7 +47,7 @@ class PlacementCase:
     Attributes
     ----------
     setting
-        The structure and its tuning; the channels are the accelerometers, which are given.
+        The structure and its tuning; the channels are the sensors that are there already.
     candidates
         Inclinometers to choose from, upwards.
     stress
@@ -57,6 +60,10 @@ class PlacementCase:
         Standard deviation of the true M0 in N m.
     motions
         The true motion of each record.
+    ground
+        Height of the ground above mean sea level in m.
+    wave
+        Whether the wave load is a further unknown.
     """
 
     setting: Setting
@@ -66,6 +73,8 @@ class PlacementCase:
     stress_scale: Array
     moment_scale: float
     motions: tuple[Motion, ...]
+    ground: float
+    wave: bool
 
     @property
     def problem(self) -> Problem:
@@ -76,7 +85,17 @@ class PlacementCase:
             self.stress,
             stress_scale=self.stress_scale,
             moment_scale=self.moment_scale,
+            ground=self.ground,
+            wave=self.wave,
         )
+
+    def list_there(self) -> dict[Kind, list[float]]:
+        """Return the heights above ground (m) of the sensors that are there, by kind."""
+        there: dict[Kind, list[float]] = {}
+        for channel in self.setting.channels:
+            height = float(self.setting.cut.heights[channel.node] - self.ground)
+            there.setdefault(channel.kind, []).append(height)
+        return there
 
 
 def divide_tubes(structure: Structure, longest: float, heights: Sequence[float] = ()) -> Structure:
@@ -107,29 +126,23 @@ def divide_tubes(structure: Structure, longest: float, heights: Sequence[float] 
 
 def make_case(
     config: TowerConfig,
-    structure: Structure,
     *,
-    accelerometers: Sequence[float] | None = None,
     inclinometers: Sequence[float] | None = None,
-    noise: float = 1.0,
+    spread: bool = False,
     direction: str = "fa",
     records: int = 1,
 ) -> PlacementCase:
-    """Set up the choice of inclinometers on the substructure from the ground to the top.
+    """Set up the choice of inclinometers on the substructure between the cuts.
 
     Parameters
     ----------
     config
-        The tower study's configuration: loads, lengths of records, tuning, number of modes. Its
-        structure and its sensors are not used.
-    structure
-        The structure, checked.
-    accelerometers
-        Heights above ground in m of the accelerometers, which are given; None: 5 over the height.
+        The tower study's configuration, with one tuning. The noise is the first of `grid.noise`.
+        The sensors of the section `sensors` are there whatever is chosen.
     inclinometers
-        Heights above ground in m to choose from; None: every node.
-    noise
-        Standard deviation of each sensor's noise in percent of its signal's.
+        Heights above ground in m to choose from; None: every node without an inclinometer.
+    spread
+        Keep only `SPREAD` of the given accelerometers, evenly over the height.
     direction
         "fa" or "ss".
     records
@@ -138,10 +151,9 @@ def make_case(
     Raises
     ------
     InputError
-        If a height has no node, or the structure does not stand.
+        If a height has no node, a sensor measures nothing, or the structure does not stand.
     """
-    require(noise > 0.0, f"noise: {noise:g} % leaves the covariance R singular; give more than 0")
-    config = changed(config, structure=structure, cuts=None)
+    structure = config.structure
     part = model_substructure(config)
     low, step, first = structure.mudline, 1.0 / config.record.rate, config.record.settled
     motions = tuple(
@@ -152,26 +164,31 @@ def make_case(
         )[direction]
         for number in range(records)
     )  # fmt: skip
-    turning = motions[0].displacement[first:, 1::2].std(axis=0)
-    pushing = motions[0].acceleration[first:, 0::2].std(axis=0)
-    given = _place("accelerometers", part.cut, low, pushing, accelerometers)
-    if accelerometers is None:
-        given = _spread(part.cut, given)
-    offered = _place("inclinometers", part.cut, low, turning, inclinometers)
-    share = 0.01 * noise
-    channels = [Channel("a", node, share * float(pushing[node])) for node in given]
+
+    def measure_size(kind: Kind) -> Array:
+        everywhere = [(kind, node) for node in range(len(part.cut.heights))]
+        signals = take_signals(motions[0], part.strain, everywhere, Faults())
+        return np.asarray(signals[first:].std(axis=0))
+
+    share, nodes = 0.01 * config.grid.noise[0], config.nodes
+    sizes = {kind: measure_size(kind) for kind in KINDS.values()}
+    given = _list_given(config, sizes, spread)
+    there = [channel.node for channel in given if channel.kind == "theta"]
+    offered = _list_offered(nodes, sizes["theta"], there, inclinometers)
     believed = make_believed(config.filters, step, motions[0])
     true_stress = stress_matrix(structure, assemble_cut(structure, *config.heights))
     scale = (motions[0].displacement[first:] @ true_stress.T).std(axis=0)
     judged = scale > IDLE * scale.max()
     return PlacementCase(
-        setting=make_setting(config, part, direction, 1.0, channels, believed),
-        candidates=tuple(Channel("theta", node, share * float(turning[node])) for node in offered),
+        setting=make_setting(config, part, direction, 1.0, given, believed),
+        candidates=tuple(Channel("theta", n, share * float(sizes["theta"][n])) for n in offered),
         stress=part.stress[judged],
-        welds=part.cut.heights[judged] - low,
+        welds=nodes[judged],
         stress_scale=scale[judged],
         moment_scale=float(motions[0].inputs[first:, 1].std()),
         motions=motions,
+        ground=low,
+        wave=config.waves.hs > 0.0,
     )
 
 
@@ -186,12 +203,11 @@ def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[fl
     Unable
         If the sensors see too little.
     """
-    from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
-    from owtsweep.studies.tower.schemes import resolve
+    from owtsweep.studies.tower.schemes import SCHEMES
 
     channels = (*case.setting.channels, *(case.candidates[number] for number in chosen))
     setting = replace(case.setting, channels=channels)
-    prepared = resolve("AKF_STEADY").prepare(setting)
+    prepared = SCHEMES.resolve("AKF_STEADY").prepare(setting)
     sigma = np.array([channel.sigma for channel in channels])
     places = [(channel.kind, channel.node) for channel in channels]
     names = [f"{kind}_{node}" for kind, node in places]
@@ -209,29 +225,61 @@ def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[fl
     return float(stress_error), float(moment_error)
 
 
-def _place(
-    what: str, cut: PlaneBeam, ground: float, size: Array, heights: Sequence[float] | None
-) -> list[int]:
-    """Return the nodes at heights above the ground; None stands for all nodes with a signal.
+def _list_given(config: TowerConfig, sizes: Mapping[Kind, Array], spread: bool) -> list[Channel]:
+    """Return the sensors that are there already.
 
-    `size` is the standard deviation of the signal at each node; `what` names the sensors.
+    `sizes` has the standard deviation of the signal at each node, by kind of sensor.
     """
-    loud = [int(node) for node in np.flatnonzero(size > SILENT * size.max())]
+    nodes = config.nodes
+    places = list_places(config.sensors, nodes)
+    if spread:
+        places = [Place("a", node) for node in _spread(nodes, _list_loud(sizes["a"]))]
+    channels = []
+    for place in places:
+        _require_loud("sensors", nodes, sizes[place.kind], place.node)
+        sigma = 0.01 * config.grid.noise[0] * float(sizes[place.kind][place.node])
+        if place.gnss:
+            sigma = config.sensors.gnss_sigma
+        channels.append(Channel(place.kind, place.node, sigma))
+    return channels
+
+
+def _list_offered(
+    nodes: Array, size: Array, there: Sequence[int], heights: Sequence[float] | None
+) -> list[int]:
+    """Return the nodes to choose from: those at `heights`, or all with a signal but those `there`.
+
+    `size` is the standard deviation of the rotation at each node.
+    """
     if heights is None:
-        return loud
-    nodes = [find_node(cut.heights - ground, height, what) for height in heights]
-    for node, height in zip(nodes, heights, strict=True):
+        return [node for node in _list_loud(size) if node not in there]
+    offered = [find_node(nodes, height, "--heights") for height in heights]
+    for node in offered:
+        _require_loud("--heights", nodes, size, node)
         require(
-            node in loud,
-            f"{what}: nothing moves at {height:g} m above the ground, where the structure is "
-            "clamped; leave this height out",
+            node not in there,
+            f"--heights: an inclinometer is there already {nodes[node]:g} m above the ground; "
+            "leave this height out",
         )
-    return nodes
+    return offered
 
 
-def _spread(cut: PlaneBeam, nodes: Sequence[int]) -> list[int]:
+def _list_loud(size: Array) -> list[int]:
+    """Return the nodes with a signal, from the standard deviation of the signal at each node."""
+    return [int(node) for node in np.flatnonzero(size > SILENT * size.max())]
+
+
+def _require_loud(what: str, nodes: Array, size: Array, node: int) -> None:
+    """Raise `InputError` if a node has no signal; `what` names the argument."""
+    require(
+        node in _list_loud(size),
+        f"{what}: nothing moves at {nodes[node]:g} m above the ground; leave this height out",
+    )
+
+
+def _spread(heights: Array, nodes: Sequence[int]) -> list[int]:
     """Return up to `SPREAD` of the nodes, evenly over the height."""
-    heights = cut.heights[list(nodes)]
-    ideal = np.linspace(heights[0], heights[-1], SPREAD)
-    nearest = np.argmin(np.abs(heights[:, None] - ideal), axis=0)
+    own = heights[list(nodes)]
+    ideal = np.linspace(own[0], own[-1], SPREAD)
+    nearest = np.argmin(np.abs(own[:, None] - ideal), axis=0)
     return sorted({nodes[place] for place in nearest})

@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from owtsweep.errors import require
+from owtsweep.evaluation.signals import scatter
 from owtsweep.io.reading import expand_home
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.studies.tower.contract import Estimates, Kind
-from owtsweep.studies.tower.measures import scatter
 from owtsweep.studies.tower.recorded import KINDS, NEAR, Recorded, RecordedStructure, read_record
 from owtsweep.studies.tower.truth import Motion
 
@@ -176,8 +176,8 @@ def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) ->
     -------
     dict
         Channel, e.g. "F_024" or "theta_012" -> standard deviation of the error over that of the
-        recorded signal (`measures.scatter`: a mean error does not count). Signals that are NaN or
-        constant are left out.
+        recorded signal (`evaluation.signals.scatter`: a mean error does not count). Signals that
+        are NaN or constant are left out.
     """
     heights = cut.heights - cut.heights[0]
     ends = heights[[0, 0, -1, -1]]

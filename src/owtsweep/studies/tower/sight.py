@@ -17,12 +17,13 @@ from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.observability import Observability, find_unobservable
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.channels import Place, list_places
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting, Unable
+from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting
 from owtsweep.studies.tower.models import model_cut
-from owtsweep.studies.tower.schemes import resolve_all
+from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import check_seen
 from owtsweep.studies.tower.setting import make_setting, model_substructure
 
@@ -32,18 +33,6 @@ NOMINAL: dict[Kind, float] = {"x": 1e-3, "theta": 1e-5, "a": 1e-3, "strain": 1e-
 #: Least part of an unseen direction that names a state or a load.
 TOLD = 0.05
 SHIFT, LEAN = "rigid translation", "rigid rotation"
-
-
-def observe(config: TowerConfig) -> tuple[Observability, list[str]]:
-    """Find what the set-up sees of the states and inputs of AKF's model.
-
-    Returns
-    -------
-    tuple
-        What is seen, and the names of the states, loads last.
-    """
-    setting, _ = _set(config)
-    return _observe(setting)
 
 
 def describe_sight(config: TowerConfig) -> list[str]:
@@ -104,7 +93,7 @@ def _require_sight(config: TowerConfig) -> None:
         return
     reasons = []
     # The last schemes of the list are the quickest to prepare.
-    for scheme in reversed(resolve_all(config.schemes)):
+    for scheme in reversed(SCHEMES.resolve_all(config.schemes)):
         try:
             scheme.prepare(setting)
         except Unable as reason:

@@ -26,13 +26,11 @@ class Tuning(Section):
         "it does not",
         unit="kg m^2/s^2",
         default=None,
-        younger=True,
     )
     rate_noise_in_waves: Positive | None = key(
         "the same in waves, whose loads no input describes wholly; null: as rate_noise",
         unit="kg m^2/s^2",
         default=None,
-        younger=True,
     )
     initial: Positive = key(
         "initial variance of every state on mass-normalised modes, P_0", unit="kg m^2"

@@ -13,9 +13,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.formats.endings import read_rows
 from owtsweep.motion.recorded.formats.iso_times import IsoTimes
-from owtsweep.motion.recorded.formats.streams import TextStream
+from owtsweep.motion.recorded.formats.streams import TextStream, read_rows
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse, shorten
 from owtsweep.motion.recorded.formats.text_layout import (
     MISSING,

@@ -2,39 +2,63 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+from owtsweep.figures.palette import SchemeStyle
+from owtsweep.studies.base.schemes import Listed, SchemeTable
 
-from owtsweep.studies.blade.contract import Scheme
-from owtsweep.studies.scheme_names import check_names
-
-#: Name -> description, in the order of tables and figures. The scheme UKF is `SCHEME` in the
-#: module `ukf`, and so on.
-REGISTERED = {
-    "HOLD": "the last GNSS fix, held",
-    "GNSS_WAHBA": "three antennas and Wahba's problem, held between fixes",
-    "COMPLEMENTARY": "fixed gains: attitude levelled by gravity, position corrected by fixes",
-    "UKF": "unscented Kalman filter with 15 error states, as in the paper's system",
-    "MEKF": "multiplicative extended Kalman filter with the same states",
-    "INVARIANT_EKF": "left-invariant extended Kalman filter with the same states",
-    "MEKF_HEADING": "MEKF with fixes of a second antenna, which show the heading",
-    "MEKF_OFFSET": "MEKF with the offset of the GNSS clock, or its delay, as a state",
-    "MEKF_LEVER": "MEKF with the error of the antenna's place as states",
-    "PENDULUM": "MEKF that knows how the blade swings below a hook at rest",
-    "FIXED_LAG": "MEKF and a smoother that looks a fixed time ahead",
-    "SMOOTHER": "MEKF and a smoother of the whole record, what post-processing does",
-    "DOUBLE_INTEGRATION": "accelerations integrated twice above .15 Hz, and fixes below it",
-    "TOTAL_STATIONS": "three total stations and Wahba's problem, the paper's reference",
+#: Grey and brown: no inertial unit. Blue: the filters that should agree. Green: what one of them
+#: knows besides. Violet and red: who waits.
+LISTED = {
+    "HOLD": Listed("the last GNSS fix, held", SchemeStyle("#B8AED0", "d", (0, (4, 2)))),
+    "GNSS_WAHBA": Listed(
+        "three antennas and Wahba's problem, held between fixes",
+        SchemeStyle("#999933", "*", (0, (3, 1, 1, 1, 1, 1))),
+    ),
+    "COMPLEMENTARY": Listed(
+        "fixed gains: attitude levelled by gravity, position corrected by fixes",
+        SchemeStyle("#882255", "p", (0, (2, 2))),
+    ),
+    "UKF": Listed(
+        "unscented Kalman filter with 15 error states, as in the paper's system",
+        SchemeStyle("#D55E00", "o", "-"),
+    ),
+    "MEKF": Listed(
+        "multiplicative extended Kalman filter with the same states",
+        SchemeStyle("#0072B2", "s", (0, (4, 2))),
+    ),
+    "INVARIANT_EKF": Listed(
+        "left-invariant extended Kalman filter with the same states",
+        SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
+    ),
+    "MEKF_HEADING": Listed(
+        "MEKF with fixes of a second antenna, which show the heading",
+        SchemeStyle("#117733", "P", "-"),
+    ),
+    "MEKF_OFFSET": Listed(
+        "MEKF with the offset of the GNSS clock, or its delay, as a state",
+        SchemeStyle("#44AA99", "<", (0, (1, 1))),
+    ),
+    "MEKF_LEVER": Listed(
+        "MEKF with the error of the antenna's place as states",
+        SchemeStyle("#DDCC77", ">", (0, (3, 1, 1, 1))),
+    ),
+    "PENDULUM": Listed(
+        "MEKF that knows how the blade swings below a hook at rest",
+        SchemeStyle("#332288", "D", (0, (8, 3))),
+    ),
+    "FIXED_LAG": Listed(
+        "MEKF and a smoother that looks a fixed time ahead", SchemeStyle("#CC79A7", "X", "-")
+    ),
+    "SMOOTHER": Listed(
+        "MEKF and a smoother of the whole record, what post-processing does",
+        SchemeStyle("#AA4499", "h", (0, (5, 1))),
+    ),
+    "DOUBLE_INTEGRATION": Listed(
+        "accelerations integrated twice above .15 Hz, and fixes below it",
+        SchemeStyle("#661100", "H", (0, (2, 1, 1, 1))),
+    ),
+    "TOTAL_STATIONS": Listed(
+        "three total stations and Wahba's problem, the paper's reference",
+        SchemeStyle("#E69F00", "^", (0, (4, 2))),
+    ),
 }
-
-
-def resolve(name: str) -> Scheme:
-    """Return the scheme with a name of `REGISTERED`.
-
-    Raises
-    ------
-    InputError
-        If there is no scheme with this name.
-    """
-    check_names([name], REGISTERED)
-    scheme: Scheme = import_module(f"{__name__}.{name.lower()}").SCHEME
-    return scheme
+SCHEMES = SchemeTable("blade", __name__, LISTED)

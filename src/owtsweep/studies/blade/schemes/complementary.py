@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from owtsweep.estimation.complementary import place_poles
-from owtsweep.estimation.inertial_complementary import blend_fixes
+from owtsweep.estimation.complementary import blend_fixes, place_poles
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import begin

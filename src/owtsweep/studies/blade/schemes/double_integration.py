@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.estimation.double_integration import PADDING, integrate_twice, pass_high
 from owtsweep.gravity import GRAVITY
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.boom import estimate_boom
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Unable
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.complementary import Complementary
 
 

@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS, STATES
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 
 #: Coordinates of a fix.
 AXES = 3

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.wahba import carry_point, find_pose
-from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Setting
 
 
 @dataclass(frozen=True)

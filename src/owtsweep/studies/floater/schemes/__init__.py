@@ -2,36 +2,53 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+from owtsweep.figures.palette import SchemeStyle
+from owtsweep.studies.base.schemes import Listed, SchemeTable
 
-from owtsweep.studies.floater.contract import Scheme
-from owtsweep.studies.scheme_names import check_names
-
-#: Name -> description, in the order of tables and figures. The scheme KF is `SCHEME` in the module
-#: `kf`, and so on.
-REGISTERED = {
-    "KF_STEADY": "steady-state Kalman predictor as printed (Eqs. 16 to 18)",
-    "KF": "time-varying Kalman predictor as printed (Eqs. 11 to 14)",
-    "KF_CONSISTENT": "KF with process noise on velocities, as noisy accelerations make it",
-    "KF_BIAS": "KF_CONSISTENT with a bias of each acceleration as a state",
-    "KF_DELAY": "KF_CONSISTENT at the time of the report, then predicted to now",
-    "KF_REPAIRED": "KF_CONSISTENT with both: bias as a state, delay compensated",
-    "ERROR_STATE": "error-state Kalman filter with quaternion attitude, for large angles",
-    "PASSIVE_OBSERVER": "non-linear passive observer on positions alone",
-    "COMPLEMENTARY": "complementary filter: positions below, accelerations above a frequency",
-    "LOWPASS": "low-pass filter and numerical differentiation of positions",
-    "FIXED_LAG": "KF_REPAIRED and a smoother that looks a fixed time ahead",
+#: Red and orange: the paper's predictors. Blue to green: consistent filters, by what they know.
+#: Violet: other observers. Grey and brown: no model of the motion.
+LISTED = {
+    "KF_STEADY": Listed(
+        "steady-state Kalman predictor as printed (Eqs. 16 to 18)",
+        SchemeStyle("#E69F00", "^", (0, (4, 2))),
+    ),
+    "KF": Listed(
+        "time-varying Kalman predictor as printed (Eqs. 11 to 14)", SchemeStyle("#D55E00", "o", "-")
+    ),
+    "KF_CONSISTENT": Listed(
+        "KF with process noise on velocities, as noisy accelerations make it",
+        SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
+    ),
+    "KF_BIAS": Listed(
+        "KF_CONSISTENT with a bias of each acceleration as a state",
+        SchemeStyle("#0072B2", "s", (0, (4, 2))),
+    ),
+    "KF_DELAY": Listed(
+        "KF_CONSISTENT at the time of the report, then predicted to now",
+        SchemeStyle("#44AA99", "<", (0, (1, 1))),
+    ),
+    "KF_REPAIRED": Listed(
+        "KF_CONSISTENT with both: bias as a state, delay compensated",
+        SchemeStyle("#117733", "P", "-"),
+    ),
+    "ERROR_STATE": Listed(
+        "error-state Kalman filter with quaternion attitude, for large angles",
+        SchemeStyle("#332288", "D", (0, (8, 3))),
+    ),
+    "PASSIVE_OBSERVER": Listed(
+        "non-linear passive observer on positions alone", SchemeStyle("#CC79A7", "X", "-")
+    ),
+    "COMPLEMENTARY": Listed(
+        "complementary filter: positions below, accelerations above a frequency",
+        SchemeStyle("#882255", "p", (0, (2, 2))),
+    ),
+    "LOWPASS": Listed(
+        "low-pass filter and numerical differentiation of positions",
+        SchemeStyle("#8C8C8C", "*", (0, (1, 2))),
+    ),
+    "FIXED_LAG": Listed(
+        "KF_REPAIRED and a smoother that looks a fixed time ahead",
+        SchemeStyle("#999933", "d", (0, (3, 1, 1, 1, 1, 1))),
+    ),
 }
-
-
-def resolve(name: str) -> Scheme:
-    """Return the scheme with a name of `REGISTERED`.
-
-    Raises
-    ------
-    InputError
-        If there is no scheme with this name.
-    """
-    check_names([name], REGISTERED)
-    scheme: Scheme = import_module(f"{__name__}.{name.lower()}").SCHEME
-    return scheme
+SCHEMES = SchemeTable("floater", __name__, LISTED)

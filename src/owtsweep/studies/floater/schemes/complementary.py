@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import (
     ANGLES,
     read_inputs,

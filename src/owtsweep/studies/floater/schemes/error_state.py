@@ -13,7 +13,8 @@ import numpy as np
 
 from owtsweep.estimation.error_state import ERRORS, STATES, filter_body, find_quaternion
 from owtsweep.estimation.kinematic_filter import snap
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import find_age, find_bias, keep_reports
 
 

@@ -1,6 +1,6 @@
 """Computes the bounds of the mean square error in each cell of natural period and amplitude.
 
-Bound (a) holds for estimators that assume nothing about the motion (`tuning.bound`). Bound (b)
+Bound (a) holds for estimators that assume nothing about the motion (`bounds.kalman`). Bound (b)
 holds for all linear estimators: even for those that know the motion's spectrum and its variances
 along x and y, but not its direction. Both are those of the steady state, in real time: the delay of
 the fixes is included, and no later measurement is used. They need no records.
@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.bounds.shape import find_shape
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known_motion import find_known_motion
-from owtsweep.studies.hub.tuning.bound import kalman_bounds
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -16,7 +16,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-import owtsweep
 from owtsweep import compiled  # in this form the module counts as no source of kernels
 from owtsweep.errors import as_text
 from owtsweep.vectors import choose, uses_vectors
@@ -159,7 +158,7 @@ def _start(share: Sequence[str]) -> subprocess.Popen[str]:
     form = "vectors" if uses_vectors() else "plain"
     # -P and the path: the process imports this owtsweep, and no module of the current folder
     words = [sys.executable, "-P", "-m", f"{__name__}.share", form, *share]
-    paths = [str(Path(owtsweep.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    paths = [str(Path(compiled.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
     return subprocess.Popen(
         words,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))},

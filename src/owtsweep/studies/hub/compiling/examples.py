@@ -82,7 +82,7 @@ def _of_records(use: str) -> Examples:
 
 def _of_expected() -> Examples:
     """Return the examples for the kernels of the expected engine."""
-    from owtsweep.studies.hub.expected.layout import Buffers, Course, Waves
+    from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
 
     fed, chain, memory = _of_series("expected")
     (rows,), two = _ROWS, _ROWS * 2

@@ -84,7 +84,7 @@ def _of_given_series(use: str, some: Types) -> Parts:
     if use == "recorded":
         parts["whole"] = [(getattr(runs, name), some[name]) for name in ("estimates", "states")]
         return parts
-    from owtsweep.studies.hub.expected import kernels
+    from owtsweep.studies.hub.error_curves import kernels
 
     parts["squares"] = [
         (getattr(kernels, name), some[name]) for name in ("add_squares", "make_waves")

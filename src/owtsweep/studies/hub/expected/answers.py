@@ -150,12 +150,14 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     Since there are no records, confidence intervals are NaN and the number of replicates, n, is 0.
     In grids of more than `MOST_CELLS` cells, "summary" has only the run's criterion and window.
     """
-    from owtsweep.studies.hub import baseline_names, criteria, scheme_names
+    from owtsweep.studies.hub.conditions import criteria
+    from owtsweep.studies.hub.names import list_baselines
+    from owtsweep.studies.hub.resolving import scheme_names
 
     window, measure = config.measures.window, config.measures.criterion
     best = best_scheme(
         rows, scheme_names(config), criteria(config), get_grid(config), window,
-        baseline_names(config),
+        list_baselines(config),
     )  # fmt: skip
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
         rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]

@@ -11,10 +11,13 @@ import numpy as np
 
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
-from owtsweep.studies.hub import baseline_names, criteria, figures, scheme_names, winners
-from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
+from owtsweep.studies.hub import winners
+from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD, criteria
 from owtsweep.studies.hub.expected import answers, engine
-from owtsweep.studies.hub.origin import describe_origin
+from owtsweep.studies.hub.figures import listing
+from owtsweep.studies.hub.names import list_baselines
+from owtsweep.studies.hub.origin import MEANING, describe_origin
+from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.schemes.skf import SCHEME
 
 if TYPE_CHECKING:
@@ -57,12 +60,12 @@ def drawings(
     if len(periods) > MOST_PERIODS:
         periods = set()
     drawn = {
-        **figures.maps(config, partial(draw_map, config, tables, rows)),
+        **listing.maps(config, partial(draw_map, config, tables, rows)),
         "error_spectra": lambda: error_spectra.draw(config, coinciding=same),
-        **figures.over_amplitude(config, tables["summary"], periods, same),
-        **figures.list_efficiency(config, tables["summary"]),
+        **listing.over_amplitude(config, tables["summary"], periods, same),
+        **listing.list_efficiency(config, tables["summary"]),
     }
-    return figures.save_each(drawn, describe_origin(config), metadata)
+    return listing.save_each(drawn, describe_origin(config), metadata)
 
 
 def draw_map(
@@ -86,11 +89,11 @@ def draw_map(
         and SCHEME.name not in names
     )
     if not smooth:
-        return figures.draw_cells(config, tables, rows, criterion, same)
+        return listing.draw_cells(config, tables, rows, criterion, same)
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
     done = set(rows.loc[rows["status"] == OK, "scheme"])
-    baselines = baseline_names(config)
+    baselines = list_baselines(config)
     computed = [name for name in (*names, *baselines) if name in done]
     fine = engine.rows_of(config, computed, periods.tolist())
     expected = answers.expected(fine, names, criterion, window)
@@ -98,7 +101,7 @@ def draw_map(
     verdict = answers.judge(values)
     beside = answers.expected(fine, baselines, criterion, window)
     winning, lead = answers.find_winning(beside.at(amplitudes), verdict.mse_best)
-    amplitude = f"amplitude: {figures.MEANING[config.normalise]} along the waves"
+    amplitude = f"amplitude: {MEANING[config.normalise]} along the waves"
     field = smooth_map.Field(
         across=NATURAL_PERIOD,
         upwards=replace(AMPLITUDE, label=amplitude),

@@ -10,31 +10,22 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from owtsweep.arrays import Array
-from owtsweep.motion.spectra import spectrum
 from owtsweep.results.status import FAILED, OK
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.expected.cache import cached
-from owtsweep.studies.hub.expected.curves import Curves, curves
-from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_factors
-from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
+from owtsweep.studies.hub.error_curves.of_schemes import EXPECTED_VERSION, curves_of, motion_of
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
+from owtsweep.studies.hub.names import list_entries
+from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
 from owtsweep.studies.hub.planning import explain_anew, scheme_content, shared_content
-from owtsweep.studies.hub.schemes import list_entries, resolve, resolve_all
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.schemes.skf import SpectralScheme
 from owtsweep.sweep.study import Block
-
-#: Version of this engine's numbers. Raise it when they change and the study's `numerics_version`
-#: stays the same.
-EXPECTED_VERSION = 2
 
 
 def plan(config: HubConfig) -> list[Block]:
@@ -147,51 +138,3 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
     if not finite:
         table = table.iloc[:1]
     return table[list(measures.COLUMNS)].astype({"replicate": "int64", "n_samples": "int64"})
-
-
-def curves_of(config: HubConfig, name: str) -> Curves:
-    """Compute the curves (expected errors) of a scheme of the study, or read them from the cache.
-
-    `name` is the scheme's name. The cache is not used for a scheme of the user if changes of its
-    code could not be noticed.
-    """
-    sensors = sensing.sensors(config.sensors)
-    steps = round(config.record.duration / sensors.step)
-    settled = round(config.measures.settling_time / sensors.step)
-    band = (config.band[0], config.band[1])
-    entry = {resolve(entry).name: entry for entry in list_entries(config)}[name]
-    scheme: Any = resolve(entry)
-    what = {
-        "what": "curves",
-        "version": EXPECTED_VERSION,
-        "sensors": asdict(sensors),
-        "scheme": scheme_content(config, entry, scheme),
-        "steps": steps,
-        "settled": settled,
-        "band": list(band),
-    }
-
-    def compute() -> dict[str, Array]:
-        chain = scheme.kernel(sensors, config, steps)
-        return vars(curves(chain, sensors, steps=steps, settled=settled, band=band))
-
-    if explain_anew(entry, scheme):
-        return Curves(**compute())
-    return Curves(**cached(what, compute))
-
-
-def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Array:
-    """Compute the expected mean square error due to motion of amplitude 1 m at natural periods (s).
-
-    `curve` holds the scheme's errors at each frequency. The axes of the result are natural period,
-    measure (position, velocity), window (full, settled).
-    """
-    lines = lines_of((config.band[0], config.band[1]), config.record.duration)
-    at_lines = curve.at(lines.frequency)
-    kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth
-    expected = np.array(
-        [expected_ratio(spectrum(kind, period, bandwidth), at_lines, lines) for period in periods]
-    )
-    if config.normalise == "peak":
-        expected *= peak_factors(config, periods)[:, None, None]
-    return expected

@@ -16,9 +16,10 @@ from matplotlib.figure import Figure
 
 from owtsweep.figures import style
 from owtsweep.figures.plane import Plane
-from owtsweep.studies.hub import baseline_names, scheme_names
 from owtsweep.studies.hub.bounds.cells import WINDOW
 from owtsweep.studies.hub.conditions import CONDITIONS, get_grid
+from owtsweep.studies.hub.names import list_baselines
+from owtsweep.studies.hub.resolving import scheme_names
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +49,7 @@ def draw(config: HubConfig, summary: pd.DataFrame, measure: str = "position") ->
     "velocity". A scheme without results has no panel.
     """
     rows = summary[(summary["window"] == WINDOW) & (summary["measure"] == measure)]
-    names = [*scheme_names(config), *baseline_names(config)]
+    names = [*scheme_names(config), *list_baselines(config)]
     names = [name for name in names if (rows["scheme"] == name).any()]
     plane = Plane.over(CONDITIONS, {name: sorted(at) for name, at in get_grid(config).items()})
     lines = -(-len(names) // PER_ROW)

@@ -22,8 +22,8 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
 from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-from owtsweep.studies.hub.schemes import resolve_all
-from owtsweep.studies.hub.schemes.stored import StoredScheme
+from owtsweep.studies.hub.resolving import resolve_all
+from owtsweep.studies.hub.stored_schemes import StoredScheme
 
 #: Points of a curve, evenly spaced in log frequency.
 POINTS = 150

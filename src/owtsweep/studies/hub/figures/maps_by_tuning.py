@@ -20,9 +20,7 @@ from owtsweep.figures.best_scheme_map import ONE_LINE, draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import HANDLERS, Shades
-from owtsweep.results.best_scheme import find_coinciding
-from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import baseline_names, scheme_names
+from owtsweep.results.best_scheme import find_coinciding, tell_winners
 from owtsweep.studies.hub.conditions import (
     CRITERIA,
     describe_values,
@@ -30,14 +28,16 @@ from owtsweep.studies.hub.conditions import (
     make_cube,
     select,
 )
+from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import describe_origin
+from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.results.conditions import Value
-    from owtsweep.sweep.results import Results
+    from owtsweep.sweep.gather import Results
 
 NAME = "best_scheme_maps"
 #: Widths and heights in inches: of a column of cells, of a row of cells, and beside the cells.
@@ -103,7 +103,7 @@ def draw(
             raise InputError(
                 f"tuning {tuning}: no cell is judged by {criterion} MSE in window {window!r}"
             )
-    names = [*scheme_names(config), *baseline_names(config)]
+    names = [*scheme_names(config), *list_baselines(config)]
     axes_of_maps = get_map_conditions(config)[:2]
     planes = {tuning: Plane.of(cells, axes_of_maps) for tuning, cells in shown.items()}
     columns = max(len(plane.columns) for plane in planes.values())

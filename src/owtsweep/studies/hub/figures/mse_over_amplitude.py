@@ -9,14 +9,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from owtsweep.figures import curves, style
-from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
-from owtsweep.studies.hub.schemes import BASELINES
+from owtsweep.studies.hub.names import BASELINES
 
 #: The panels: measure -> label of its axis.
 PANELS = {"position": "position MSE, x + y (m²)", "velocity": "velocity MSE, vx + vy (m²/s²)"}
-#: Published measure -> the measure to which it contributes.
-PARTS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity"}
 
 
 def draw(
@@ -28,10 +25,9 @@ def draw(
     tuning: str,
     coinciding: Sequence[Sequence[str]] = (),
     baselines: Sequence[str] = (),
+    printed: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
-
-    Published numbers at this natural period are drawn as hollow marks.
 
     Parameters
     ----------
@@ -49,6 +45,9 @@ def draw(
         Groups of schemes with equal results, for the footnote.
     baselines
         Baselines to draw too, as thin lines.
+    printed
+        Published numbers, of which those at this natural period are drawn as hollow marks. Columns:
+        table, natural_period (s), amplitude (m), scheme, measure, value, note.
 
     Raises
     ------
@@ -58,13 +57,16 @@ def draw(
     here = {NATURAL_PERIOD: natural_period}
     curves.choose(summary, schemes, window, here)  # baselines alone are no figure
     shown = curves.choose(summary, [*schemes, *baselines], window, here)
-    printed = _choose_published(natural_period, shown["amplitude"], schemes)
-    whole = printed.assign(measure=printed["measure"].map(PARTS), value=printed["published"])
-    tables = sorted(set(printed["table"]))
-    label = ""
-    if tables:
-        noun = "Tables" if len(tables) > 1 else "Table"
-        label = f"hollow: published\n({noun} {', '.join(map(str, tables))})"
+    marks, label, notes = None, "", _explain_baselines(baselines)
+    if printed is not None:
+        marks = _choose_marks(printed, natural_period, shown["amplitude"], schemes)
+        notes += [
+            f"Table {row['table']}, {row['scheme']}: {row['note']}."
+            for row in marks[marks["note"] != ""].to_dict("records")
+        ]
+        if tables := sorted(set(marks["table"])):
+            noun = "Tables" if len(tables) > 1 else "Table"
+            label = f"hollow: published\n({noun} {', '.join(map(str, tables))})"
     return curves.draw(
         shown,
         schemes,
@@ -72,15 +74,11 @@ def draw(
         PANELS,
         title=f"Mean squared error over amplitude, natural period {natural_period:g} s\n"
         f"{style.describe_window(window)}, tuning: {tuning}",
-        points=whole.groupby(["scheme", "measure", "amplitude"])["value"].sum().reset_index(),
+        points=marks,
         points_label=label,
         coinciding=coinciding,
         thin=baselines,
-        notes=_explain_baselines(baselines)
-        + [
-            f"Table {row['table']}, {row['scheme']}: {row['note']}."
-            for row in printed[printed["note"] != ""].to_dict("records")
-        ],
+        notes=notes,
     )
 
 
@@ -92,15 +90,16 @@ def _explain_baselines(baselines: Sequence[str]) -> list[str]:
     return [f"Thin: baselines ({told}). The axes have the range of the schemes."]
 
 
-def _choose_published(
-    natural_period: float, amplitudes: pd.Series[float], schemes: Sequence[str]
+def _choose_marks(
+    printed: pd.DataFrame,
+    natural_period: float,
+    amplitudes: pd.Series[float],
+    schemes: Sequence[str],
 ) -> pd.DataFrame:
     """Return the published numbers of the schemes at a natural period (s).
 
-    Numbers at amplitudes outside the range of `amplitudes` are left out. The table is empty if the
-    paper has none.
+    Numbers at amplitudes outside the range of `amplitudes` are left out.
     """
-    table = published.mse_tables()
-    inside = table["amplitude"].between(amplitudes.min(), amplitudes.max())
-    here = np.isclose(table["natural_period"], natural_period) & inside
-    return table[here & table["scheme"].isin(list(schemes))]
+    inside = printed["amplitude"].between(amplitudes.min(), amplitudes.max())
+    here = np.isclose(printed["natural_period"], natural_period) & inside
+    return printed[here & printed["scheme"].isin(list(schemes))]

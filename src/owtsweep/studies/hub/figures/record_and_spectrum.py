@@ -20,8 +20,8 @@ from owtsweep.figures.lines import decimate
 from owtsweep.motion.spectra import Spectrum, spectrum, translated
 from owtsweep.studies.hub.conditions import describe_values
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.figures import MEANING
 from owtsweep.studies.hub.histories import choose_sea, natural_period_of
+from owtsweep.studies.hub.origin import MEANING
 from owtsweep.studies.hub.plant import is_plant, make_plant
 from owtsweep.studies.hub.records import make_records, make_records_at
 

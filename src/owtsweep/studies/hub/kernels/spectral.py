@@ -1,7 +1,7 @@
 """Runs the filter of one axis of SKF on eight series, and sums the squares of its errors.
 
 A lane is one series of numbers along one axis; the kernel runs eight lanes side by side. The state
-is that of `estimation.late_model`.
+is that of `estimation.late_gains`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Runs the filter of one axis of SKF, with gains for the fixes that really arrived.
 
-The state is that of `estimation.late_model`.
+The state is that of `estimation.late_gains`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Runs the filter of one axis of SKF on one series, with gains that are computed before.
 
-The state is that of `estimation.late_model`. `kernels.spectral` runs eight series with one model;
+The state is that of `estimation.late_gains`. `kernels.spectral` runs eight series with one model;
 this kernel serves series that each have a model of their own.
 """
 

@@ -15,7 +15,7 @@ from owtsweep.studies.hub.online.registers import filter_settings, horizon_setti
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.horizon import Horizon
-    from owtsweep.studies.hub.sections import FilterTuning
+    from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 
 def online_chain(

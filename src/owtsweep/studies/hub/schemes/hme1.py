@@ -23,10 +23,10 @@ from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.chain import online_chain
 from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
+from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
 from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
-from owtsweep.studies.hub.sections import FilterTuning
 
 
 class DelayedChain:

@@ -20,9 +20,9 @@ from owtsweep.studies.hub.models import axis_filter
 from owtsweep.studies.hub.online.chain import online_chain
 from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
+from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
-from owtsweep.studies.hub.sections import FilterTuning
 
 
 class FilterEstimator:

@@ -56,7 +56,7 @@ class SupervisorySwitching:
 
 def _choose_schemes(tuning: Any) -> tuple[Any, Any]:
     """Return the schemes below and above the boundary."""
-    from owtsweep.studies.hub.schemes import resolve, under
+    from owtsweep.studies.hub.resolving import resolve, under
 
     settings = tuning.switch
     return under(resolve(settings.below), tuning), under(resolve(settings.above), tuning)

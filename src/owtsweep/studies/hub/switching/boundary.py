@@ -74,7 +74,7 @@ def compute_boundary(config: Any, below: str, above: str, crest: float) -> Bound
 
     A motion that is almost a sinusoid of period T makes the settled mean square error
     v C(1/T) + noise, where v is the motion's mean square and C the scheme's error by frequency
-    (`expected.curves`). The boundary is where the two schemes' errors are equal.
+    (`error_curves.curves`). The boundary is where the two schemes' errors are equal.
 
     Parameters
     ----------
@@ -90,8 +90,8 @@ def compute_boundary(config: Any, below: str, above: str, crest: float) -> Bound
     InputError
         If a scheme's expected errors cannot be computed: it is not linear, or has no kernel.
     """
-    from owtsweep.studies.hub.expected.engine import curves_of
-    from owtsweep.studies.hub.schemes import resolve, under
+    from owtsweep.studies.hub.error_curves.of_schemes import curves_of
+    from owtsweep.studies.hub.resolving import resolve, under
 
     measure = int(config.measures.criterion == "velocity")
     alone = changed(config, schemes=[below, above], baselines=[])

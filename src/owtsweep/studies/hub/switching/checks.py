@@ -5,20 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
-from owtsweep.studies.hub.schemes import BASELINES, ON_REQUEST, REGISTERED
+from owtsweep.studies.hub.names import ALL
 from owtsweep.studies.hub.switching.boundary import read_boundary
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.switching.section import Switch
+    from owtsweep.studies.hub.scheme_sections import Switch
 
 
 def check_switch(settings: Switch) -> None:
     """Raise `InputError` unless `switch` names two schemes and its boundary is a table."""
-    names = [*REGISTERED, *BASELINES, *ON_REQUEST]
-    others = ", ".join(name for name in names if name != "SWITCH")
+    others = ", ".join(name for name in ALL if name != "SWITCH")
     for key, name in (("below", settings.below), ("above", settings.above)):
         require(
-            name in names,
+            name in ALL,
             f"switch.{key}: there is no scheme {name!r}; use {others}",
         )
         require(

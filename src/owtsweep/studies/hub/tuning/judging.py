@@ -17,7 +17,7 @@ from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.hub import blocks, planning
 from owtsweep.studies.hub.conditions import make_cube
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.tuning.objective import amplitudes, score
 
 #: Window of a record that judges: a tuning says how an estimator runs on, not how it starts.

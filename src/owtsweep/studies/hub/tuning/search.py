@@ -24,8 +24,8 @@ from owtsweep.studies.hub.tuning.objective import (
     has_curves,
     score,
 )
-from owtsweep.studies.hub.tuning.rules import compute_numbers, take_facts
 from owtsweep.studies.hub.tuning.spaces import STRUCTURE, Space, find_space
+from owtsweep.studies.hub.tuning_rules import compute_numbers, take_facts
 
 #: Number of records per natural period on which a scheme without curves is judged.
 TRAINING_RECORDS = 2

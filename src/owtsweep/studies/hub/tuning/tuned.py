@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from owtsweep import __version__
+from owtsweep._version import __version__
 from owtsweep.config import as_mapping, with_values
 from owtsweep.errors import require
+from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import TUNED, HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.origin import describe_truth
-from owtsweep.studies.hub.schemes import resolve_all
-from owtsweep.studies.hub.tuning.bound import kalman_bound
+from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.tuning.judging import judge
 from owtsweep.studies.hub.tuning.objective import amplitudes
 from owtsweep.studies.hub.tuning.search import Found, search

@@ -20,12 +20,14 @@ from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.results.status import OK
-from owtsweep.studies.hub import baseline_names, criteria, scheme_names
+from owtsweep.studies.hub.bounds.kalman import kalman_bounds
+from owtsweep.studies.hub.conditions import criteria
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.answers import expected
 from owtsweep.studies.hub.expected.engine import rows
+from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.plant import require_spectrum
-from owtsweep.studies.hub.tuning.bound import kalman_bounds
+from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.varying.facts import list_common_facts
 from owtsweep.studies.hub.varying.notes import list_notes
 
@@ -114,7 +116,7 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
         If a scheme cannot be computed.
     """
     one = next(iter(configs.values()))
-    schemes, baselines, measures = scheme_names(one), baseline_names(one), criteria(one)
+    schemes, baselines, measures = scheme_names(one), list_baselines(one), criteria(one)
     amplitudes = np.array(one.grid.amplitude, dtype=float)
     periods = sorted(one.grid.natural_period)
     errors: dict[str, list[Array]] = {measure: [] for measure in measures}

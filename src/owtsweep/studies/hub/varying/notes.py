@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from owtsweep.arrays import Array
-from owtsweep.config.typed import as_plain
+from owtsweep.config.typed import as_mapping
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.tuning.rules import RECORDED
+from owtsweep.studies.hub.tuning_rules import RECORDED
 from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 BOUND = (
@@ -41,7 +41,7 @@ def list_notes(
 
 def _has_recorded_numbers(config: HubConfig) -> bool:
     for key, number in RECORDED.items():
-        value: Any = as_plain(config)
+        value: Any = as_mapping(config)
         for name in key.split("."):
             value = value[name]
         if value != number:

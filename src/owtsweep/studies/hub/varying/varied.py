@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class VariedErrors:
-    """The errors over the values of a key, an `owtsweep.sweep.varying.Varied`."""
+    """The errors over the values of a key, an `owtsweep.sweep.study.Varied`."""
 
     errors: Errors
 
@@ -36,9 +36,9 @@ class VariedErrors:
 
         `metadata` holds texts by name to store in the figure's files.
         """
-        from owtsweep.studies.hub.figures import vary
+        from owtsweep.studies.hub.varying import drawing
 
-        files = save_figure(partial(vary.draw, self.errors), metadata)(folder, "vary")
+        files = save_figure(partial(drawing.draw, self.errors), metadata)(folder, "vary")
         return [*files, write_table(folder, "vary", self.errors.table())]
 
     def answer(self) -> RenderableType:

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.figures.lines import Line, Pair, make_line, make_pair
-from owtsweep.studies.replay.envelope import Envelope
+from owtsweep.figures.lines import Envelope, Line, Pair, make_line, make_pair
 from owtsweep.studies.replay.estimating import rotate_force
 from owtsweep.studies.replay.session import COLUMNS, Session
 from owtsweep.studies.replay.states import FilterStates

@@ -2,52 +2,77 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from importlib import import_module
+from owtsweep.figures.palette import SchemeStyle
+from owtsweep.studies.base.schemes import Listed, SchemeTable
 
-from owtsweep.studies.scheme_names import check_names
-from owtsweep.studies.tower.contract import Scheme
-
-#: Name -> description, in the order of tables and figures. The scheme AKF is `SCHEME` in the module
-#: `akf`, and so on.
-REGISTERED = {
-    "AKF": "augmented Kalman filter on the substructure, no wave input (p_1)",
-    "AKF_WAVE": "AKF with a triangular wave load as a further input (p_2)",
-    "AKF_STEADY": "AKF with the gain of the steady state from the first step on",
-    "AKF_LAGGED": "AKF and a smoother that looks a fixed time ahead",
-    "AKF_MATERN12": "latent interface loads with an exponential correlation (Matern 1/2)",
-    "AKF_MATERN32": "latent interface loads with smooth paths (Matern 3/2)",
-    "GDF": "Gillijns and De Moor's joint input-state filter on the substructure",
-    "DUAL": "dual Kalman filter on the substructure: inputs, then states",
-    "AKF_WHOLE": "AKF on the whole turbine, with soil and rotor, loads at its top",
-    "AKF_WHOLE_WAVE": "AKF_WHOLE with a triangular wave load as a further input",
-    "KF_WHOLE": "Kalman filter on the whole turbine, its loads a slow part and white noise",
-    "MDE": "modal decomposition and expansion in three bands, offline",
-    "THRUST_LEVER": "thrust from one sensor, times the lever, static",
-    "QUASI_STATIC": "static shapes of the substructure through the inclinometers",
+#: Blue to green: augmented filters on the substructure. Red to violet: other filters there. Orange
+#: to yellow: filters on the whole turbine. Grey, olive and brown: no filters.
+#: Schemes whose model holds no soil have one result for all of its values.
+SOIL = ("soil_factor",)
+LISTED = {
+    "AKF": Listed(
+        "augmented Kalman filter on the substructure, no wave input (p_1)",
+        SchemeStyle("#0072B2", "o", "-"),
+        SOIL,
+    ),
+    "AKF_WAVE": Listed(
+        "AKF with a triangular wave load as a further input (p_2)",
+        SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
+        SOIL,
+    ),
+    "AKF_STEADY": Listed(
+        "AKF with the gain of the steady state from the first step on",
+        SchemeStyle("#8FA8C8", "P", (0, (2, 2))),
+        SOIL,
+    ),
+    "AKF_LAGGED": Listed(
+        "AKF and a smoother that looks a fixed time ahead",
+        SchemeStyle("#332288", "s", (0, (4, 2))),
+        SOIL,
+    ),
+    "AKF_MATERN12": Listed(
+        "latent interface loads with an exponential correlation (Matern 1/2)",
+        SchemeStyle("#44AA99", "<", (0, (1, 1))),
+        SOIL,
+    ),
+    "AKF_MATERN32": Listed(
+        "latent interface loads with smooth paths (Matern 3/2)",
+        SchemeStyle("#117733", ">", (0, (8, 3))),
+        SOIL,
+    ),
+    "GDF": Listed(
+        "Gillijns and De Moor's joint input-state filter on the substructure",
+        SchemeStyle("#CC79A7", "D", "-"),
+        SOIL,
+    ),
+    "DUAL": Listed(
+        "dual Kalman filter on the substructure: inputs, then states",
+        SchemeStyle("#882255", "X", (0, (4, 2))),
+        SOIL,
+    ),
+    "AKF_WHOLE": Listed(
+        "AKF on the whole turbine, with soil and rotor, loads at its top",
+        SchemeStyle("#D55E00", "^", "-"),
+    ),
+    "AKF_WHOLE_WAVE": Listed(
+        "AKF_WHOLE with a triangular wave load as a further input",
+        SchemeStyle("#E69F00", "h", (0, (6, 1, 1, 1))),
+    ),
+    "KF_WHOLE": Listed(
+        "Kalman filter on the whole turbine, its loads a slow part and white noise",
+        SchemeStyle("#F0E442", "p", (0, (4, 2))),
+    ),
+    "MDE": Listed(
+        "modal decomposition and expansion in three bands, offline",
+        SchemeStyle("#999933", "d", "-"),
+    ),
+    "THRUST_LEVER": Listed(
+        "thrust from one sensor, times the lever, static", SchemeStyle("#8C8C8C", "*", (0, (1, 2)))
+    ),
+    "QUASI_STATIC": Listed(
+        "static shapes of the substructure through the inclinometers",
+        SchemeStyle("#7A3B12", "8", (0, (3, 1, 1, 1, 1, 1))),
+        SOIL,
+    ),
 }
-
-
-def resolve(name: str) -> Scheme:
-    """Return the scheme with a name of `REGISTERED`.
-
-    Raises
-    ------
-    InputError
-        If there is no scheme with this name.
-    """
-    check_names([name], REGISTERED)
-    scheme: Scheme = import_module(f"{__name__}.{name.lower()}").SCHEME
-    return scheme
-
-
-def resolve_all(names: Sequence[str]) -> list[Scheme]:
-    """Return the schemes with these names, in their order.
-
-    Raises
-    ------
-    InputError
-        As `check_names` says.
-    """
-    check_names(names, REGISTERED)
-    return [resolve(name) for name in names]
+SCHEMES = SchemeTable("tower", __name__, LISTED)

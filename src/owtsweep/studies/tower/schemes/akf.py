@@ -27,4 +27,4 @@ def tune(setting: Setting, model: Model) -> Settled:
     )
 
 
-SCHEME = FilterScheme("AKF", False, model_cut, tune)
+SCHEME = FilterScheme("AKF", model_cut, tune)

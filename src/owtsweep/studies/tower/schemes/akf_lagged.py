@@ -27,4 +27,4 @@ def tune(setting: Setting, model: Model) -> Settled:
     )
 
 
-SCHEME = FilterScheme("AKF_LAGGED", False, model_cut, tune)
+SCHEME = FilterScheme("AKF_LAGGED", model_cut, tune)

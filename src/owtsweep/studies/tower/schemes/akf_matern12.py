@@ -13,6 +13,4 @@ from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes.filtered import FilterScheme
 from owtsweep.studies.tower.schemes.latent import tune
 
-SCHEME = FilterScheme(
-    "AKF_MATERN12", False, model_cut, partial(tune, kernel="matern12"), any_input=False
-)
+SCHEME = FilterScheme("AKF_MATERN12", model_cut, partial(tune, kernel="matern12"), any_input=False)

@@ -13,6 +13,4 @@ from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes.filtered import FilterScheme
 from owtsweep.studies.tower.schemes.latent import tune
 
-SCHEME = FilterScheme(
-    "AKF_MATERN32", False, model_cut, partial(tune, kernel="matern32"), any_input=False
-)
+SCHEME = FilterScheme("AKF_MATERN32", model_cut, partial(tune, kernel="matern32"), any_input=False)

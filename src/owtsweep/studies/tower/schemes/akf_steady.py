@@ -17,4 +17,4 @@ def tune(setting: Setting, model: Model) -> Settled:
     return make_steady(model.discrete, *noises_of_walks(setting, model))
 
 
-SCHEME = FilterScheme("AKF_STEADY", False, model_cut, tune)
+SCHEME = FilterScheme("AKF_STEADY", model_cut, tune)

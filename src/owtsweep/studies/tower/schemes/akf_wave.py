@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from owtsweep.studies.tower.contract import Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.tower.contract import Setting
 from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.akf import tune
 from owtsweep.studies.tower.schemes.filtered import FilterScheme
@@ -26,6 +27,4 @@ def needs_water(name: str, model: Callable[[Setting], Model]) -> Callable[[Setti
     return make
 
 
-SCHEME = FilterScheme(
-    "AKF_WAVE", False, needs_water("AKF_WAVE", partial(model_cut, wave=True)), tune
-)
+SCHEME = FilterScheme("AKF_WAVE", needs_water("AKF_WAVE", partial(model_cut, wave=True)), tune)

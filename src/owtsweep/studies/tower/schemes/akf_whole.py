@@ -10,4 +10,4 @@ from owtsweep.studies.tower.models import model_whole
 from owtsweep.studies.tower.schemes.akf import tune
 from owtsweep.studies.tower.schemes.filtered import FilterScheme
 
-SCHEME = FilterScheme("AKF_WHOLE", True, model_whole, tune)
+SCHEME = FilterScheme("AKF_WHOLE", model_whole, tune)

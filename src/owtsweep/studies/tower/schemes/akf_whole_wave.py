@@ -10,5 +10,5 @@ from owtsweep.studies.tower.schemes.akf_wave import needs_water
 from owtsweep.studies.tower.schemes.filtered import FilterScheme
 
 SCHEME = FilterScheme(
-    "AKF_WHOLE_WAVE", True, needs_water("AKF_WHOLE_WAVE", partial(model_whole, wave=True)), tune
+    "AKF_WHOLE_WAVE", needs_water("AKF_WHOLE_WAVE", partial(model_whole, wave=True)), tune
 )

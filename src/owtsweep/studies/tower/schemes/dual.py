@@ -31,4 +31,4 @@ def tune(setting: Setting, model: Model) -> Settled:
     )
 
 
-SCHEME = FilterScheme("DUAL", False, model_cut, tune)
+SCHEME = FilterScheme("DUAL", model_cut, tune)

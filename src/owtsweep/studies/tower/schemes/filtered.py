@@ -17,7 +17,8 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.lagged import Lagged
 from owtsweep.estimation.observability import find_unobservable
-from owtsweep.studies.tower.contract import Estimates, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.tower.contract import Estimates, Setting
 from owtsweep.studies.tower.models import Model
 
 #: A settled filter is unstable if an eigenvalue of its closed loop exceeds 1 by more.
@@ -68,8 +69,6 @@ class FilterScheme:
     ----------
     name
         Name of the scheme.
-    knows_soil
-        Whether the model holds the soil.
     model
         Makes the model.
     tune
@@ -82,7 +81,6 @@ class FilterScheme:
     """
 
     name: str
-    knows_soil: bool
     model: Callable[[Setting], Model]
     tune: Callable[[Setting, Model], Settled]
     any_input: bool = True

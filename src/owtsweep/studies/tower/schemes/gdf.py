@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.estimation.gillijns import find_feedthrough_rank, make_gillijns
-from owtsweep.studies.tower.contract import Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.tower.contract import Setting
 from owtsweep.studies.tower.models import Model, model_cut
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
@@ -40,4 +41,4 @@ def tune(setting: Setting, model: Model) -> Settled:
     )
 
 
-SCHEME = FilterScheme("GDF", False, model_cut, tune)
+SCHEME = FilterScheme("GDF", model_cut, tune)

@@ -72,4 +72,4 @@ def tune(setting: Setting, model: Model) -> Settled:
     return Filter(loop, K, loop[None], K[None], settled=True)
 
 
-SCHEME = FilterScheme("KF_WHOLE", True, model_twice, tune, any_input=False)
+SCHEME = FilterScheme("KF_WHOLE", model_twice, tune, any_input=False)

@@ -25,7 +25,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.structures.reduction import reduce_held
-from owtsweep.studies.tower.contract import Estimates, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.tower.contract import Estimates, Setting
 from owtsweep.studies.tower.models import balance_loads, list_whole_dof, respond_statically, see
 from owtsweep.studies.tower.schemes.spectral import Bands
 
@@ -85,7 +86,6 @@ class MDE:
     """The scheme MDE."""
 
     name = "MDE"
-    knows_soil = True
     linear = True
 
     def prepare(self, setting: Setting) -> Expansion:

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.tower.contract import Estimates, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.tower.contract import Estimates, Setting
 from owtsweep.studies.tower.models import see
 
 
@@ -46,7 +47,6 @@ class QuasiStatic:
     """The scheme QUASI_STATIC."""
 
     name = "QUASI_STATIC"
-    knows_soil = False
     linear = True
 
     def prepare(self, setting: Setting) -> Shapes:

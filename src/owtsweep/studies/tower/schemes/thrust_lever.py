@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.tower.contract import Channel, Estimates, Setting, Unable
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.tower.contract import Channel, Estimates, Setting
 from owtsweep.studies.tower.models import list_whole_dof, respond_statically, see
 
 
@@ -49,7 +50,6 @@ class ThrustLever:
     """The scheme THRUST_LEVER."""
 
     name = "THRUST_LEVER"
-    knows_soil = True
     linear = True
 
     def prepare(self, setting: Setting) -> Lever:

@@ -1,0 +1,64 @@
+"""The velocity errors of three schemes in all cells of the study's default maps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from owtsweep.studies.composing import compose
+from owtsweep.studies.floater.believed import make_setting
+from owtsweep.studies.floater.case import Conditions, list_cases
+from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.measures import compare
+from owtsweep.studies.floater.measuring import measure
+from owtsweep.studies.floater.schemes import SCHEMES
+from owtsweep.studies.floater.truth import make_truth
+
+#: The default sweeps.
+PLANES = ("delay_bias", "snr_loss", "believed_snr")
+CONSISTENT, RIVALS = "KF_CONSISTENT", ("PASSIVE_OBSERVER", "LOWPASS")
+#: Records of each cell.
+RECORDS = 4
+
+
+def name_cell(config: FloaterConfig, cell: Conditions) -> str:
+    """Return the name of a cell, e.g. "delay 2, bias 0.1"."""
+    return ", ".join(f"{axis} {getattr(cell, axis):g}" for axis in config.axes)
+
+
+def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
+    """Return the velocity errors of a default map, tuning matched.
+
+    Columns: plane, cell, scheme, replicate, value.
+    """
+    config = compose(["study=floater", f"plane={plane}", "tuning=matched", *overrides])
+    assert isinstance(config, FloaterConfig)
+    motions = [make_truth(config, replicate) for replicate in range(RECORDS)]
+    rows = []
+    for cell in list_cases(config):
+        name = name_cell(config, cell)
+        for replicate, motion in enumerate(motions):
+            measured = measure(config, motion, cell, replicate)
+            setting = make_setting(config, motion, cell)
+            for scheme in (CONSISTENT, *RIVALS):
+                error = compare(
+                    motion.truth,
+                    SCHEMES.resolve(scheme).prepare(setting).run(measured),
+                    setting.position_sigma,
+                    config.record.settled,
+                )["velocity"]
+                rows.append((plane, name, scheme, replicate, error))
+    return pd.DataFrame(rows, columns=["plane", "cell", "scheme", "replicate", "value"])
+
+
+def list_lost_cells(scores: pd.DataFrame) -> list[str]:
+    """Return the cells in which a rival's mean velocity error is not above the consistent one's."""
+    means = scores.pivot_table("value", ["plane", "cell"], "scheme", sort=False).reset_index()
+    return [
+        f"{row['plane']}: {row['cell']} "
+        f"({rival} {row[rival]:.3f}, {CONSISTENT} {row[CONSISTENT]:.3f})"
+        for row in means.to_dict("records")
+        for rival in RIVALS
+        if row[rival] <= row[CONSISTENT]
+    ]

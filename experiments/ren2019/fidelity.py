@@ -1,0 +1,157 @@
+"""Hold a run against every number and statement of Ren et al. (2019).
+
+    python -m experiments.ren2019.fidelity RUN
+
+RUN is the folder of a run of the hub study. Its subfolder fidelity/ gets fidelity.md,
+fidelity.html, fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv, consistency.csv and the
+figures; with several tunings, fidelity/<tuning>/. The time histories at 3.8 s (F9 and F11) are
+simulated with the run's configuration. Of a run with motion=plant only these are judged: the other
+statements need natural periods and amplitudes as conditions.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import cast
+
+import pandas as pd
+
+import owtsweep
+from experiments.ren2019 import plots
+from experiments.ren2019.consistency import judge_consistency
+from experiments.ren2019.contents import FREEDOM, document
+from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, Evidence
+from experiments.ren2019.histories import MOST_REPLICATES, measure_histories
+from experiments.ren2019.numbers import compare_numbers
+from experiments.ren2019.summaries import X_ALONE, fidelity_table
+from owtsweep.errors import InputError
+from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.origin import describe_in_a_line
+from owtsweep.studies.hub.plant import is_plant
+from owtsweep.sweep.runs import Run
+from owtsweep.verdicts import report
+from owtsweep.verdicts.claims_file import Statement, read_claims
+from owtsweep.verdicts.judge import judge
+from owtsweep.verdicts.score_table import ScoreTable
+from owtsweep.verdicts.statements import JudgedStatement, tabulate_claims
+
+CLAIMS = read_claims(Path(__file__).with_name("claims.toml"))
+#: The statements on figures 15 to 18, which are judged in x alone too: section 5.3 of the paper
+#: does not say whether these figures show x, y or x + y.
+OF_FIGURES = CLAIMS.statements[:5]
+#: The statements on time histories.
+OF_HISTORIES = tuple(s for s in CLAIMS.statements if s.name in ("F9", "F11"))
+#: Measure of the paper's tables -> its label in figures.
+MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
+#: Title of a panel -> its measures.
+PANELS = {
+    "MSE of x and y (m²)": ("x", "y"),
+    "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy"),
+}
+
+
+def judge_all(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
+    """Judge the statements F1 to F11 by the scores of a run, and of its time histories."""
+    return judge(CLAIMS.statements, scores, CLAIMS)
+
+
+def judge_along_x(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
+    """Judge F1 to F5 in x alone."""
+    return judge([take_x(statement) for statement in OF_FIGURES], scores, CLAIMS)
+
+
+def take_x(statement: Statement) -> Statement:
+    """Return a statement with the MSE of x in place of the position MSE."""
+    claims = tuple(
+        replace(
+            claim,
+            parts=tuple(
+                replace(part, select=part.select | {"measure": ("x",)}) for part in claim.parts
+            ),
+        )
+        for claim in statement.claims
+    )
+    return replace(statement, name=f"{statement.name}{X_ALONE}", claims=claims)
+
+
+def write_report(run: Run, folder: Path) -> list[Path]:
+    """Compare a run of one tuning with the paper; write the report, and return its files."""
+    config, name = cast(HubConfig, run.config), run.metadata()["folder"]
+    tell_step("time histories of HME1 and HME2")
+    histories = measure_histories(config)
+    if is_plant(config):
+        return _write_report_of_plant(run, folder, histories)
+    tell_step("published numbers and statements")
+    evidence = Evidence.of_run(run)
+    scores = [evidence.scores, *([] if histories is None else [ScoreTable(histories)])]
+    numbers, judged, along_x = compare_numbers(evidence), judge_all(scores), judge_along_x(scores)
+    tables = {
+        "fidelity": fidelity_table(evidence, numbers, judged, along_x),
+        "fidelity_numbers": numbers,
+        "fidelity_claims": tabulate_claims([*judged, *along_x]),
+        "consistency": judge_consistency(evidence, FREEDOM),
+    }
+    amplitudes = config.grid.amplitude
+    return report.write_report(
+        folder,
+        title=f"Fidelity of {name}",
+        tables=tables,
+        figures={
+            "published_against_reproduced": lambda: plots.scatter(numbers, SCHEMES, PANELS),
+            "ratios": lambda: plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
+            "boundaries": lambda: plots.draw_boundaries(evidence.boundaries, amplitudes),
+        },
+        contents=partial(document, name, config, evidence, tables, judged, along_x, CLAIMS.note),
+        metadata=run.metadata(),
+    )
+
+
+def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | None) -> list[Path]:
+    """Judge F9 and F11 on a structure under waves; write the verdicts and their numbers."""
+    if histories is None:
+        raise InputError(
+            "schemes: the statements on time histories are about HME1 and HME2; run a sweep with "
+            "schemes=[HME1,HME2]"
+        )
+    config, name = cast(HubConfig, run.config), run.metadata()["folder"]
+    count = min(config.grid.replicates, MOST_REPLICATES)
+    about = (
+        f"{describe_in_a_line(config)}. Motion: {histories['history'].iloc[0]}, in place of the "
+        "natural period of 3.8 s and the amplitude of 0.5 m that the tests name; "
+        f"{count} record{'s' * (count != 1)}. The other statements of the paper need natural "
+        "periods and amplitudes as conditions, so a run with motion=plant cannot judge them."
+    )
+    return report.write_verdicts(
+        folder,
+        replace(CLAIMS, statements=OF_HISTORIES),
+        [ScoreTable(histories)],
+        title=f"What run {name} says about the time histories of Ren et al. (2019)",
+        about=about,
+        metadata=run.metadata(),
+    )
+
+
+def main(path: str) -> None:
+    """Write the report of each tuning of a run; print where."""
+    run = owtsweep.load(path)
+    if run.study.name != "hub":
+        sys.exit(f"{run.folder}: this is a run of study {run.study.name}; use one of the hub's")
+    for tuning, part in run.by_tuning().items():
+        folder = run.place / "fidelity" / tuning
+        with show_steps():
+            files = write_report(part, folder)
+        print(f"{len(files)} files: {folder / 'fidelity.html'}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("usage: python -m experiments.ren2019.fidelity RUN")
+    try:
+        main(sys.argv[1])
+    except InputError as error:
+        sys.exit(str(error))

@@ -1,0 +1,10 @@
+"""Figure 9 of Ren et al. (2019): position estimates at a natural period of 3.8 s.
+
+    python -m experiments.ren2019.figure_09 [RUN]
+
+RUN is the folder of a run. Without RUN, the default study is used; it is run first if needed.
+"""
+
+from experiments.drawing import draw_figure
+
+draw_figure("figure_09_position")

@@ -1,0 +1,10 @@
+"""Figure 6 of Simpson et al. (2025): modal coordinates.
+
+    python -m experiments.simpson2025.figure_06 [FOLDER]
+
+FOLDER (default: results/tower_paper) gets a PNG and an SVG, of one record.
+"""
+
+from experiments.simpson2025.figures import main
+
+main("figure_06")

@@ -1,0 +1,91 @@
+"""Table 3 of Simpson et al. (2025) beside the study's numbers: 72 of each.
+
+    python -m experiments.simpson2025.table_3 [RECORDS]
+
+prints "printed / mean over RECORDS" (default: 2 records) in Markdown. MAE is in m and rad.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from experiments.simpson2025.scenarios import WIND, run_scenarios
+from experiments.simpson2025.scores import tabulate
+from owtsweep.io import markdown
+from owtsweep.verdicts.page import TextTable
+
+
+def read_printed() -> pd.DataFrame:
+    """Read what is printed: TRAC, FRAC and MAE of eight states with three sensor set-ups.
+
+    Columns: setup (name in conf/studies/tower/sensors), metric (TRAC, FRAC or MAE), state (x0_FA,
+    theta15_SS, ...: quantity, metres above the ground, direction), value (MAE of x in m, of theta
+    in rad).
+    """
+    return pd.read_csv(Path(__file__).with_suffix(".csv"))
+
+
+def compare_table(scores: pd.DataFrame) -> pd.DataFrame:
+    """Return Table 3 with the numbers of scores, as `scores.tabulate` returns them.
+
+    Returns
+    -------
+    DataFrame
+        One row per printed number. Columns: sensors, metric, state (e.g. "x0_FA"), published,
+        mean, least and greatest over the records, and relative: the mean over the true
+        signal's standard deviation, for MAE.
+    """
+    of_table = {"sea": "calm", "gravity": True, "weight": False, "scheme": "AKF", "tuning": "paper"}
+    chosen = scores[(scores[list(of_table)] == pd.Series(of_table)).all(axis=1)]
+    groups = chosen.groupby(["sensors", "direction", "quantity", "measure"])["value"]
+    values = {key: group.to_numpy() for key, group in groups}
+    nothing = np.array([np.nan])
+    rows = []
+    printed: Any = read_printed().itertuples(index=False)
+    for setup, metric, state, value in printed:
+        quantity, direction = state.lower().split("_")
+        found = values.get((setup, direction, quantity, metric.lower()), nothing)
+        relative = values.get((setup, direction, quantity, "relative_mae"), nothing)
+        rows.append(
+            {
+                "sensors": setup, "metric": metric, "state": state, "published": value,
+                "mean": found.mean(), "least": found.min(), "greatest": found.max(),
+                "relative": relative.mean() if metric == "MAE" else np.nan,
+            }
+        )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def show_table(table: pd.DataFrame) -> TextTable:
+    """Return the comparison as a table of texts, laid out as the print: "published | mean"."""
+    columns = list(dict.fromkeys(table["state"]))
+    rows = []
+    for (sensors, metric), part in table.groupby(["sensors", "metric"], sort=False):
+        cells = [
+            _format(str(metric), published, mean)
+            for published, mean in zip(part["published"], part["mean"], strict=True)
+        ]
+        rows.append([str(sensors), str(metric), *cells])
+    return TextTable(["set-up", "metric", *columns], rows, columns)
+
+
+def _format(metric: str, published: float, mean: float) -> str:
+    if metric == "MAE":
+        return (
+            f"{published:.0e} / {mean:.0e}" if published < 0.01 else f"{published:g} / {mean:.3g}"
+        )
+    return f"{published:.3f} / {mean:.4f}"
+
+
+if __name__ == "__main__":
+    tables = []
+    for replicate in range(int(sys.argv[1]) if len(sys.argv) > 1 else 2):
+        for _, outcomes in run_scenarios(WIND.values(), replicate):
+            tables.append(tabulate(list(outcomes.values())))
+    shown = show_table(compare_table(pd.concat(tables)))
+    print(markdown.table(shown.columns, shown.rows, numbers=shown.numbers))

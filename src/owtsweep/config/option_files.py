@@ -1,0 +1,121 @@
+"""Options of config groups from the user's own files: `tuning=./mine.yaml`, `structure=./my.yaml`.
+
+A tuning file may set the tuned sections of a study's configuration (`Config.tuned`) and the key
+`tuning`, the tuning's name; without it, the name is the file's. A file of another group
+(`Config.from_files`) sets the keys of one section. A file may come from a stranger, so it holds
+values only: it is checked as a stored configuration is, and then handed to Hydra as one more file
+of the config group.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from owtsweep.config.common import Config
+from owtsweep.config.section import bare_type
+from owtsweep.config.stored import read_stored
+from owtsweep.config.tunings import GROUP
+from owtsweep.config.typed import typed
+from owtsweep.errors import InputError, require, shorten
+from owtsweep.io.reading import expand_home
+
+
+def names_file(word: str) -> bool:
+    """Return whether an option of a config group is a file: it has a slash or ends in .yaml."""
+    return "/" in word or word.endswith(".yaml")
+
+
+@contextmanager
+def place_files(
+    overrides: Sequence[str], model: type[Config]
+) -> Iterator[tuple[list[str], list[Path]]]:
+    """Give the files that overrides of groups name a place and a name for Hydra, for a while.
+
+    Parameters
+    ----------
+    overrides
+        The user's overrides.
+    model
+        The model of the configuration; its `tuned` and `from_files` say what files may set.
+
+    Yields
+    ------
+    tuple
+        The overrides, with the name of an option in place of each file's path; and the folders that
+        Hydra has to search for these options, none or one.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, holds anything but values, or sets another key.
+    """
+    options: dict[tuple[str, str], str] = {}
+    for override in overrides:
+        group, words = _split(override)
+        if group in model.from_files or (group == GROUP and model.tuned):
+            for word in filter(names_file, words):
+                options.setdefault((group, word), f"{group}-file-{len(options)}")
+    if not options:
+        yield list(overrides), []
+        return
+    with tempfile.TemporaryDirectory(prefix="owtsweep-") as folder:
+        for (group, word), option in options.items():
+            path = Path(folder, group, f"{option}.yaml")
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(_checked_text(expand_home(word), group, model), encoding="utf-8")
+        try:
+            yield [_replace(override, options) for override in overrides], [Path(folder)]
+        except InputError as error:  # in the user's words
+            told = str(error)
+            for (_, word), option in options.items():
+                told = told.replace(option, word)
+            raise InputError(told) from error
+
+
+def _split(override: str) -> tuple[str, list[str]]:
+    """Return the group and the options of an override `group=NAME` or `group=[NAME,FILE]`."""
+    group, _, value = override.lstrip("+").partition("=")
+    value = value.strip()
+    listed = value.startswith("[") and value.endswith("]")
+    words = value[1:-1].split(",") if listed else [value]
+    return group, [word.strip().strip("'\"") for word in words]
+
+
+def _replace(override: str, options: dict[tuple[str, str], str]) -> str:
+    group, words = _split(override)
+    if not any((group, word) in options for word in words):
+        return override
+    chosen = ",".join(options.get((group, word), word) for word in words)
+    return f"{group}=[{chosen}]" if group == GROUP else f"{group}={chosen}"
+
+
+def _checked_text(path: Path, group: str, model: type[Config]) -> str:
+    """Read a user's file; return its values as the text of a file of a config group of Hydra's."""
+    import yaml
+
+    require(  # `Path.exists` raises for a name that is too long
+        os.path.exists(path), f"{group}: there is no file {shorten(str(path), 200)}"
+    )
+    plain, _ = read_stored(path)
+    if group != GROUP:
+        try:
+            typed(bare_type(model.model_fields[group].annotation), plain)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+        return str(yaml.safe_dump(plain, sort_keys=False))
+    others = sorted(set(plain) - {*model.tuned, GROUP})
+    require(
+        not others,
+        f"{path}: a tuning file sets {', '.join(model.tuned)} and {GROUP}, not "
+        f"{', '.join(others)}; give other keys on the command line",
+    )
+    name = plain.setdefault(GROUP, path.stem)
+    require(
+        isinstance(name, str),
+        f"{path}: {GROUP}: {name!r} is no text; write the tuning's name there",
+    )
+    return f"# @package _global_\n{yaml.safe_dump(plain, sort_keys=False)}"

@@ -1,0 +1,143 @@
+"""Confidence intervals and tests: Student's t, Holm's correction, Fieller's ratio, the bootstrap.
+
+Sources: Student (1908), The probable error of a mean. Holm (1979), A simple sequentially rejective
+multiple test procedure. Fieller (1954), Some problems in interval estimation. Efron and Tibshirani
+(1993), An introduction to the bootstrap, chapters 10 and 13.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from owtsweep.arrays import Array
+
+#: Confidence level: intervals cover 95 %, tests reject at 5 %.
+CONFIDENCE = 0.95
+RESAMPLES = 4000
+#: Seed of the draws: the same records always give the same draws.
+SEED = 20190601
+
+
+def t_quantile(freedom: Any) -> Array:
+    """Return the half-width of a 95 % confidence interval, in standard errors of the estimate.
+
+    Parameters
+    ----------
+    freedom
+        Degrees of freedom of Student's t, any shape; fewer than 1 count as 1.
+    """
+    from scipy.special import stdtrit
+
+    # Quantiles are slow to compute, and a large table has few different counts.
+    distinct, place = np.unique(np.maximum(freedom, 1), return_inverse=True)
+    quantile = stdtrit(distinct, 0.5 + CONFIDENCE / 2.0)[place]
+    return np.asarray(quantile.reshape(np.shape(freedom)))
+
+
+def p_value(value: Any, error: Any, freedom: Any) -> Array:
+    """Return the two-sided p-value of the t-test that a quantity is zero.
+
+    Parameters
+    ----------
+    value, error
+        The estimate of the quantity, and its standard error. If the error is 0, p is 1 for the
+        value 0, and 0 for any other value.
+    freedom
+        Degrees of freedom. Where they are not positive, or value or error is not finite, p is 1.
+    """
+    from scipy.special import stdtr
+
+    tested = np.isfinite(value) & np.isfinite(error) & (np.asarray(freedom) > 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        p = 2.0 * stdtr(np.where(tested, freedom, 1.0), -np.abs(value) / error)
+    p = np.where(np.equal(error, 0.0), np.where(np.equal(value, 0.0), 1.0, 0.0), p)
+    return np.where(tested, p, 1.0)
+
+
+def holm(p_values: ArrayLike) -> NDArray[np.bool_]:
+    """Return a mask of the hypotheses that Holm's test rejects at a family-wise error of 5 %.
+
+    `p_values` holds one p-value per hypothesis, shape (n,). Source: Holm (1979), A simple
+    sequentially rejective multiple test procedure.
+    """
+    p = np.asarray(p_values, dtype=float)
+    order = np.argsort(p, kind="stable")
+    passed = p[order] <= (1.0 - CONFIDENCE) / (p.size - np.arange(p.size))
+    rejected = np.zeros(p.size, dtype=bool)
+    rejected[order] = np.logical_and.accumulate(passed)
+    return rejected
+
+
+def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
+    """Compute the confidence interval of mean(a) / mean(b) by Fieller's theorem.
+
+    The interval holds the ratios r for which the paired t-test does not reject that mean(a) equals
+    r mean(b).
+
+    Parameters
+    ----------
+    a, b
+        Paired samples, not negative, shape (n,).
+    quantile
+        Quantile of Student's t with n - 1 degrees of freedom, e.g. the 97.5 % quantile for an
+        interval of 95 %.
+
+    Returns
+    -------
+    tuple of float
+        The lower end, at least 0, and the upper end; both are NaN if `b` scatters so much that the
+        interval has no end.
+    """
+    n = len(a)
+    A, B = np.mean(a), np.mean(b)
+    with np.errstate(over="ignore", invalid="ignore"):  # the square of a square may be too large
+        variance = np.cov(a, b) * quantile**2 / n
+        square = B * B - variance[1, 1]
+        if square <= 0.0:
+            return float("nan"), float("nan")
+        half = A * B - variance[0, 1]
+        root = np.sqrt(max(half * half - square * (A * A - variance[0, 0]), 0.0))
+        return max(float((half - root) / square), 0.0), float((half + root) / square)
+
+
+def resample_means(records: Array, key: Sequence[int]) -> Array:
+    """Draw resamples of records with replacement; return the mean of each resample.
+
+    Parameters
+    ----------
+    records
+        One row per record, shape (records, quantities).
+    key
+        Integers that are not negative. Sets of records that are independent need different keys,
+        which give different draws. Equal keys and equally many records give equal draws.
+
+    Returns
+    -------
+    array
+        The means, shape (`RESAMPLES`, quantities); (0, quantities) if there are fewer than two
+        records.
+    """
+    n = len(records)
+    if n < 2:
+        return np.empty((0, records.shape[1]))
+    sequence = np.random.SeedSequence(SEED, spawn_key=(*key, n))
+    draws = np.random.Generator(np.random.SFC64(sequence)).integers(0, n, size=(RESAMPLES, n))
+    return np.asarray(records[draws].mean(axis=1))
+
+
+def percentile_interval(samples: Array) -> tuple[float, float]:
+    """Return the ends of the interval that holds the central 95 % of the samples: lower, upper.
+
+    A NaN sample counts as -infinity for the lower end and as infinity for the upper end. A lower
+    end of -infinity is returned as NaN.
+    """
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    worst_low = np.sort(np.where(np.isnan(samples), -np.inf, samples))
+    worst_high = np.sort(np.where(np.isnan(samples), np.inf, samples))
+    low = worst_low[int(np.floor(tail * (len(samples) - 1)))]
+    high = worst_high[int(np.ceil((1.0 - tail) * (len(samples) - 1)))]
+    return float(low if low > -np.inf else np.nan), float(high)

@@ -1,0 +1,61 @@
+"""What is a study's own in a contest: its axes, its measures, and how it describes its records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.results.conditions import Condition
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: The measure of how long a user waits for an estimate, s; only of schemes that look ahead.
+WAIT = "wait"
+#: The only window: after the settling time.
+WINDOW = "settled"
+
+
+@dataclass(frozen=True)
+class Contest:
+    """What is a study's own in a contest.
+
+    Attributes
+    ----------
+    conditions
+        All axes that the grid may have, with the names of its keys.
+    criteria
+        Measures by which schemes are judged -> what the title of a map says.
+    list_measures
+        Function that puts names of measures in the order of tables.
+    describe_truth, describe_sensors
+        Functions that say in words what a configuration's motion and sensors are.
+    pairing
+        The keys on which the motion of a record depends, besides its conditions and number.
+    find_axes
+        Function that returns the names of the two axes of a configuration's map, the horizontal one
+        first.
+    tell_more
+        Function that returns further lines for the terminal, of a configuration and its tables.
+    """
+
+    conditions: tuple[Condition, ...]
+    criteria: Mapping[str, str]
+    list_measures: Callable[[Iterable[str]], list[str]]
+    describe_truth: Callable[[Any], str]
+    describe_sensors: Callable[[Any], str]
+    pairing: Sequence[str]
+    find_axes: Callable[[Any], Sequence[str]] = attrgetter("axes")
+    tell_more: Callable[[Any, Mapping[str, pd.DataFrame]], list[str]] = lambda config, tables: []
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The names of all axes."""
+        return tuple(condition.name for condition in self.conditions)
+
+    def find_conditions(self, config: Any) -> tuple[Condition, ...]:
+        """Return the conditions on the axes of a configuration's map, the horizontal one first."""
+        by_name = {condition.name: condition for condition in self.conditions}
+        return tuple(by_name[name] for name in self.find_axes(config))

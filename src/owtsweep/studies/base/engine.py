@@ -1,0 +1,80 @@
+"""The engine of the studies that declare a contest: from plan to figures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.studies.base import blocks, maps, tables, terminal
+from owtsweep.studies.base.contest import Contest
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from rich.console import RenderableType
+
+    from owtsweep.figures.drawings import Drawing
+    from owtsweep.sweep.study import Block
+
+
+class ContestEngine:
+    """What follows from a contest alone: tables, maps and the lines on the terminal."""
+
+    samples = True
+
+    def __init__(self, contest: Contest) -> None:
+        self.contest = contest
+        #: Columns without which no table can be made.
+        self.row_types: Mapping[str, type] = {
+            **dict.fromkeys(("scheme", "measure", "window"), str),
+            **dict.fromkeys((*contest.axes, "replicate", "value"), float),
+        }
+
+    def tables(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        """Make the tables "summary" and "best_scheme"."""
+        return tables.make_tables(self.contest, config, rows)
+
+    def drawings(
+        self,
+        config: Any,
+        tables: Mapping[str, pd.DataFrame],
+        rows: pd.DataFrame,
+        metadata: Mapping[str, str],
+    ) -> dict[str, Drawing]:
+        """Return the map of each criterion, and the errors of single records."""
+        return maps.list_maps(self.contest, config, tables, rows, metadata)
+
+    def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+        """Return the map by the key `criterion`, and who wins by each one."""
+        return terminal.show(self.contest, config, tables)
+
+    def backend(self, config: Any) -> str:
+        """Return "loky", joblib's backend for processes."""
+        return "loky"
+
+    def sort_columns(self) -> list[str]:
+        """Return the columns that identify a row."""
+        return [*self.contest.axes, "scheme", "measure", "window", "replicate"]
+
+    def overview(self, config: Any) -> str:
+        """Return the name of the map by the key `criterion`."""
+        return f"map_{config.criterion}"
+
+
+class DeclaredEngine(ContestEngine):
+    """The only engine of a declared study (protocol `owtsweep.sweep.study.Engine`)."""
+
+    def __init__(self, declaration: blocks.AnyDeclaration) -> None:
+        super().__init__(declaration.contest)
+        self.declaration = declaration
+
+    def plan(self, config: Any) -> list[Block]:
+        """Return all blocks of a configuration."""
+        return blocks.plan(self.declaration, config)
+
+    def run(self, config: Any, of_group: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+        """Run blocks of one group; yield each with its rows."""
+        return blocks.run(self.declaration, config, of_group)
+
+    def warm_up(self, config: Any, workers: int) -> None:
+        """Warn of what the configuration makes doubtful."""
+        self.declaration.warn(config)

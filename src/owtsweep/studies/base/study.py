@@ -1,0 +1,127 @@
+"""The class of declared studies; it imports nothing dear, so that `list` and `--help` are quick."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.sweep.study import Study
+
+if TYPE_CHECKING:
+    from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.evaluation.estimate import EstimatedRecord
+    from owtsweep.results.conditions import Condition
+    from owtsweep.studies.base.contest import Contest
+    from owtsweep.studies.base.declaration import Declaration
+    from owtsweep.sweep.study import Engine
+
+
+class ContestStudy(Study):
+    """A study whose package has a module `contest`.
+
+    A subclass has `name` and `numerics_version`. Its package has the configuration's class as
+    `CONFIG` in its module `config`, `CONTEST` in its module `contest`, and the functions `check`
+    and `check_outside` of a configuration in its module `checks`.
+    """
+
+    schema_version = 1
+
+    def config_type(self) -> type[Any]:
+        """Return the class of the study's configurations."""
+        return self._find("config", "CONFIG")  # type: ignore[no-any-return]
+
+    def conditions(self, config: Any) -> tuple[Condition, ...]:
+        """Return the two axes of the map."""
+        return self.contest().find_conditions(config)
+
+    def contest(self) -> Contest:
+        """Return the study's axes, criteria and words."""
+        return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
+
+    def check(self, config: Any) -> None:
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If two values cannot work together; the message says what would work.
+        """
+        self._find("checks", "check")(config)
+
+    def check_outside(self, config: Any) -> None:
+        """Raise `InputError` if a file or another study's configuration cannot be used."""
+        self._find("checks", "check_outside")(config)
+
+    def describe_origin(self, config: Any) -> str:
+        """Return in a line the tuning, the truth, the sensors, the records and their seed."""
+        from owtsweep.studies.base.origin import describe_origin
+
+        return describe_origin(self.contest(), config)
+
+    def compare(
+        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
+    ) -> Findings:
+        """Compare runs over the same axes: how best scheme and errors change between them.
+
+        Parameters
+        ----------
+        comparison
+            The runs, and the pairs of runs to compare.
+        folder
+            The folder for the figures. The tables are returned, not written.
+        metadata
+            Texts by name to store inside the figures' files.
+
+        Raises
+        ------
+        InputError
+            If the runs cannot be compared.
+        """
+        from functools import partial
+
+        from owtsweep.comparing.compare import compare
+        from owtsweep.studies.base.comparing import describe_run
+
+        describe = partial(describe_run, self.contest())
+        return compare(comparison, folder, describe, metadata=metadata)
+
+    def _find(self, module: str, name: str) -> Any:
+        return getattr(import_module(f"{type(self).__module__}.{module}"), name)
+
+
+class DeclaredStudy(ContestStudy):
+    """A study whose package has a `DECLARATION` in its module `declaration`, and `SCHEMES`."""
+
+    def schemes(self) -> dict[str, str]:
+        """Return name -> description of each scheme."""
+        return self._find("schemes", "SCHEMES").describe()  # type: ignore[no-any-return]
+
+    def describe_code(self, config: Any) -> Any:
+        """Return the names of all schemes: a user's class is not made when a run is read."""
+        from owtsweep.studies.base.schemes import list_names
+
+        return list_names(config.schemes)
+
+    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """Return the keys of a stored run with a stand-in for each user's scheme."""
+        from owtsweep.studies.base.schemes import stand_in
+
+        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+
+    def declaration(self) -> Declaration[Any, Any, Any, Any, Any, Any]:
+        """Return what is the study's own."""
+        return self._find("declaration", "DECLARATION")  # type: ignore[no-any-return]
+
+    def engine(self, config: Any) -> Engine:
+        """Return the study's only engine."""
+        from owtsweep.studies.base.engine import DeclaredEngine
+
+        return DeclaredEngine(self.declaration())
+
+    def estimate(self, config: Any, replicate: int) -> EstimatedRecord:
+        """Return a record of the grid's only cell, with the estimates of all schemes."""
+        from owtsweep.studies.base.estimating import estimate_record
+
+        return estimate_record(self.declaration(), config, replicate)

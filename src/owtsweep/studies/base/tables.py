@@ -1,0 +1,72 @@
+"""Makes the tables of a contest: summary and best schemes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.cube import Cube
+from owtsweep.results.status import OK
+from owtsweep.results.summary import summarise
+from owtsweep.studies.base.contest import WAIT, WINDOW, Contest
+from owtsweep.studies.base.schemes import list_names
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import pandas as pd
+
+
+def make_tables(contest: Contest, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Make the tables "summary" and "best_scheme" from a run's rows."""
+    cube = make_cube(contest, config, rows, list_competing(config, rows))
+    measured = [name for name in contest.criteria if name in cube.measures]
+    return {
+        "summary": summarise(make_cube(contest, config, rows, list_names(config.schemes))),
+        "best_scheme": find_best_schemes(cube, WINDOW, measured),
+    }
+
+
+def make_cube(contest: Contest, config: Any, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
+    """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
+    axes = contest.find_axes(config)
+    for axis in axes:
+        rows = spread(rows, axis, getattr(config.grid, axis))
+    return Cube.of_rows(
+        rows,
+        schemes,
+        contest.find_conditions(config),
+        {axis: getattr(config.grid, axis) for axis in axes},
+        measures=contest.list_measures(rows["measure"][rows["status"] == OK].unique()),
+    )
+
+
+def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFrame:
+    """Repeat each row without a value of an axis, which its scheme ignores, at every value."""
+    import pandas as pd
+
+    free = rows[axis].isna()
+    if not free.any():
+        return rows
+    everywhere = (
+        rows[free]
+        .drop(columns=axis)
+        .merge(pd.DataFrame({axis: [float(value) for value in values]}), how="cross")
+    )
+    return pd.concat([rows[~free], everywhere[rows.columns]], ignore_index=True)
+
+
+def find_waits(rows: pd.DataFrame) -> dict[str, float]:
+    """Return the schemes that wait for later measurements, each with how long it does, s."""
+    waiting = rows[rows["measure"] == WAIT]
+    return {
+        str(name): float(of_scheme.max())
+        for name, of_scheme in waiting.groupby("scheme", observed=True)["value"]
+    }
+
+
+def list_competing(config: Any, rows: pd.DataFrame) -> list[str]:
+    """Return the schemes that do not wait; all of them if every one does."""
+    waits = find_waits(rows)
+    names = list_names(config.schemes)
+    return [name for name in names if name not in waits] or names

@@ -1,0 +1,128 @@
+"""The blade study as a declaration: from a blade on its hook to schemes' errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from owtsweep.config import as_mapping
+from owtsweep.evaluation.estimate import Reading
+from owtsweep.io.reading import expand_home, hash_file
+from owtsweep.studies.base.contract import Part
+from owtsweep.studies.base.declaration import Cell, Declaration, Quantity, Shown, Stated
+from owtsweep.studies.blade.case import Conditions
+from owtsweep.studies.blade.cases import Case, World, make_world, observe
+from owtsweep.studies.blade.config import BladeConfig
+from owtsweep.studies.blade.contest import CONTEST
+from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.doubts import warn_of_doubts
+from owtsweep.studies.blade.measures import Judged, compare
+from owtsweep.studies.blade.measuring import find_last_outage
+from owtsweep.studies.blade.recorded_case import compare_withheld
+from owtsweep.studies.blade.schemes import SCHEMES
+
+#: Keys and sections of the configuration on which every row depends.
+CONTENT = ("seed", "record", "motion", "boom", "unit", "recorded", "sensors", "filters")
+#: Most records of a block, and most samples of its records: it keeps their measurements. To write
+#: and read the file of a block takes as long as a scheme takes for a record.
+MOST_RECORDS, MOST_SAMPLES = 4, 100_000
+UNITS = {
+    "root": "m",
+    "root_velocity": "m/s",
+    "rotation": "turns vectors of the body into the frame at rest; its error in the body, rad",
+    "unit": "m",
+    "unit_velocity": "m/s",
+    "rate": "rad/s, in the frame of the body",
+    "specific_force": "m/s^2, in the frame of the body",
+    "fixes": "m, of each antenna",
+    "prisms": "m, of each prism, by the clock of the total stations",
+}
+
+
+def list_content(config: BladeConfig) -> dict[str, Any]:
+    """Return what the rows of every block depend on; files of a lift by their bytes."""
+    whole = as_mapping(config)
+    content = {name: whole[name] for name in CONTENT}
+    recorded = config.recorded
+    if recorded.imu is not None:
+        imu, *gnss = (hash_file(expand_home(name)) for name in (recorded.imu, *recorded.gnss))
+        content["recorded"] |= {"imu": imu, "gnss": gnss}
+        content["reference"] = config.grid.sigma[0]
+    return content
+
+
+def _make_truth(config: BladeConfig, cell: Cell, replicate: int) -> World:
+    return make_world(config, Conditions.of(cell), replicate)
+
+
+def _measure(config: BladeConfig, cell: Cell, world: World) -> Case:
+    return observe(config, Conditions.of(cell), world)
+
+
+def _inform(config: BladeConfig, cell: Cell, case: Case) -> dict[str, Part[Setting, Measured]]:
+    return {"": Part(case.tell(config, Conditions.of(cell)), case.measured)}
+
+
+def _score(
+    config: BladeConfig, cell: Cell, case: Case, parts: object, estimates: Mapping[str, Estimates]
+) -> dict[str, float]:
+    window = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
+    found = compare(case.truth, estimates[""], window)
+    if case.withheld is not None:
+        off = compare_withheld(estimates[""], case.withheld, case.geometry)
+        found |= {} if off is None else {"withheld": off}
+    return found
+
+
+def _show(config: BladeConfig, case: Case) -> Shown:
+    """Return a record in the frame with x along the blade from root to tip, z up."""
+    truth, measured = case.truth, case.measured
+    time = truth.step * np.arange(len(truth.root))
+    names = (
+        "root", "root_velocity", "rotation", "unit", "unit_velocity", "rate", "specific_force",
+    )  # fmt: skip
+    return Shown(
+        time,
+        {name: getattr(truth, name) for name in names},
+        {
+            "specific_force": Reading(time, measured.specific_force),
+            "rate": Reading(time, measured.rate),
+            "fixes": Reading(time[measured.due], measured.fixes[measured.due]),
+            "prisms": Reading(measured.prism_times, measured.prisms),
+        },
+        UNITS,
+        {"root": case.geometry.root, "unit": case.geometry.unit},
+    )
+
+
+def _state(case: Case, estimates: Mapping[str, Estimates]) -> Stated:
+    given = estimates[""]
+    told = {"root": given.root, "root_velocity": given.root_velocity, "rotation": given.rotation}
+    stated = {"root": given.root_covariance, "rotation": given.attitude_covariance}
+    return Stated(told, {name: P for name, P in stated.items() if P is not None}, given.wait)
+
+
+DECLARATION = Declaration(
+    contest=CONTEST,
+    schemes=SCHEMES,
+    list_content=list_content,
+    most_records=lambda config: max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps)),
+    make_truth=_make_truth,
+    measure=_measure,
+    inform=_inform,
+    score=_score,
+    estimates={
+        "root": Quantity((3,)),
+        "root_velocity": Quantity((3,)),
+        "rotation": Quantity((3, 3)),
+        "root_covariance": Quantity((3, 3), optional=True),
+        "attitude_covariance": Quantity((3, 3), optional=True),
+        "nis": Quantity((), optional=True),
+    },
+    count_samples=lambda case: len(case.truth.root),
+    show=_show,
+    state=_state,
+    warn=warn_of_doubts,
+)

@@ -1,0 +1,133 @@
+"""The floater study as a declaration: from the motion of a basin's model to schemes' errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import as_mapping
+from owtsweep.evaluation.estimate import Reading
+from owtsweep.io.reading import expand_home, hash_file
+from owtsweep.studies.base.contract import Part
+from owtsweep.studies.base.declaration import Cell, Declaration, Quantity, Shown, Stated
+from owtsweep.studies.floater.believed import make_setting
+from owtsweep.studies.floater.case import Conditions
+from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.contest import CONTEST
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.measures import compare
+from owtsweep.studies.floater.measuring import measure
+from owtsweep.studies.floater.schemes import SCHEMES
+from owtsweep.studies.floater.truth import Motion, make_truth
+
+#: Keys and sections of the configuration on which every row depends.
+CONTENT = ("seed", "record", "motion", "sensors", "filters")
+#: Most records of a block, and most samples of its records: it keeps their measurements. To write
+#: and read the file of a block takes as long as a scheme takes for a record.
+MOST_RECORDS, MOST_SAMPLES = 10, 500_000
+DEGREES = len(DOF)
+#: Signals of `contract.Measured` -> their units.
+SIGNALS = {
+    "position": f"m and rad: {', '.join(DOF)}",
+    "age": "s, of the position reported",
+    "acceleration": "m/s^2 and rad/s^2",
+    "rate": "rad/s",
+    "specific_force": "m/s^2, in the frame of the body",
+}
+UNITS = {**SIGNALS, "velocity": "m/s and rad/s, derivatives of the position"}
+
+
+class Truth(NamedTuple):
+    """The number of a record, and how the structure moves in it."""
+
+    replicate: int
+    motion: Motion
+
+
+class Record(NamedTuple):
+    """How the structure moves in a record, and what its sensors say."""
+
+    motion: Motion
+    measured: Measured
+
+
+def list_content(config: FloaterConfig) -> dict[str, Any]:
+    """Return what the rows of every block depend on; a file of motion by its bytes."""
+    whole = as_mapping(config)
+    content = {name: whole[name] for name in CONTENT}
+    if config.motion.kind == "recorded" and config.motion.file is not None:
+        content["motion"] |= {"file": hash_file(expand_home(config.motion.file))}
+    return content
+
+
+def _make_truth(config: FloaterConfig, cell: Cell, replicate: int) -> Truth:
+    return Truth(replicate, make_truth(config, replicate, cell.get("roll")))
+
+
+def _measure(config: FloaterConfig, cell: Cell, truth: Truth) -> Record:
+    conditions = Conditions.of(cell)
+    return Record(truth.motion, measure(config, truth.motion, conditions, truth.replicate))
+
+
+def _inform(
+    config: FloaterConfig, cell: Cell, record: Record
+) -> dict[str, Part[Setting, Measured]]:
+    setting = make_setting(config, record.motion, Conditions.of(cell))
+    return {"": Part(setting, record.measured)}
+
+
+def _score(
+    config: FloaterConfig, cell: Cell, record: Record, parts: Mapping[str, Part[Setting, Measured]],
+    estimates: Mapping[str, Estimates],
+) -> dict[str, float]:  # fmt: skip
+    sigma = parts[""].known.position_sigma / np.sqrt(cell["believed"])  # the true one
+    return compare(record.motion.truth, estimates[""], sigma, config.record.settled)
+
+
+def _show(config: FloaterConfig, record: Record) -> Shown:
+    truth, measured = record.motion.truth, record.measured
+    time = truth.step * np.arange(len(truth.position))
+    names = ("position", "velocity", "acceleration", "rate", "specific_force")
+    signals = {name: getattr(measured, name) for name in SIGNALS}
+    return Shown(
+        time,
+        {name: getattr(truth, name) for name in names},
+        {name: Reading(time, signal) for name, signal in signals.items() if signal is not None},
+        UNITS,
+    )
+
+
+def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
+    """Return position and velocity; covariances, (steps, 6, 6), are diagonal."""
+    given = estimates[""]
+    covariances: dict[str, Array] = {}
+    if given.covariance is not None:
+        for i, name in enumerate(("position", "velocity")):
+            variance = given.covariance[:, :, i, i]
+            covariances[name] = np.broadcast_to(
+                variance[:, :, None] * np.eye(DEGREES), (len(given.position), DEGREES, DEGREES)
+            )
+    return Stated({"position": given.position, "velocity": given.velocity}, covariances, given.wait)
+
+
+DECLARATION = Declaration(
+    contest=CONTEST,
+    schemes=SCHEMES,
+    list_content=list_content,
+    most_records=lambda config: max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps)),
+    make_truth=_make_truth,
+    measure=_measure,
+    inform=_inform,
+    score=_score,
+    estimates={
+        "position": Quantity((DEGREES,)),
+        "velocity": Quantity((DEGREES,)),
+        "nis": Quantity((DEGREES,), optional=True),
+    },
+    count_samples=lambda record: len(record.motion.truth.position),
+    show=_show,
+    state=_state,
+)

@@ -1,0 +1,122 @@
+"""Caches results that take seconds to compute, in memory and in the user's cache folder.
+
+A file's name is a hash of everything that the file's numbers depend on, including this program's
+source. So an edited program never reads old numbers. If a file is damaged, its numbers are computed
+again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+#: Greatest number of entries in memory. The cache folder has no limit; the user may empty it.
+KEPT = 64
+#: Files and folders of the package with the code that the cached numbers depend on.
+SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
+
+
+@dataclass
+class Entry:
+    """An entry of the cache in memory: arrays by name, None until the arrays are known.
+
+    The thread that reads or computes the arrays holds the lock.
+    """
+
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    arrays: dict[str, Array] | None = None
+
+
+@lru_cache(KEPT)
+def find_entry(key: str) -> Entry:
+    """Return the cache's entry in memory for a key; make an entry without arrays if there is none.
+
+    A key is a hash. `find_entry.cache_clear` forgets all entries.
+    """
+    return Entry()
+
+
+def folder() -> Path:
+    """Return the folder of the cached files: owtsweep/expected in $XDG_CACHE_HOME or ~/.cache.
+
+    The folder need not exist.
+    """
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
+
+
+def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
+    """Return arrays by name: from memory, else from a file, else computed and then stored.
+
+    Parameters
+    ----------
+    what
+        Everything that the arrays depend on besides this program; must be JSON-serialisable.
+    compute
+        Function that computes the arrays; it is called only if the arrays are not stored.
+    """
+    text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
+    key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+    path, entry = folder() / f"{key}.npz", find_entry(key)
+    with entry.lock:  # threads that need the same arrays wait for the first thread
+        if entry.arrays is None:
+            entry.arrays = _read(path)
+        if entry.arrays is None:
+            entry.arrays = compute()
+            _write(path, entry.arrays)
+        return entry.arrays
+
+
+def _read(path: Path) -> dict[str, Array] | None:
+    try:
+        data = path.read_bytes()
+        digest, body = data[:16], data[16:]
+        if hashlib.blake2b(body, digest_size=16).digest() != digest:
+            return None
+        with np.load(io.BytesIO(body), allow_pickle=False) as stored:
+            return {name: stored[name] for name in stored.files}
+    except (OSError, ValueError, KeyError):
+        return None
+
+
+def _write(path: Path, arrays: Mapping[str, Array]) -> None:
+    from owtsweep.io.files import write_atomically
+
+    buffer = io.BytesIO()
+    np.savez(buffer, **dict(arrays))  # type: ignore[arg-type]
+    body = buffer.getvalue()
+    # a folder that cannot be written must not prevent the computation
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, hashlib.blake2b(body, digest_size=16).digest() + body)
+
+
+@cache
+def source_hash() -> str:
+    """Return a hash of the code that expected errors depend on, and of the libraries' versions.
+
+    The code is that of the files and folders in `SOURCES`; the libraries are NumPy and SciPy.
+    """
+    import scipy
+
+    package = Path(__file__).resolve().parents[2]
+    digest = hashlib.blake2b(f"{np.__version__} {scipy.__version__}".encode(), digest_size=8)
+    for entry in SOURCES:
+        path = package / entry
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(str(file.relative_to(package)).encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()

@@ -1,0 +1,218 @@
+"""Computes a scheme's expected errors, due to motion and to each noise, for records of one length.
+
+Gains, initial states and windows are those of a simulated record, so the expectation holds whether
+or not the scheme settles within the record. There are two approximations. Curves (errors at each
+frequency) are computed at some frequencies, the nodes, and interpolated between nodes. A response
+that has become periodic is assumed to stay periodic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.error_curves import inputs, nodes
+from owtsweep.studies.hub.error_curves.inputs import Probe
+from owtsweep.studies.hub.error_curves.probing import Workspace
+from owtsweep.studies.hub.sensors import fix_count
+
+#: An interval between two nodes is halved if interpolation at its middle is wrong by more than
+#: this: relative to the curve (for motion), or to the whole sum (for noise).
+MOTION_TOLERANCE = 2e-3
+NOISE_TOLERANCE = 1e-4
+#: The errors due to a bias' random walk are computed up to this frequency, in units of the fix
+#: rate. Higher frequencies have at most 1e-4 of the walk's energy.
+WALK_TO = 1.0
+
+
+@dataclass(frozen=True)
+class Curves:
+    """The expected errors of one scheme for records of one length.
+
+    The array `frequency` has the shape (n,). The other arrays have two axes of length 2: measure
+    (position, velocity) and window (full, settled). Of two units, the first is for position and the
+    second for velocity.
+
+    Attributes
+    ----------
+    frequency
+        Frequencies, Hz, shape (n,).
+    motion
+        Mean square error due to a sinusoidal displacement of random phase, divided by the
+        displacement's mean square, along the direction of motion; m^2 per m^2 and s^-2; shape
+        (2, 2, n).
+    noise
+        Error variance of one axis due to GNSS noise, IMU noise and the random walk of the IMU's
+        bias; m^2 and (m/s)^2; shape (3, 2, 2).
+    constant
+        Mean square error of one axis due to a constant specific force, divided by the square of the
+        force; s^4 and s^2; shape (2, 2).
+    """
+
+    frequency: Array
+    motion: Array
+    noise: Array
+    constant: Array
+
+    def at(self, frequency: Array) -> Array:
+        """Interpolate `motion` at other frequencies (Hz), shape (m,), inside the motion's band.
+
+        The result has the shape (2, 2, m): measure, window, frequency.
+        """
+        return _between(frequency, self.frequency, self.motion)
+
+
+def curves(
+    chain: Chain, sensors: Sensors, *, steps: int, settled: int, band: tuple[float, float]
+) -> Curves:
+    """Compute the expected errors of a chain by running it on test inputs.
+
+    Parameters
+    ----------
+    chain
+        A scheme as arrays for kernels, made for records of `steps` steps.
+    steps, settled
+        Number of steps of a record, and the first step of the settled window.
+    band
+        Lowest and highest frequency of the motion, Hz.
+    """
+    prober = _Prober(chain, sensors, steps, settled)
+    motion = prober.motion(band)
+    lengths = np.array([steps, steps - settled])
+    noise = [
+        sensors.position_sigma**2 * prober.fixes(),
+        sensors.force_sigma**2 * prober.forces(),
+        sensors.bias_walk**2 * sensors.step * prober.walks(),
+    ]
+    return Curves(
+        frequency=motion[0],
+        motion=motion[1] / lengths[:, None],
+        noise=np.array(noise) / lengths,
+        constant=prober.energies(inputs.constant())[..., 0] / lengths,
+    )
+
+
+class _Prober:
+    """Runs one chain (a scheme as arrays) on test inputs that are as long as a record."""
+
+    def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
+        self.sensors, self.steps = sensors, steps
+        self.scales = nodes.scales(chain, sensors)
+        self.energies = Workspace(chain, sensors, steps, settled).energies
+
+    def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
+        """Compute the sums of squared errors due to sinusoidal motion at frequencies in a band.
+
+        `band` is in Hz. Return n frequencies (Hz) and the sums, shape (2, 2, n): measure, window,
+        frequency. The frequencies are chosen so that interpolation between them is accurate.
+        """
+
+        def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
+            return np.asarray(
+                np.any(np.abs(predicted - computed) > MOTION_TOLERANCE * computed, axis=(0, 1))
+            )
+
+        def answer(frequency: Array) -> Array:
+            return self.energies(inputs.motion(frequency, self.sensors))
+
+        first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
+        return nodes.refined(first, answer(first), answer, _between, wrong)
+
+    def fixes(self) -> Array:
+        """Compute the sums of squared errors due to noise of variance 1 m^2 in the position fixes.
+
+        The result has the shape (2, 2): measure, window.
+        """
+        count = fix_count(self.steps, self.sensors.fix_interval)
+        per_number = 1.0 / (count * self.sensors.fix_step)
+        return self._phasors(count, per_number, lambda n: inputs.fixes(n, count, self.sensors))
+
+    def forces(self) -> Array:
+        """Compute the sums of squared errors due to white noise of variance 1 in the IMU's samples.
+
+        The samples are specific forces in m/s^2. The result has the shape (2, 2): measure, window.
+        """
+        per_number = 1.0 / (self.steps * self.sensors.step)
+        return self._phasors(self.steps, per_number, lambda n: inputs.forces(n, self.steps))
+
+    def _phasors(self, count: int, per_number: float, probe: Callable[[Array], Probe]) -> Array:
+        """Sum squared errors over a basis of `count` phasors, the test inputs `probe(number)`.
+
+        A phasor is a cosine and a sine of one frequency: `per_number` (Hz) times the phasor's
+        number. The phasors number n and count - n have equal errors. The result has the shape
+        (2, 2): measure, window.
+        """
+        number = np.arange(1.0, count // 2 + 1.0)
+        weight = np.where(2.0 * number == count, 1.0, 2.0) / count
+        constant = self.energies(probe(np.zeros(1)))[..., 0] / count
+        return constant + self._sum(weight, per_number, probe)
+
+    def walks(self) -> Array:
+        """Compute the sums of squared errors due to a Wiener process with increments of variance 1.
+
+        The Wiener process is a specific force, like the IMU's bias. The covariance of steps k and l
+        is min(k, l); its eigenvectors are sin(angle k), its eigenvalues 1 / (2 - 2 cos angle). The
+        result has the shape (2, 2): measure, window.
+        """
+        last = self.steps - 1
+        per_number = 0.5 / (self.steps * self.sensors.step)
+        highest = min(last, max(round(WALK_TO * self.scales.rate / per_number), 64))
+        number = np.arange(1.0, highest + 1.0)
+        angle = inputs.walks(number, self.steps).angle
+        weight = 4.0 / (2.0 * last + 1.0) / (2.0 - 2.0 * np.cos(angle))
+        return self._sum(weight, per_number, lambda n: inputs.walks(n, self.steps))
+
+    def _sum(self, weight: Array, per_number: float, probe: Callable[[Array], Probe]) -> Array:
+        """Sum weight x squared error over the basis vectors number 1 ... n, where n = len(weight).
+
+        The chain is run on some basis vectors, the test inputs `probe(numbers)`. The squared errors
+        of the other basis vectors are interpolated. A basis vector's frequency is its number times
+        `per_number` (Hz). The result has the shape (2, 2): measure, window.
+        """
+
+        def answer(number: Array) -> Array:
+            return self.energies(probe(number))
+
+        number = np.arange(1.0, len(weight) + 1.0)
+        first = nodes.numbers(len(weight), per_number, self.scales)
+        upto = np.concatenate([[0.0], np.cumsum(weight)])
+        values = answer(first)
+        if len(first) < 2:
+            return np.asarray(np.sum(weight * values, axis=-1))
+        total = np.sum(weight * _between(number, first, values), axis=-1)
+
+        def large(left: Array, right: Array, part: Array) -> Array:
+            shares = upto[right.astype(int)] - upto[left.astype(int)]
+            return np.asarray(
+                np.any(part * shares > NOISE_TOLERANCE * total[..., None], axis=(0, 1))
+            )
+
+        def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
+            return large(left, right, np.abs(predicted - computed))
+
+        curve = nodes.refined(first, values, answer, _between, wrong, matters=large, whole=True)
+        return np.asarray(np.sum(weight * _between(number, *curve), axis=-1))
+
+
+def _between(x: Array, at: Array, values: Array) -> Array:
+    """Interpolate curves that are nowhere negative at x, given values (..., n) at the n nodes `at`.
+
+    Interpolation is by monotone cubics in the logarithms of both axes. Before the first node and
+    beyond the last node, curves are constant. A curve that is zero stays zero: a baseline has no
+    error due to noise that it does not use.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    least = np.finfo(float).tiny  # stands for 0, which has no logarithm
+    logs = np.log(np.maximum(values, least))
+    if len(at) < 2:
+        result = np.exp(np.repeat(logs, len(x), axis=-1))
+    else:
+        curve = PchipInterpolator(np.log(at), logs, axis=-1)
+        result = np.exp(curve(np.log(np.clip(x, at[0], at[-1]))))
+    return np.where(result > 2.0 * least, result, 0.0)

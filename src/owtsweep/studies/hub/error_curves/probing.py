@@ -1,0 +1,253 @@
+"""Runs a chain on the sinusoids of a probe and sums its squared errors in a record's windows.
+
+A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. A cosine or sine
+fills a lane; a sinusoid takes one lane or two. Kernels run two groups of eight lanes, a pair, at
+once.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array, aligned
+from owtsweep.studies.hub import batch
+from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.error_curves.inputs import Probe
+from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
+from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
+from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
+from owtsweep.studies.hub.sensors import fix_count
+from owtsweep.studies.hub.settled import cycle_of, filling
+
+#: Greatest number of lanes that run together until the responses of all repeat. For long records
+#: there are fewer lanes: lanes times steps is at most `MOST_INPUTS`.
+WIDTH = 32
+MOST_INPUTS = 16_000_000
+#: A response repeats if a cycle's sum of squared errors changes by at most TOLERANCE, relatively,
+#: in JUDGED cycles.
+TOLERANCE = 1e-7
+JUDGED = 32
+#: Number of steps after which sinusoids start anew, so that rounding errors do not accumulate.
+BLOCK = 2048
+
+
+class Workspace:
+    """Runs one chain (a scheme as arrays) on probes (test inputs) that are as long as a record.
+
+    All runs use the same memory, because allocation takes time. Therefore only one run is allowed
+    at a time.
+    """
+
+    def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
+        self.chain, self.arrays, self.cycle = chain, batch.arrays_of(chain), cycle_of(chain)
+        self.sensors, self.steps, self.settled = sensors, steps, settled
+        self.chunk, self.lead = batch.chunk_of(chain)[0], batch.lead_of(chain)
+        self.scratch, self.output = batch.shared_memory([chain], 2)
+        self.no_fixes = aligned(fix_count(steps, sensors.fix_interval), LANES)
+        self.pairs: list[PairMemory] = []
+
+    def pair(self, number: int) -> PairMemory:
+        """Return the memory, set to zero, of pair number `number`.
+
+        A pair is two groups of eight lanes (test inputs) that are run together. Memory is made for
+        a new pair; pairs are numbered from 0 without gaps.
+        """
+        if number == len(self.pairs):
+            rows = self.lead + 2 * self.chunk
+            self.pairs.append(
+                PairMemory(
+                    new_registers(2, self.chain.filter.window, self.chain.mhe.horizon),
+                    (aligned(rows, LANES), aligned(rows, LANES)),
+                    (aligned(rows, LANES), aligned(rows, LANES)),
+                )
+            )
+        pair = self.pairs[number]
+        for array in (part for groups in (*pair.registers, pair.force) for part in groups):
+            array.fill(0.0)
+        return pair
+
+    def energies(self, probe: Probe) -> Array:
+        """Compute the sums of squared errors over a record for each of the probe's n sinusoids.
+
+        The result has the shape (2, 2, n): measures position and velocity, windows full and
+        settled. For a phasor (a cosine and a sine of one frequency), the sums of cosine and sine
+        are added.
+        """
+        lanes_each = 2 if probe.phasor else 1
+        each = min(WIDTH // lanes_each, max(MOST_INPUTS // (self.steps * lanes_each), 1))
+        parts = [
+            self._run(probe.part(first, first + each)) for first in range(0, len(probe.angle), each)
+        ]
+        return np.concatenate(parts, axis=-1)
+
+    def _run(self, probe: Probe) -> Array:
+        """Compute what `energies` returns, for a probe of at most `WIDTH` cosines and sines.
+
+        Once the response has become periodic, its sums are extrapolated to the record's end.
+        """
+        each = LANES if probe.phasor else 2 * LANES
+        pairs = [
+            _Pair(self, number, probe.part(first, first + each))
+            for number, first in enumerate(range(0, len(probe.angle), each))
+        ]
+        # step of the first test for repetition; none for single sines, whose sums oscillate
+        earliest = max(filling(self.chain), self.settled) + (JUDGED + 1) * self.cycle
+        done = _together(pairs, self.steps, earliest if probe.phasor else self.steps + 1)
+        sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
+        if done < self.steps:
+            ring = np.concatenate([pair.ring for pair in pairs], axis=-1)
+            complete = np.delete(ring, (done // self.cycle) % len(ring), axis=0)
+            sums[1] += complete.mean(axis=0) * ((self.steps - done) / self.cycle)
+        return np.stack([sums[0] + sums[1], sums[1]], axis=1)
+
+
+class PairMemory(NamedTuple):
+    """The memory of a pair of groups of eight lanes: a scheme's registers, and two series.
+
+    `force` is the specific force (m/s^2) and `wave` the true displacement (m); an array (rows, 8)
+    per group.
+    """
+
+    registers: Registers
+    force: tuple[Array, Array]
+    wave: tuple[Array, Array]
+
+
+def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
+    """Run pairs of groups of eight lanes to the first step at which all responses repeat.
+
+    A lane is one sinusoidal test input. If the responses do not repeat, run to the record's end,
+    `steps`. Return the step reached. Repetition is tested from the step `earliest` on.
+    """
+    done = place = agreeing = 0
+    while agreeing < len(pairs):
+        pair = pairs[place]
+        if pair.done < done:  # catch up with the others
+            pair.advance(done, done)
+        if pair.done < steps and not pair.repeats:
+            pair.advance(steps, done + JUDGED * pair.cycle if done > 0 else earliest)
+        if pair.done > done:
+            done, agreeing = pair.done, 0
+        agreeing += 1
+        place = (place + 1) % len(pairs)
+    return done
+
+
+class _Pair:
+    """A pair of groups of eight lanes: a scheme's state for the lanes, and sums of squared errors.
+
+    The lanes hold the sinusoids of `probe`: up to eight cosines and their sines, or up to sixteen
+    sines. Unused lanes are zero. `number` is the number of the memory in `space` that the pair
+    uses.
+    """
+
+    def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
+        self.space, self.probe, self.cycle = space, probe, space.cycle
+        registers, force, wave = space.pair(number)
+        self.memory = Memory(registers, space.scratch, space.output)
+        self.waves = _waves(probe, space)
+        self.course = Course(
+            lead=space.lead, chunk=space.chunk, settled=space.settled, cycle=self.cycle,
+            every=JUDGED * self.cycle, lanes=len(probe.angle), tolerance=TOLERANCE,
+        )  # fmt: skip
+        self.buffers = Buffers(
+            filled=np.array([-space.lead, 0]),
+            force=force,
+            wave=wave,
+            fixes=_fixes(probe, space) if np.any(probe.fix) else (space.no_fixes,) * 2,
+            sums=aligned(8, LANES),
+            ring=aligned(4 * (JUDGED + 1), LANES),
+        )
+        self.done, self.repeats = 0, False
+
+    def advance(self, stop: int, judged: int) -> None:
+        """Run until the response repeats, but at most up to step `stop`.
+
+        Repetition is tested from step `judged` on. The attributes `done` (the step reached) and
+        `repeats` are updated.
+        """
+        from owtsweep.studies.hub.error_curves.kernels import advance
+
+        self.done, self.repeats = advance(
+            self.done, stop, judged, self.course, self.waves, self.buffers, self.space.arrays,
+            self.memory,
+        )  # fmt: skip
+
+    @property
+    def sums(self) -> Array:
+        """The sums of squared errors; axes are part of the record, measure, sinusoid.
+
+        The parts are before and after settling; the measures are position and velocity.
+        """
+        return self._of_lanes(self.buffers.sums)
+
+    @property
+    def ring(self) -> Array:
+        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid.
+
+        A slot holds the sums of one cycle. A cycle is the time after which the scheme's gains
+        repeat. The measures are position and velocity.
+        """
+        return self._of_lanes(self.buffers.ring)
+
+    def _of_lanes(self, rows: Array) -> Array:
+        return rows.reshape(-1, 2, 2 * LANES)[..., : len(self.probe.angle)]
+
+
+def _waves(probe: Probe, space: Workspace) -> Waves:
+    angle, gain, rate = (
+        _in_groups(values, probe.phasor)
+        for values in (probe.angle, probe.force, probe.angle / space.sensors.step)
+    )
+    blocks = -(-space.steps // BLOCK)
+    first = BLOCK * np.arange(blocks)[:, None, None]
+    start = np.exp(1j * (angle * first + probe.shift))
+    turn = np.exp(1j * angle)
+    return Waves(
+        starts=_rows(np.stack([start.real, start.imag], axis=2)),
+        now=aligned(4, LANES),
+        turn_gain=_rows(np.concatenate([np.stack([turn.real, turn.imag], axis=1), gain[None]])),
+        rate=_rows(rate[:1]),
+        block=BLOCK,
+        moving=bool(np.any(probe.force)),
+        phasor=probe.phasor,
+        truth=probe.truth,
+    )
+
+
+def _fixes(probe: Probe, space: Workspace) -> tuple[Array, Array]:
+    """Make the position fixes (m) of a probe; return an array (fixes, 8) for each group of lanes.
+
+    There are two groups of eight lanes. For phasors they hold cosines and sines of equal
+    frequencies, otherwise different sines.
+    """
+    delay = space.sensors.delay if probe.truth else 0
+    fix_steps = space.sensors.fix_interval * np.arange(len(space.no_fixes))[:, None] - delay
+    values = np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix
+    both = _in_groups(values.imag, probe.phasor)
+    if probe.phasor:
+        both[:, 0] = _in_groups(values.real, True)[:, 0]
+    return _rows(both[:, 0]), _rows(both[:, 1])
+
+
+def _in_groups(values: Array, phasor: bool) -> Array:
+    """Arrange values (..., n) as (..., 2, 8), two groups of eight lanes, padded with zeros.
+
+    If `phasor` is true, both groups get the same values, at most eight; otherwise each group gets
+    its own eight of at most sixteen values.
+    """
+    missing = (1 if phasor else 2) * LANES - values.shape[-1]
+    filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
+    if phasor:
+        return np.stack([filled, filled], axis=-2)
+    return filled.reshape(*values.shape[:-1], 2, LANES)
+
+
+def _rows(values: Array) -> Array:
+    """Copy values (..., 8) to a new array (rows, 8) that is aligned to the cache's lines."""
+    rows = aligned(values.size // LANES, LANES)
+    rows[:] = values.reshape(-1, LANES)
+    return rows

@@ -1,0 +1,297 @@
+"""The figures and tables of the hub study; matplotlib is imported only when a figure is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, partial
+from typing import TYPE_CHECKING
+
+from owtsweep.figures.drawings import Drawing, save_figure
+from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.results.status import FAILED
+from owtsweep.studies.hub.conditions import (
+    CRITERIA,
+    describe_values,
+    get_map_conditions,
+    list_maps,
+    make_cube,
+    select,
+)
+from owtsweep.studies.hub.names import list_baselines
+from owtsweep.studies.hub.origin import describe_one_record, describe_origin
+from owtsweep.studies.hub.resolving import scheme_names
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from owtsweep.results.conditions import Value
+    from owtsweep.studies.hub.config import HubConfig
+
+#: A function that draws a figure.
+Draw = Callable[[], "Figure"]
+
+#: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
+PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
+MAP = "figure_18_best_scheme"
+#: Figures that do not depend on the tuning.
+UNTUNED = frozenset({"figure_03_record", "figure_04_spectrum"})
+#: The paper's figures 9-14: name -> quantity shown over time, and whether the figure is zoomed in.
+TIME_HISTORIES = {
+    "figure_09_position": ("position", False),
+    "figure_10_position_zoom": ("position", True),
+    "figure_11_velocity": ("velocity", False),
+    "figure_12_velocity_zoom": ("velocity", True),
+    "figure_13_acceleration": ("acceleration", True),
+    "figure_14_bias": ("bias", False),
+}
+
+
+def drawings(
+    config: HubConfig,
+    tables: Mapping[str, pd.DataFrame],
+    rows: pd.DataFrame,
+    metadata: Mapping[str, str] | None = None,
+) -> dict[str, Drawing]:
+    """List all figures of a run with records: name -> function that draws and saves the figure.
+
+    Some figures show the run's results. The other figures are simulated from the run's
+    configuration.
+
+    Parameters
+    ----------
+    config
+        The run's configuration.
+    tables
+        The run's tables "summary" and "best_scheme".
+    rows
+        The run's rows, including those of failed schemes.
+    metadata
+        Texts by name to store inside the figures' files.
+    """
+    summary, records = tables["summary"], config.grid.replicates
+    same = find_coinciding(make_cube(config, rows), CRITERIA)
+    best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records)
+    results = {
+        **maps(config, best),
+        **over_amplitude(config, summary, set(summary["natural_period"]), same),
+        **list_efficiency(config, summary),
+        **list_distributions(config, rows),
+    }
+    return {
+        **save_each(results, describe_origin(config), metadata),
+        **save_each(_illustrations(config, same), describe_one_record(config), metadata),
+    }
+
+
+def drawings_of_plant(
+    config: HubConfig,
+    tables: Mapping[str, pd.DataFrame],
+    rows: pd.DataFrame,
+    metadata: Mapping[str, str] | None = None,
+) -> dict[str, Drawing]:
+    """List all figures of a run with motion=plant: maps, a record, its spectrum, time histories.
+
+    There are the maps of each combination of those conditions that are not axes of the map.
+    Parameters are those of `drawings`.
+    """
+    records, same = config.grid.replicates, find_coinciding(make_cube(config, rows), CRITERIA)
+    found: dict[str, Draw] = {}
+    for end, at in list_maps(config).items():
+        best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records, at=at)
+        found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
+    return {
+        **save_each(found, describe_origin(config), metadata),
+        **save_each(
+            _record(config) | _time_histories(config), describe_one_record(config), metadata
+        ),
+    }
+
+
+def save_each(
+    figures: Mapping[str, Draw], origin: str, metadata: Mapping[str, str] | None
+) -> dict[str, Drawing]:
+    """Turn functions that draw figures, by name, into functions that draw and save them.
+
+    `origin` is written above each figure: of which truth and which records it is.
+    """
+
+    def with_origin(draw: Draw) -> Figure:
+        from owtsweep.figures import style
+
+        figure = draw()
+        style.add_origin(figure, origin)
+        return figure
+
+    return {
+        name: save_figure(partial(with_origin, draw), metadata) for name, draw in figures.items()
+    }
+
+
+def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
+    """List the two maps of the best scheme by name: judged by the run's criterion, and by velocity.
+
+    `draw_map` draws a map from the name of a criterion, "position" or "velocity".
+    """
+    return {
+        MAP: partial(draw_map, config.measures.criterion),
+        "best_scheme_velocity": partial(draw_map, "velocity"),
+    }
+
+
+def draw_cells(
+    config: HubConfig,
+    tables: Mapping[str, pd.DataFrame],
+    rows: pd.DataFrame,
+    criterion: str,
+    coinciding: Sequence[Sequence[str]],
+    *,
+    replicates: int | None = None,
+    at: Mapping[str, Value] | None = None,
+) -> Figure:
+    """Draw the map of the best schemes with one coloured cell per natural period and amplitude.
+
+    With motion=plant, the axes are two of the plant's conditions.
+
+    Parameters
+    ----------
+    tables
+        The run's tables; "best_scheme" is drawn.
+    rows
+        The run's rows, of which failed ones are counted.
+    criterion
+        The measure by which schemes are compared, "position" or "velocity".
+    coinciding
+        Groups of schemes with equal results. The map shows each group under the last of its names.
+    replicates
+        Planned number of records per cell, for the title; None leaves the number out.
+    at
+        Values of the conditions that are not axes of the map, condition -> value.
+    """
+    from owtsweep.figures import best_scheme_map
+
+    window = config.measures.window
+    best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
+    told = f", {describe_values(config, at)}" if at else ""
+    return best_scheme_map.draw(
+        select(best, at or {}),
+        names,
+        get_map_conditions(config)[:2],
+        criterion=criterion,
+        window=window,
+        tuning=config.tuning_name,
+        quantity=f"{criterion} MSE (x + y){told}",
+        coinciding=coinciding,
+        replicates=replicates,
+        failures=int((rows["status"] == FAILED).sum()),
+        notes=[*notes, OTHER_WINDOW[window]],
+    )
+
+
+def over_amplitude(
+    config: HubConfig,
+    summary: pd.DataFrame,
+    periods: Iterable[float],
+    coinciding: Sequence[Sequence[str]],
+    *,
+    printed: pd.DataFrame | None = None,
+) -> dict[str, Draw]:
+    """List the figures of MSE against amplitude by name, one figure per natural period (s).
+
+    `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
+    `printed` are published numbers to mark (`mse_over_amplitude.draw`).
+    """
+    from owtsweep.studies.hub.figures import mse_over_amplitude
+
+    draw = partial(
+        mse_over_amplitude.draw,
+        summary,
+        schemes=scheme_names(config),
+        baselines=list_baselines(config),
+        window=config.measures.window,
+        tuning=config.tuning_name,
+        coinciding=coinciding,
+        printed=printed,
+    )
+    figures: dict[str, Draw] = {}
+    for period in sorted(periods):
+        number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
+        figures[f"{number}mse_{period:g}s"] = partial(draw, period)
+    return figures
+
+
+def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]:
+    """List the figure of efficiency, if the configuration asks for efficiency, by its name.
+
+    `summary` is the run's table "summary".
+    """
+    if not config.measures.efficiency:
+        return {}
+    from owtsweep.studies.hub.figures import efficiency
+
+    return {efficiency.NAME: partial(efficiency.draw, config, summary)}
+
+
+def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]:
+    """List the figure of the errors of single records, if there are several records, by its name.
+
+    `rows` are the run's rows.
+    """
+    from owtsweep.figures import distributions, style
+    from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
+
+    criterion, window = config.measures.criterion, config.measures.window
+    if config.grid.replicates < distributions.LEAST_RECORDS:
+        return {}
+
+    def draw() -> Figure:
+        cube = make_cube(config, rows, baselines=True)
+        return distributions.draw(
+            distributions.collect(cube, criterion, window),
+            cube.schemes,
+            cube.conditions,
+            title=f"Errors of single records, {criterion} MSE\n"
+            f"{style.describe_window(window)}, tuning: {config.tuning_name}",
+            label=PANELS[criterion],
+        )
+
+    return {distributions.NAME: draw}
+
+
+def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
+    """List the figures that need the configuration alone: name -> function that draws the figure.
+
+    The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
+    are groups of schemes with equal results, for a footnote.
+    """
+    from owtsweep.studies.hub.figures import error_spectra
+
+    return {
+        **_record(config),
+        **_time_histories(config),
+        "error_spectra": partial(error_spectra.draw, config, coinciding=coinciding),
+    }
+
+
+def _record(config: HubConfig) -> dict[str, Draw]:
+    """List the figures of a displacement record and its spectrum: name -> function that draws."""
+    from owtsweep.studies.hub.figures import record_and_spectrum
+
+    return {
+        "figure_03_record": partial(record_and_spectrum.draw_record, config),
+        "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
+    }
+
+
+def _time_histories(config: HubConfig) -> dict[str, Draw]:
+    """List the figures of one record over time: name -> function that draws the figure."""
+    from owtsweep.studies.hub.figures import time_histories
+    from owtsweep.studies.hub.histories import simulate_histories
+
+    simulated = cache(lambda: simulate_histories(config))
+
+    def history(quantity: str, zoom: bool) -> Figure:
+        return time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning_name)
+
+    return {name: partial(history, *shown) for name, shown in TIME_HISTORIES.items()}

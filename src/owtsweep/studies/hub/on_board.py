@@ -1,0 +1,75 @@
+"""Runs schemes as on board: each IMU sample gives one estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from owtsweep.studies.hub.online.estimator import OnlineEstimator
+    from owtsweep.studies.hub.online.spectral import SpectralEstimator
+
+
+#: The sensors and the tuning of an estimator whose user names none.
+DEFAULTS = ("tuning=matched", "sensors=strong_bias")
+
+
+def online(
+    scheme: str, overrides: Sequence[str] = (), *, origin: ArrayLike | None = None
+) -> OnlineEstimator | SpectralEstimator:
+    """Make an estimator that runs on board: each IMU sample gives one estimate.
+
+    Parameters
+    ----------
+    scheme
+        EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH. SKF and SKFA must be told the origin, SKF the
+        motion too: see the keys of the section `skf`.
+    overrides
+        The sensors and the tuning, as on the command line, e.g. `["tuning=paper",
+        "sensors.gnss.delay=0.3"]`. Without an override, the tuning is `matched`.
+    origin
+        The point about which the scheme starts from zero, x and y in m, in the coordinates of the
+        fixes; it must lie near the hub. None stands for the first fix: until it comes, estimates
+        are NaN. Estimates are in the coordinates of the fixes for any origin.
+
+    Returns
+    -------
+    OnlineEstimator, SpectralEstimator
+        Has the method `update(specific_force, position=None) -> Estimate`. Position fixes may be
+        missing: gains and covariances follow the fixes that arrived. On a machine, the first
+        estimator takes some 15 s to make, in which its kernels are compiled.
+
+    Raises
+    ------
+    InputError
+        If the scheme cannot run on board, or the overrides or the origin are wrong.
+    """
+    from owtsweep.studies import compose
+    from owtsweep.studies.composing import require_texts
+    from owtsweep.studies.hub.compiling import compile_kernels
+    from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.resolving import resolve
+    from owtsweep.studies.hub.sensors import sensors
+
+    registered: Any = resolve(scheme)
+    if not hasattr(registered, "stream"):
+        raise InputError(
+            f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH"
+        )
+    require_texts(overrides)
+    given = {override.partition("=")[0] for override in overrides}
+    ours = [word for word in DEFAULTS if word.partition("=")[0] not in given]
+    config = compose([*ours, *overrides, f"schemes=[{scheme}]"])
+    if not isinstance(config, HubConfig):
+        raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
+    compute = config.compute
+    if hasattr(registered, "kernel"):  # a chain; SKF has kernels of its own, two small ones
+        compile_kernels("online", vectors=compute.vectors, cores=compute.workers)
+    estimator: OnlineEstimator | SpectralEstimator = registered.stream(
+        sensors(config.sensors), config, origin=origin
+    )
+    return estimator

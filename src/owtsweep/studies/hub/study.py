@@ -1,0 +1,219 @@
+"""The hub-motion study: the sensitivity study of Ren et al. (2019), sections 5.3-5.4."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from owtsweep import estimation, evaluation, motion, sensing
+from owtsweep.figures import palette
+from owtsweep.studies.hub import kernels
+from owtsweep.studies.hub.looks import LOOKS
+from owtsweep.sweep.study import Study, add_versions
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.evaluation.estimate import EstimatedRecord
+    from owtsweep.results.conditions import Condition, Value
+    from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.sweep.study import Engine, Tuned, Varied
+
+__all__ = ["HubKeys", "HubStudy"]
+
+#: Packages whose code affects the numbers that the study stores.
+ROOMS = (motion, sensing, estimation, evaluation, kernels)
+
+palette.reserve(LOOKS)
+
+
+class HubKeys(Study):
+    """The base of studies that have the hub's keys: how keys are completed, checked and stored."""
+
+    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return the keys with numbers in place of `auto`, from the sensors by rule."""
+        from owtsweep.studies.hub.tilt import warn_of_growth
+        from owtsweep.studies.hub.tuning_rules import fill_in
+
+        warn_of_growth(plain)
+        return fill_in(plain)
+
+    def check(self, config: HubConfig) -> None:
+        """Check that keys, schemes and motion can work together, in each tuning.
+
+        Raises
+        ------
+        InputError
+            If they cannot; the message says what would work.
+        """
+        from owtsweep.studies.hub.checks import check
+
+        for part in config.by_tuning().values():
+            check(part)
+
+    def describe_origin(self, config: HubConfig) -> str:
+        """Return in a line the tuning, the truth, and the number of records with their seed."""
+        from owtsweep.studies.hub.origin import describe_in_a_line
+
+        return describe_in_a_line(config)
+
+    def describe_code(self, config: HubConfig) -> Any:
+        """Return what a run stores of its schemes: a list with one mapping per scheme.
+
+        Each mapping holds the scheme's name, whether the scheme is linear, and whether it has a
+        kernel.
+        """
+        from owtsweep.studies.hub.resolving import resolve_all
+        from owtsweep.studies.hub.stored_schemes import describe
+
+        one = next(iter(config.by_tuning().values()))
+        return describe(resolve_all(config.schemes, one))
+
+    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """Return the keys of a stored run with a stand-in for each user's scheme.
+
+        So the code of these schemes need not be imported. `plain` maps the keys to their values;
+        `described` is what `describe_code` returned when the run was stored, or None.
+        """
+        from owtsweep.studies.hub.stored_schemes import stand_in
+
+        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+
+
+class HubStudy(HubKeys):
+    """The study of the hub motion.
+
+    Modules that take long to import are imported at first use.
+    """
+
+    name = "hub"
+    schema_version = 1
+    numerics_version = add_versions(1, *ROOMS)
+
+    def schemes(self) -> dict[str, str]:
+        """Return name -> description of each scheme and baseline that the study provides."""
+        from owtsweep.studies.hub.names import BASELINES, ON_REQUEST, REGISTERED
+
+        told = {name: f"baseline (baselines=[...]): {what}" for name, what in BASELINES.items()}
+        further = {name: f"on request (schemes=[...]): {what}" for name, what in ON_REQUEST.items()}
+        return REGISTERED | further | told
+
+    def config_type(self) -> type[HubConfig]:
+        """Return the class of the study's configurations."""
+        from owtsweep.studies.hub.config import HubConfig
+
+        return HubConfig
+
+    def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
+        """Return the conditions, which are the axes of the grid.
+
+        They are natural period and amplitude; with motion=plant, they are those of the plant.
+        """
+        from owtsweep.studies.hub.conditions import get_conditions
+
+        return get_conditions(config)
+
+    def engine(self, config: HubConfig) -> Engine:
+        """Return a new engine of the kind that the key `engine` of the configuration names."""
+        from owtsweep.studies.hub.engines import ENGINES, PlantEngine
+        from owtsweep.studies.hub.plant import is_plant
+
+        return PlantEngine() if is_plant(config) else ENGINES[config.engine]()
+
+    def estimate(self, config: HubConfig, replicate: int) -> EstimatedRecord:
+        """Return a record of the grid's only cell, with the estimates of all schemes."""
+        from owtsweep.studies.hub.estimating import estimate_record
+
+        return estimate_record(config, replicate)
+
+    def compare(
+        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
+    ) -> Findings:
+        """Compare runs: how best scheme, boundary and errors change between them.
+
+        The boundary is the amplitude at which HME1 and HME2 are equally good.
+
+        Parameters
+        ----------
+        comparison
+            The runs, and the pairs of runs to compare.
+        folder
+            The folder for the figures. The tables are returned, not written.
+        metadata
+            Texts by name to store inside the figures' files.
+
+        Raises
+        ------
+        InputError
+            If the runs cannot be compared.
+        """
+        from owtsweep.comparing.compare import compare
+        from owtsweep.studies.hub.comparing import describe_run
+
+        return compare(comparison, folder, describe_run, metadata=metadata)
+
+    def write_spectrum(
+        self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
+    ) -> tuple[list[Path], RenderableType]:
+        """Write the schemes' error spectra and noise floors into a folder.
+
+        The files are error_spectra.png, error_spectra.svg, spectrum.csv and noise_floor.csv. Return
+        their paths, and a table of the noise floors for the terminal. `metadata` holds texts by
+        name to store inside the figures' files.
+        """
+        from owtsweep.studies.hub.compiling import compile_kernels
+        from owtsweep.studies.hub.figures.spectrum_tables import write
+        from owtsweep.studies.hub.plant import require_spectrum
+
+        require_spectrum(config, "`spectrum`")
+        compute = config.compute
+        compile_kernels("gains", "recorded", vectors=compute.vectors, cores=compute.workers)
+        return write(config, folder, metadata)
+
+    def count_trials(self, config: HubConfig) -> int:
+        """Return how many trials the command `tune` will make, for all schemes together."""
+        from owtsweep.studies.hub.plant import require_spectrum
+        from owtsweep.studies.hub.tuning.tuned import list_tunable
+
+        require_spectrum(config, "`tune`")
+        return len(list_tunable(config)) * config.tune.trials
+
+    def prepare_tuning(self, config: HubConfig) -> None:
+        """Compile the kernels by which tunings are searched and judged."""
+        from owtsweep.studies.hub.compiling import compile_kernels
+
+        uses = ("gains", "expected", "superposed")
+        compile_kernels(*uses, vectors=config.compute.vectors, cores=config.compute.workers)
+
+    def tune(self, config: HubConfig, advance: Callable[[str], None]) -> Tuned:
+        """Search the best numbers of each scheme for these sensors; return them."""
+        from owtsweep.studies.hub.tuning.tuned import tune
+
+        return tune(config, advance)
+
+    def list_vary_defaults(self) -> list[str]:
+        """Return the overrides of `vary`: a tuning that follows the sensors, and one motion."""
+        from owtsweep.studies.hub.varying.errors import DEFAULTS
+
+        return DEFAULTS
+
+    def check_vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> None:
+        """Check that `vary` can compute the errors with these configurations.
+
+        `along` describes the key that is varied; `configs` maps its values to configurations.
+        """
+        from owtsweep.studies.hub.varying.errors import check
+
+        check(along, configs)
+
+    def vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> Varied:
+        """Compute the settled errors of all schemes and baselines with each configuration.
+
+        `along` describes the key that is varied; `configs` maps its values to configurations.
+        """
+        from owtsweep.studies.hub.varying.errors import compute
+        from owtsweep.studies.hub.varying.varied import VariedErrors
+
+        return VariedErrors(compute(along, configs))

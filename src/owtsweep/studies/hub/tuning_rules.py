@@ -1,0 +1,230 @@
+"""Fills in the numbers that `tuning=matched` leaves to the sensors (`auto` in its file), by rule.
+
+The rules come from searches by `owtsweep tune` over sensors, one property varied at a time
+(docs/tuning.md). They depend on the sensors only: not on the grid, the amplitudes or the spectrum.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from owtsweep.config import Section, changed, typed
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.config import TUNED, HubConfig
+from owtsweep.studies.hub.sections import SensorConfig
+from owtsweep.studies.hub.tilt import find_tilt
+
+logger = logging.getLogger(__name__)
+
+C = TypeVar("C", bound=HubConfig)
+S = TypeVar("S", bound=Section)
+
+#: The value of a key that follows from the sensors.
+AUTO = "auto"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The properties of the sensors on which the rules depend.
+
+    Attributes
+    ----------
+    gnss_sigma, imu_sigma
+        Standard deviations of a fix (m) and of a sample (m/s^2), per axis.
+    gnss_rate, imu_rate
+        Fixes and samples per second, Hz.
+    delay
+        Age of a fix when it arrives, s.
+    """
+
+    gnss_sigma: float
+    gnss_rate: float
+    delay: float
+    imu_sigma: float
+    imu_rate: float
+
+
+#: The sections that hold a filter.
+FILTERS = ("ekf", "mkf", "hme1", "hme2")
+#: The sensors of `sensors=ren2019`. Their numbers for HME2 are those of the recorded search
+#: (experiment=readings), so that stored runs of `tuning=matched` keep their blocks.
+DEFAULT = Facts(gnss_sigma=0.03, gnss_rate=1.0, delay=0.2, imu_sigma=0.15, imu_rate=100.0)
+RECORDED = {
+    "hme2.q_a": 13.9,
+    "hme2.r_gnss.scale": 0.0611,
+    "hme.mhe.interval": 0.2,
+    "hme.mhe.horizon": 32,
+    "hme.mhe.smoother_window": 32,
+}
+#: Between these ends, each property alone, the rules were compared with searches.
+VALID = {
+    "sensors.gnss.sigma": (0.005, 0.3),
+    "sensors.gnss.rate": (1.0, 10.0),
+    "sensors.gnss.delay": (0.0, 1.0),
+    "sensors.imu.sigma": (0.01, 0.5),
+    "sensors.imu.rate": (50.0, 200.0),
+    "sensors.imu.bias_walk": (0.0, 3e-3),
+}
+
+
+def compute_numbers(facts: Facts, bias_walk: float) -> dict[str, Any]:
+    """Return key -> number for all keys that may be `auto`, by rule.
+
+    `bias_walk` is the intensity of the IMU's bias walk, m/s^2/sqrt(s). A property beyond the range
+    `VALID` counts as the range's end.
+    """
+    near = {key: _clip(key, value) for key, value in _name(facts, bias_walk).items()}
+    gnss = near["sensors.gnss.sigma"] / DEFAULT.gnss_sigma  # each relative to the default
+    rate = near["sensors.gnss.rate"] / DEFAULT.gnss_rate
+    imu = near["sensors.imu.sigma"] / DEFAULT.imu_sigma
+    samples = near["sensors.imu.rate"] / DEFAULT.imu_rate
+    walk = near["sensors.imu.bias_walk"] / 1e-3
+    window = round(0.02 * facts.imu_rate)
+    # The MHE does best with the shortest window. Its positions already hold the filter's own past,
+    # so they get a variance several times that of a fix; less if the bias has to be tracked fast.
+    scale = 10.0 * imu**0.5 * rate**0.5 / (1.0 + 2.0 * walk)
+    quotient = (24.0 * imu**2 + 5.5 * imu + 5.0 * walk) * samples
+    return {
+        "ekf.q_a": 0.455 * imu**1.7,
+        "mkf.q_a": 0.455 * imu**1.7,
+        "hme1.q_a": 1.07 * imu**1.8,
+        "hme.smoother_window": window,
+        "hme2.q_a": quotient * (scale + 1.5 * gnss * rate),
+        "hme2.r_gnss.scale": scale,
+        "hme.mhe.interval": max(round(facts.imu_rate / facts.gnss_rate), 1) / facts.imu_rate,
+        "hme.mhe.horizon": 1,
+        "hme.mhe.smoother_window": window,
+    }
+
+
+def fill_in(plain: dict[str, Any]) -> dict[str, Any]:
+    """Return a configuration with the rules' numbers in place of `auto`.
+
+    The configuration is plain data, of one tuning or of several. A warning is logged if `auto`
+    stands for sensors beyond those that the rules were made for.
+    """
+    if not any(_holds_auto(part.get(section)) for part in _parts(plain) for section in TUNED):
+        return plain
+    facts, bias_walk, tilt = DEFAULT, 0.0, 0.0
+    try:
+        sensors = typed(SensorConfig, plain.get("sensors"))
+    except InputError:
+        pass  # typing the whole configuration names the fault
+    else:
+        facts, bias_walk = take_facts(sensors), sensors.imu.bias_walk
+        tilt = find_tilt(plain, sensors.imu)
+        _warn(facts, bias_walk)
+    numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
+    numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter is told the truth
+    filled = _fill(plain, numbers)
+    if plain.get("tunings"):
+        filled["tunings"] = {n: _fill(part, numbers) for n, part in plain["tunings"].items()}
+    return filled
+
+
+def follow_sensors(config: C, sensors: SensorConfig) -> C:
+    """Return a configuration with other sensors.
+
+    With `tuning=matched`, each number that equals what the rules give for the old sensors becomes
+    what they give for the new ones. A number that the user has set, and any other tuning, stays.
+    """
+    moved = changed(config, sensors=sensors)
+    if config.tuning != "matched":
+        return moved
+    before, after = _compute(config.sensors), _compute(sensors)
+    sections = {
+        name: _replace(getattr(config, name), before, after, f"{name}.")
+        for name in TUNED
+        if getattr(config, name) is not None
+    }
+    return changed(moved, **sections)
+
+
+def _parts(plain: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    tunings = plain.get("tunings")
+    several = list(tunings.values()) if isinstance(tunings, dict) else []
+    return [plain, *(part for part in several if isinstance(part, dict))]
+
+
+def _holds_auto(value: Any) -> bool:
+    if isinstance(value, dict):
+        return any(_holds_auto(part) for part in value.values())
+    return isinstance(value, str) and value == AUTO
+
+
+def _fill(plain: Mapping[str, Any], numbers: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    filled = {}
+    for name, value in plain.items():
+        key = f"{path}{name}"
+        if isinstance(value, dict):
+            filled[name] = _fill(value, numbers, f"{key}.")
+        else:
+            filled[name] = numbers.get(key, value) if value == AUTO else value
+    return filled
+
+
+def take_facts(sensors: SensorConfig) -> Facts:
+    """Return the properties of configured sensors; sigmas as standard deviations."""
+    deviations = 1.0 if sensors.accuracy == "sigma" else 3.0
+    return Facts(
+        gnss_sigma=sensors.gnss.sigma / deviations,
+        gnss_rate=sensors.gnss.rate,
+        delay=sensors.gnss.delay,
+        imu_sigma=sensors.imu.sigma / deviations,
+        imu_rate=sensors.imu.rate,
+    )
+
+
+def _warn(facts: Facts, bias_walk: float) -> None:
+    """Log which properties lie beyond the ranges that the rules were made for."""
+    for key, value in _name(facts, bias_walk).items():
+        low, high = VALID[key]
+        if not low <= value <= high:
+            logger.warning(
+                "%s: %g lies beyond %g to %g, for which the rules of tuning=matched were made; "
+                "`owtsweep tune` finds numbers for these sensors",
+                key, value, low, high,
+            )  # fmt: skip
+
+
+def _name(facts: Facts, bias_walk: float) -> dict[str, float]:
+    """Return key of the configuration -> property, for all properties with a range."""
+    return {
+        "sensors.gnss.sigma": facts.gnss_sigma,
+        "sensors.gnss.rate": facts.gnss_rate,
+        "sensors.gnss.delay": facts.delay,
+        "sensors.imu.sigma": facts.imu_sigma,
+        "sensors.imu.rate": facts.imu_rate,
+        "sensors.imu.bias_walk": bias_walk,
+    }
+
+
+def _clip(key: str, value: float) -> float:
+    low, high = VALID[key]
+    return min(max(value, low), high)
+
+
+def _compute(sensors: SensorConfig) -> dict[str, Any]:
+    facts = take_facts(sensors)
+    numbers = compute_numbers(facts, sensors.imu.bias_walk)
+    return numbers | (RECORDED if facts == DEFAULT else {})
+
+
+def _replace(section: S, before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> S:
+    new: dict[str, Any] = {}
+    for name, value in vars(section).items():
+        key = f"{path}{name}"
+        if isinstance(value, Section):
+            new[name] = _replace(value, before, after, f"{key}.")
+        elif key in before and value == before[key]:
+            new[name] = after[key]
+    return changed(section, **new)
+
+
+def believe(config: C, tilt: float) -> C:
+    """Return the configuration with filters that believe in a tilt, rad/m."""
+    filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
+    return changed(config, **filters)

@@ -1,0 +1,124 @@
+"""Draws the schemes' errors and the Kalman bound over the values of one key, a panel per motion."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from owtsweep.figures import curves, style
+from owtsweep.figures.palette import style_of
+from owtsweep.studies.hub.names import BASELINES
+from owtsweep.studies.hub.varying.errors import Errors
+from owtsweep.studies.hub.varying.sentences import describe_error, describe_motion, find_best
+
+#: Most panels in a row.
+COLUMNS = 3
+#: Characters of the title in a line, per inch of the figure's width.
+LETTERS = 12.5
+#: A space at which no line is broken.
+NO_BREAK = "\N{NO-BREAK SPACE}"
+#: Most values that each have a tick of their own on a linear axis.
+MOST_TICKS = 12
+#: Half the width that a text's marks take, where neighbouring texts are 1 apart.
+HALF_WIDTH = 0.35
+BOUND_LINE: dict[str, Any] = {
+    "color": "black", "linestyle": ":", "linewidth": 1.8, "label": "Kalman bound",
+}  # fmt: skip
+
+
+def draw(errors: Errors) -> Figure:
+    """Draw the root mean square error of each scheme and baseline over the values of the key."""
+    count = len(errors.motions)
+    columns = min(count, COLUMNS)
+    rows = -(-count // columns)
+    width = 2.6 + 4.6 * columns + (1.0 if columns == 1 else 0.0)
+    figure = style.new_figure(width, 1.6 + 3.4 * rows)
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    for number, axes in enumerate(grid.flat):
+        if number >= count:
+            axes.set_visible(False)
+            continue
+        _draw_panel(axes, errors, number)
+    for axes in grid[:, 0]:
+        axes.set_ylabel(describe_error(errors))
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right center", frameon=False)
+    whole = [fact.replace(" ", NO_BREAK) for fact in errors.facts]
+    facts = textwrap.fill(f"At all values: {'; '.join(whole)}", int(LETTERS * width))
+    figure.suptitle(
+        f"Settled error over {errors.along.label}\n{facts}", x=0.01, ha="left", fontsize=10
+    )
+    style.footnote(figure, " ".join([*_explain_baselines(errors), *errors.notes]))
+    return figure
+
+
+def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
+    """Draw the errors at the motion with the index `number`."""
+    of_texts = isinstance(errors.values[0], str)
+    (_draw_marks if of_texts else _draw_curves)(axes, errors, number)
+    curves.scale_axes(axes, errors.along, errors.values)
+    if errors.along.scale == "linear" and not of_texts:
+        axes.set_xticks([float(value) for value in errors.values[:: _every(errors)]])
+        axes.xaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.set_title(describe_motion(*errors.motions[number]), loc="left", fontsize=10)
+
+
+def _every(errors: Errors) -> int:
+    """Return 1 if each value gets a tick, 2 if every second value does, and so on."""
+    return -(-len(errors.values) // MOST_TICKS)
+
+
+def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
+    """Draw the errors over numbers: a line for each scheme and baseline, and for the bound."""
+    place = [float(value) for value in errors.values]
+    best = find_best(errors, errors.schemes)[number]
+    for name, rms in zip(errors.names, errors.rms()[:, :, number], strict=True):
+        if name in errors.baselines:
+            look = style_of(name, errors.baselines)
+            axes.plot(place, rms, label=style.label_of(name), **curves.thin_line(look))
+            continue
+        look = style_of(name, errors.schemes)
+        on_top = sum(name in names for names in best) / len(
+            best
+        )  # of lines that coincide, the best scheme's is seen
+        axes.plot(
+            place, rms, color=look.color, linestyle=look.line, marker=look.marker,
+            markersize=4.5, zorder=2.0 + on_top, label=style.label_of(name),
+        )  # fmt: skip
+    axes.plot(place, errors.rms_of_bound(), zorder=3.5, **BOUND_LINE)
+
+
+def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
+    """Draw the errors over texts, which have no values between them.
+
+    Schemes are marks side by side; baselines and bound are short lines.
+    """
+    place = np.arange(len(errors.values))
+    ends = (place - HALF_WIDTH, place + HALF_WIDTH)
+    offsets = np.linspace(-0.6, 0.6, len(errors.schemes)) * HALF_WIDTH
+    for n, (name, rms) in enumerate(zip(errors.names, errors.rms()[:, :, number], strict=True)):
+        if name in errors.baselines:
+            line = curves.thin_line(style_of(name, errors.baselines))
+            axes.hlines(rms, *ends, label=style.label_of(name), **line)
+            continue
+        look = style_of(name, errors.schemes)
+        axes.plot(
+            place + offsets[n], rms, color=look.color, linestyle="none", marker=look.marker,
+            markersize=6, label=style.label_of(name),
+        )  # fmt: skip
+    axes.hlines(errors.rms_of_bound(), *ends, **BOUND_LINE)
+
+
+def _explain_baselines(errors: Errors) -> list[str]:
+    if not errors.baselines:
+        return []
+    told = "; ".join(f"{name}, {BASELINES[name]}" for name in errors.baselines)
+    return [f"Thin: baselines ({told})."]

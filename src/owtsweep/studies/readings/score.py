@@ -1,0 +1,182 @@
+"""Compute the score of an interpretation of the paper: its distance from the published results.
+
+The paper is Ren et al. (2019). The score is the sum of three parts. This sum was fixed before the
+recorded search for an interpretation. The first part is the mean of |log2(reproduced / published)|
+over the 64 numbers of tables 6-9 (Table 7's misprint is judged at 1.98e-3). The second part is
+`WINNER_PENALTY` for each of the four tables whose scheme of least position MSE (x + y) is not the
+published one. The third part concerns the boundary, the amplitude at which HME1 and HME2 are
+equally good: published as 0.3 m at 4 s and 1 m at 6 s. This part is `BOUNDARY_WEIGHT` times the sum
+of |log2(reproduced / published)| over both boundaries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.arrays import Array
+from owtsweep.results.superposition import superpose
+from owtsweep.studies.hub.public import HubConfig, Lanes, make_records, resolve, sum_errors
+from owtsweep.studies.readings.published import BOUNDARIES, published_numbers
+
+#: Natural periods (s) that the published numbers need.
+PERIODS = (3.0, 4.0, 6.0, 8.0)
+MEASURES = ("x", "y", "vx", "vy")
+WINNER_PENALTY = 0.5
+BOUNDARY_WEIGHT = 0.5
+#: The value of |log2(reproduced / published)| for a boundary that does not exist in the run.
+NO_BOUNDARY = 4.0
+
+#: Scheme -> natural period (s) -> means over the records, shape (4, 3): rows x, y, vx, vy, columns
+#: the products motion, cross, noise.
+Products = Mapping[str, Mapping[float, Array]]
+
+
+def scheme_products(
+    config: HubConfig, scheme: str, lanes: Mapping[float, Lanes]
+) -> dict[float, Array]:
+    """Run one scheme; average the products of its errors from motion and noise over the records.
+
+    The error of a scheme is the amplitude times an error from motion, plus an error from noise.
+    There are three products: the mean square of the error from motion, the mean product of both
+    errors, and the mean square of the error from noise.
+
+    Parameters
+    ----------
+    config
+        The configuration; `measures.window` selects the part of each record that counts.
+    scheme
+        Name of a scheme with a batch kernel.
+    lanes
+        Natural period (s) -> records, as `make_lanes` returns them.
+
+    Returns
+    -------
+    dict
+        Natural period (s) -> products, shape (4, 3): rows x, y, vx, vy, columns motion, cross,
+        noise.
+    """
+    resolved = resolve(scheme)
+    result: dict[float, Array] = {}
+    chain = None
+    for period, batch in lanes.items():
+        sensors = batch.records.sensors
+        settled = round(config.measures.settling_time / sensors.step)
+        if chain is None:  # its gains do not depend on the period, and take most of the time
+            chain = resolved.kernel(sensors, config, batch.records.steps)  # type: ignore[attr-defined]
+        (sums,) = sum_errors([chain], batch.records, settled, consistency=False)
+        parts = slice(0, 2) if config.measures.window == "full" else slice(1, 2)
+        total = sums.products[parts, :4].sum(axis=0) / sums.steps[parts].sum()
+        result[period] = np.asarray(total.mean(axis=2))
+    return result
+
+
+def make_lanes(
+    config: HubConfig, replicates: Sequence[int], periods: Sequence[float] = PERIODS
+) -> dict[float, Lanes]:
+    """Return natural period (s) -> the records from which a score is computed.
+
+    `replicates` are the numbers of the records, and `periods` the natural periods in s.
+    """
+    return {period: Lanes(make_records(config, period, replicates)) for period in periods}
+
+
+def at_amplitude(products: Array, amplitude: float) -> Array:
+    """Compute the MSE at an amplitude (m) by superposition.
+
+    `products` is the result of `scheme_products`. Its last axis holds the mean square of the error
+    due to motion of 1 m, the mean product of this error and the error due to noise, and the mean
+    square of the error due to noise. The result has the shape of `products` without the last axis.
+    """
+    return np.asarray(superpose(products[..., 0], products[..., 1], products[..., 2], amplitude))
+
+
+def boundary(lower: Array, upper: Array) -> float:
+    """Compute the amplitude (m) below which one scheme has the smaller MSE, and above it another.
+
+    The MSE is that of position, x + y. Return NaN if there is no such amplitude: one scheme is
+    better at every amplitude, or `upper` is better at small amplitudes.
+
+    Parameters
+    ----------
+    lower, upper
+        Products of the scheme that is better below the amplitude, and of the scheme that is better
+        above; shape (4, 3) each, as `scheme_products` returns them.
+    """
+    a, c, f = np.sum(lower[:2] - upper[:2], axis=0)  # lower minus upper: < 0 below the boundary
+    if f >= 0.0 or a <= 0.0:
+        return float("nan")
+    return float((-c + np.sqrt(c * c - a * f)) / a)
+
+
+@dataclass(frozen=True)
+class Score:
+    """Two parts of the distance from the published results: wrong winners, and wrong boundaries.
+
+    A third part, the mean distance of the published numbers, is not included.
+
+    Attributes
+    ----------
+    penalties
+        The sum of the two parts; less is better.
+    winners
+        The scheme of least position MSE at the condition of each of the tables 6, 7, 8 and 9 of
+        Ren et al. (2019).
+    boundaries
+        Natural period (s) -> amplitude (m) at which HME1 and HME2 are equally good; NaN if there is
+        no such amplitude.
+    """
+
+    penalties: float
+    winners: tuple[str, ...]
+    boundaries: dict[float, float]
+
+
+def compare(products: Products) -> pd.DataFrame:
+    """Compare the published numbers of some schemes with the numbers that a run reproduces.
+
+    Parameters
+    ----------
+    products
+        Scheme -> what `scheme_products` returns. The MSE at any amplitude follows from it.
+
+    Returns
+    -------
+    DataFrame
+        The rows of `published_numbers` for these schemes, with the further columns `reproduced` and
+        `log2`, the base-2 logarithm of reproduced / published.
+    """
+    table = published_numbers()
+    table = table[table.scheme.isin(list(products))].copy()
+    keys = zip(table.scheme, table.natural_period, table.amplitude, table.measure, strict=True)
+    table["reproduced"] = [
+        float(at_amplitude(products[scheme][period][MEASURES.index(measure)], amplitude))
+        for scheme, period, amplitude, measure in keys
+    ]
+    table["log2"] = np.log2(table.reproduced / table.published)
+    return table.reset_index(drop=True)
+
+
+def score(products: Products) -> Score:
+    """Compute the parts of the score on winners and boundaries, for EKF, MKF, HME1 and HME2.
+
+    `products` maps each of these schemes to what `scheme_products` returns. The third part of the
+    score, the mean distance of the published numbers, is not included; `compare` gives these
+    distances.
+    """
+    table = compare(products)
+    position = table[table.measure.isin(["x", "y"])]
+    sums = position.groupby(["table", "scheme"])[["published", "reproduced"]].sum().reset_index()
+
+    def winners(column: str) -> tuple[str, ...]:
+        return tuple(sums.scheme[sums.groupby("table")[column].idxmin()])
+
+    wrong = sum(a != b for a, b in zip(winners("published"), winners("reproduced"), strict=True))
+    limits = {p: boundary(products["HME2"][p], products["HME1"][p]) for p in PERIODS}
+    parts = np.array([np.log2(limits[period] / target) for period, target in BOUNDARIES.items()])
+    apart = float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))
+    penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * apart
+    return Score(penalties, winners("reproduced"), limits)

@@ -1,0 +1,66 @@
+"""Give files of records labels and hashes."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+
+from owtsweep.errors import InputError, printable
+from owtsweep.io.reading import require_regular
+
+
+def label_files(files: Sequence[str]) -> dict[str, str]:
+    """Give each file a label; return a mapping from label to file, in the order of the files.
+
+    A label is the file's name without extensions. If several files have one name, the second file's
+    label ends in "-2", the third file's in "-3", and so on.
+    """
+    labels: dict[str, str] = {}
+    for file in files:
+        stem = printable(Path(file).name.split(".")[0] or Path(file).name)
+        label, number = stem, 2
+        while label in labels:
+            label, number = f"{stem}-{number}", number + 1
+        labels[label] = file
+    return labels
+
+
+def hash_file(file: str) -> str:
+    """Return the hash of a file's contents; the two files of a HAWC2 result share one hash.
+
+    A HAWC2 result is a pair of files: NAME.sel and NAME.dat.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
+    """
+    path = Path(file)
+    try:
+        parts = [path]
+        if path.suffix.lower() in (".sel", ".dat"):
+            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
+        for part in parts:
+            require_regular(part)
+        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
+        return _hash(states)
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+
+
+def may_read(file: str) -> bool:
+    """Return False if a file is there but its permissions do not let this process read it."""
+    return os.access(file, os.R_OK) or not os.path.exists(file)
+
+
+@lru_cache(maxsize=4096)
+def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
+    result = hashlib.blake2b(digest_size=16)
+    for name, _, _ in states:
+        with open(name, "rb") as stream:
+            while chunk := stream.read(1 << 20):
+                result.update(chunk)
+    return result.hexdigest()

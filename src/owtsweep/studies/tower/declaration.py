@@ -1,0 +1,168 @@
+"""The tower study as a declaration: from loads on a structure to schemes' errors.
+
+A record has a part for each direction, fore-aft and side-side.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import as_mapping
+from owtsweep.evaluation.estimate import Reading
+from owtsweep.io.reading import expand_home, hash_file
+from owtsweep.studies.base.contract import Part
+from owtsweep.studies.base.declaration import Cell, Declaration, Quantity, Shown, Stated
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, name_channel, tell
+from owtsweep.studies.tower.checks import warn_of_few_inclinometers
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contest import CONTEST
+from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Setting
+from owtsweep.studies.tower.measures import Fatigue, compare, find_quietest, find_true_fatigue
+from owtsweep.studies.tower.recorded_truth import measure as compare_with_record
+from owtsweep.studies.tower.schemes import SCHEMES
+from owtsweep.studies.tower.sight import describe_sight, require_sight
+
+logger = logging.getLogger(__name__)
+
+#: Keys and sections of the configuration on which every row depends, beside the cuts.
+CONTENT = (
+    "seed", "structure", "record", "truth", "recorded", "wind", "waves", "sensors", "faults",
+    "filters", "model", "fatigue",
+)  # fmt: skip
+UNITS = {
+    "displacement": "m and rad, translation and rotation of each node of the cut structure",
+    "inputs": f"N and N m, {', '.join(INPUTS)} on the cut structure",
+    "wave": "N/m at sea level",
+    "x": "m",
+    "theta": "rad",
+    "a": "m/s^2",
+    "strain": "of the outer fibre, no unit",
+    "gnss": "m",
+}
+
+
+class Truth(NamedTuple):
+    """One record without noise, and its true fatigue by direction; {} if it is recorded."""
+
+    case: Case
+    fatigue: dict[str, Fatigue]
+
+
+class Record(NamedTuple):
+    """One record with its channels and measurements, shape (steps, channels), by direction."""
+
+    case: Case
+    fatigue: dict[str, Fatigue]
+    channels: dict[str, list[Channel]]
+    measured: dict[str, Array]
+
+
+def list_content(config: TowerConfig) -> dict[str, Any]:
+    """Return what the rows of every block depend on, without names; files by their bytes."""
+    whole = as_mapping(config)
+    content = {name: whole[name] for name in CONTENT}
+    for section, names in (("structure", ("name", "source")), ("sensors", ("name",))):
+        content[section] = {k: v for k, v in content[section].items() if k not in names}
+    content["cuts"] = list(config.heights)
+    if config.wind.file is not None:
+        content["loads"] = hash_file(expand_home(config.wind.file))
+    if config.recorded.file is not None:
+        content["recorded"] |= {"file": hash_file(expand_home(config.recorded.file))}
+    return content
+
+
+def _make_truth(config: TowerConfig, cell: Cell, replicate: int) -> Truth:
+    case = make_case(config, replicate)
+    recorded = config.recorded.file is not None  # a record has stresses nowhere
+    return Truth(case, {} if recorded else find_true_fatigue(config, case))
+
+
+def _measure(config: TowerConfig, cell: Cell, truth: Truth) -> Record:
+    case = truth.case
+    channels = {d: list_channels(config, case, d, cell["noise"]) for d in case.motion}
+    measured = {d: measure(config, case, d, channels[d]) for d in case.motion}
+    return Record(case, truth.fatigue, channels, measured)
+
+
+def _inform(config: TowerConfig, cell: Cell, record: Record) -> dict[str, Part[Setting, Array]]:
+    """Return both directions; a scheme that ignores the soil is told the right one."""
+    factor = cell.get("soil_factor", 1.0)
+    return {
+        d: Part(tell(config, record.case, d, factor, record.channels[d]), measured)
+        for d, measured in record.measured.items()
+    }
+
+
+def _score(
+    config: TowerConfig, cell: Cell, record: Record, parts: object,
+    estimates: Mapping[str, Estimates],
+) -> dict[str, float]:  # fmt: skip
+    case, given = record.case, dict(estimates)
+    if config.recorded.file is not None:
+        found = compare_with_record(case.motion, given, case.part.cut, config.record.settled)
+    else:
+        found = compare(config, case, record.fatigue, given)
+    return found | find_quietest(record.channels.get(DIRECTIONS[0], []))
+
+
+def _show(config: TowerConfig, record: Record) -> Shown:
+    """Return a record; names of quantities and signals end with the direction, "_fa" or "_ss"."""
+    case = record.case
+    time = np.arange(config.record.steps) / config.record.rate
+    truth = {
+        f"{name}_{d}": getattr(motion, name)
+        for d, motion in case.motion.items()
+        for name in ("displacement", "inputs", "wave")
+    }
+    signals = {
+        f"{name_channel(case, place)}_{d}": Reading(time, record.measured[d][:, i])
+        for d in case.motion
+        for i, place in enumerate(case.places)
+    }
+    units = {name: UNITS[name.partition("_")[0]] for name in [*truth, *signals]}
+    return Shown(time, truth, signals, units)
+
+
+def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
+    """Return quantities of both directions; no scheme of this study states a covariance."""
+    found: dict[str, Array] = {}
+    for d, given in estimates.items():
+        found[f"displacement_{d}"], found[f"inputs_{d}"] = given.displacement, given.inputs
+        if given.wave is not None:
+            found[f"wave_{d}"] = given.wave
+    return Stated(found, {}, max(given.wait for given in estimates.values()))
+
+
+def _warn(config: TowerConfig) -> None:
+    """Log what the set-up sees, and a warning if it has few inclinometers."""
+    for line in describe_sight(config):
+        logger.info("%s", line)
+    warn_of_few_inclinometers(config)
+
+
+DECLARATION = Declaration(
+    contest=CONTEST,
+    schemes=SCHEMES,
+    list_content=list_content,
+    most_records=lambda config: 1,
+    shared="truth",
+    make_truth=_make_truth,
+    measure=_measure,
+    inform=_inform,
+    score=_score,
+    estimates={
+        "displacement": Quantity((-1,)),
+        "inputs": Quantity((len(INPUTS),)),
+        "wave": Quantity((), optional=True),
+    },
+    count_samples=lambda record: len(next(iter(record.measured.values()))),
+    show=_show,
+    state=_state,
+    warn=_warn,
+    require=require_sight,
+)

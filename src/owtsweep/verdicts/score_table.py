@@ -1,0 +1,236 @@
+"""Tables of scores, by which claims are judged: one line per cell, record and value."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError, require
+from owtsweep.results.boundary import find_boundary, find_boundary_ratio
+from owtsweep.results.conditions import Condition, Grid
+from owtsweep.results.cube import Cube
+from owtsweep.verdicts.inference import Estimate
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: A value of a column that says what a score is of.
+Value = str | bool | float
+#: A cell: column -> its value. A selection: column -> its values, of which all combinations count.
+Cell = dict[str, Value]
+Selection = dict[str, tuple[Value, ...]]
+#: A place: the values of all conditions of a run but the last.
+Place = tuple[Value, ...]
+#: Numbers of claims and of tables are equal if they agree to this many decimal places.
+DIGITS = 9
+#: In a selection: all values that the table has.
+ALL = "*"
+
+
+def tidy(value: Any) -> Value:
+    """Return a value as cells have it: numbers rounded, but for what is true or false."""
+    if isinstance(value, str):
+        return value
+    import numpy as np
+
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    return round(float(value), DIGITS)
+
+
+@dataclass(frozen=True)
+class Boundary(Estimate):
+    """The value of the last condition at which two schemes are equally good.
+
+    Without one, it is NaN, and `wins` names the scheme that is better at every value, or "neither"
+    if the means cross twice or the other way round; else `wins` is "".
+    """
+
+    wins: str = ""
+
+
+@dataclass(frozen=True)
+class RunRows:
+    """The rows of a run, of which boundaries are found.
+
+    Attributes
+    ----------
+    rows, conditions
+        As `Run.cases` and `Study.conditions` return them. The last condition expands.
+    window
+        The part of each record over which errors are averaged.
+    """
+
+    rows: pd.DataFrame
+    conditions: Sequence[Condition]
+    window: str
+    _found: dict[tuple[str, ...], dict[Place, Boundary]] = field(default_factory=dict, repr=False)
+
+    def find_boundaries(self, schemes: tuple[str, str], measure: str) -> dict[Place, Boundary]:
+        """Return the boundaries by the values of all conditions but the last; {} without rows.
+
+        The first scheme is better below the boundary, the second above.
+        """
+        key = (*schemes, measure)
+        if key not in self._found:
+            self._found[key] = self._find_boundaries(schemes, measure)
+        return self._found[key]
+
+    def _find_boundaries(self, schemes: tuple[str, str], measure: str) -> dict[Place, Boundary]:
+        try:
+            table = find_boundary(self.rows, self.conditions, schemes, measure, self.window)
+        except InputError:  # a scheme is missing, or cases run directly: they have no products
+            return {}
+        found = {}
+        rows: Any = table.itertuples(index=False)
+        for row in rows:
+            place = tuple(tidy(value) for value in row[: len(self.conditions) - 1])
+            label = f"boundary at {self.tell(place)}"
+            if row.wins == "neither":
+                label += " (none: the means cross twice, or the other way round)"
+            elif row.wins:
+                label += f" (none: {row.wins} is better at every {self.conditions[-1].word})"
+            found[place] = Boundary(label, row.boundary, row.ci_low, row.ci_high, row.wins)
+        return found
+
+    def divide(
+        self, places: tuple[Place, Place], schemes: tuple[str, str], measure: str
+    ) -> Estimate | None:
+        """Return the boundary at one place over that at another; None without rows."""
+        name = f"boundary at {self.tell(places[0])} over that at {self.tell(places[1])}"
+        values: Any = places
+        try:
+            ratio = find_boundary_ratio(
+                self.rows, self.conditions, values, schemes, measure, self.window
+            )
+        except InputError:
+            return None
+        return Estimate(name, *ratio)
+
+    def tell(self, place: Place) -> str:
+        """Return the values of all conditions but the last in words."""
+        told = zip(self.conditions[:-1], place, strict=True)
+        return ", ".join(condition.show(value) for condition, value in told)
+
+
+@dataclass(frozen=True)
+class ScoreTable:
+    """Scores of several records.
+
+    Attributes
+    ----------
+    table
+        Long form. Columns: those that say what a value is of (scenario, conditions, scheme,
+        quantity, measure ...), replicate, value. No field is empty.
+    run
+        The rows that the table was made of, if they hold for all values of the last condition.
+    """
+
+    table: pd.DataFrame
+    run: RunRows | None = None
+
+    @classmethod
+    def of_rows(
+        cls, rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid, window: str
+    ) -> ScoreTable:
+        """Make the scores of a run.
+
+        Columns: scheme, the conditions, measure, replicate, value.
+
+        Parameters
+        ----------
+        rows, conditions
+            The run's rows, and the conditions of its study.
+        grid
+            Condition -> the run's values; only those of a last condition that expands are needed.
+        window
+            The part of each record over which errors are averaged.
+        """
+        inside = rows[rows["window"] == window]
+        cube = Cube.of_rows(inside, list(inside["scheme"].unique()), conditions, grid)
+        run = RunRows(rows, conditions, window) if conditions[-1].expands else None
+        return cls(cube.to_table().drop(columns="window"), run)
+
+    @property
+    def records(self) -> int:
+        """The number of records."""
+        return int(self.table["replicate"].nunique())
+
+    @cached_property
+    def columns(self) -> list[str]:
+        """The names of the columns that say what a value is of."""
+        return [str(name) for name in self.table if name not in ("replicate", "value")]
+
+    @cached_property
+    def _by_cell(self) -> dict[tuple[Value, ...], pd.Series[float]]:
+        """The values of every cell, indexed by replicate and sorted."""
+        groups = self.table.set_index("replicate").sort_index(kind="stable")
+        by_columns = groups.groupby(self.columns, sort=False, observed=True)["value"]
+        return {
+            tuple(tidy(value) for value in (key if isinstance(key, tuple) else (key,))): values
+            for key, values in by_columns
+        }
+
+    @cached_property
+    def _only(self) -> dict[str, Value]:
+        """The value of each column that has a single one."""
+        values = [set(column) for column in zip(*self._by_cell, strict=True)]
+        pairs = zip(self.columns, values, strict=bool(values))
+        return {name: next(iter(found)) for name, found in pairs if len(found) == 1}
+
+    def list_cells(
+        self, selection: Selection, *, free: Collection[str] = ()
+    ) -> list[dict[str, Value]]:
+        """Return the cells of a selection, whether the table has them or not.
+
+        The last of the selected columns varies first. Columns in `free` need no value.
+
+        Raises
+        ------
+        InputError
+            If another column is left out that has several values.
+        """
+        left = [name for name in self.columns if name not in selection and name not in free]
+        for name in left:
+            require(
+                name in self._only or not self._by_cell,
+                f"claims: {name} has several values in these scores; select some",
+            )
+        listed = {
+            name: self._list_values(name, selection) if values == (ALL,) else values
+            for name, values in selection.items()
+        }
+        listed |= {name: (self._only[name],) for name in left if name in self._only}
+        return [dict(zip(listed, values, strict=True)) for values in product(*listed.values())]
+
+    def _list_values(self, column: str, selection: Selection) -> tuple[Value, ...]:
+        """Return the values of a column beside what else is selected; ("*",) if there are none."""
+        fixed = {name: values for name, values in selection.items() if values != (ALL,)}
+        cells = (dict(zip(self.columns, key, strict=True)) for key in self._by_cell)
+        beside = [c for c in cells if all(c.get(n) in values for n, values in fixed.items())]
+        return tuple(dict.fromkeys(cell[column] for cell in beside)) or (ALL,)
+
+    def find(self, cells: Sequence[Cell]) -> list[Array] | None:
+        """Return the values of cells in the records that have all of them.
+
+        One array of shape (records,) per cell, all in the same order of records; None if a cell has
+        no values, or if no record has all.
+        """
+        import pandas as pd
+
+        keys = [tuple(cell.get(name, "") for name in self.columns) for cell in cells]
+        if not all(key in self._by_cell for key in keys):
+            return None
+        found = [self._by_cell[key] for key in keys]
+        require(
+            all(series.index.is_unique for series in found),
+            "claims: these scores have two values of one record in one cell",
+        )
+        if all(series.index.equals(found[0].index) for series in found):
+            return [series.to_numpy(dtype=float) for series in found]  # as a rule; a join is slow
+        shared = pd.concat(found, axis=1, join="inner")
+        return list(shared.to_numpy(dtype=float).T) if len(shared) else None

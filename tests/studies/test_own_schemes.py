@@ -1,0 +1,123 @@
+"""Users' schemes in the declared studies: named, run, isolated, stored, refused in one line."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+import own_schemes
+from owtsweep import load
+from owtsweep.cli import main
+from owtsweep.studies import compose, get_study
+from owtsweep.testing import check_declared_scheme
+
+TINY = [
+    "study=floater", "record.duration=60", "record.rate=10", "record.settling=20",
+    "grid.delay=[0,2]", "grid.bias=[0.1]", "grid.replicates=2", "compute.workers=1",
+]  # fmt: skip
+#: A short record of each declared study.
+SHORT = {
+    "floater": ["record.duration=60", "record.rate=10", "record.settling=20"],
+    "blade": ["record.duration=60", "record.settling=20", "grid.outage=[0]"],
+    "tower": [
+        f"structure={Path(__file__).parents[1] / 'tower/small.yaml'}", "record.duration=20",
+        "record.rate=20", "record.settling=10", "truth.subdivision=1",
+        "sensors.inclinometers=[0,20,80,110]", "sensors.accelerometers=[50,110]",
+    ],
+}  # fmt: skip
+OURS = [(study, name) for study in SHORT for name in get_study(study).schemes()]
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def own(name: str) -> str:
+    return f"{{_target_:own_schemes.{name}}}"
+
+
+@pytest.mark.parametrize(("study", "name"), OURS)
+def test_all_of_ours_keep_the_contract(study: str, name: str) -> None:
+    scheme = get_study(study).declaration().schemes.resolve(name)
+    check_declared_scheme(scheme, study, SHORT[study])
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("Nameless", "Nameless lacks name"),
+        ("Short", r"SHORT: position has the shape \(599, 6\), not \(600, 6\)"),
+        ("Forgetful", "FORGETFUL: run changes the measurements"),
+    ],
+)
+def test_a_broken_scheme_is_found(name: str, says: str) -> None:
+    with pytest.raises(AssertionError, match=says):
+        check_declared_scheme(getattr(own_schemes, name)(), "floater", SHORT["floater"])
+
+
+def test_a_sound_scheme_passes() -> None:
+    check_declared_scheme(own_schemes.Held(), "floater", SHORT["floater"])
+    check_declared_scheme(own_schemes.Refuses(), "floater", SHORT["floater"])
+
+
+def test_a_users_scheme_runs_beside_ours_and_its_errors_are_its_own() -> None:
+    names = ["Held", "Exits", "Short", "Nan", "Refuses"]
+    entries = ",".join(["LOWPASS", *map(own, names)])
+    assert main(["sweep", *TINY, "name=mine", f"schemes=[{entries}]"]) == 1
+    rows = load("results/mine").cases()
+    told = rows.groupby("scheme", observed=True)[["status", "reason"]].first()
+    assert told.loc[["LOWPASS", "HELD"], "status"].tolist() == ["ok", "ok"]
+    assert told.loc["EXITS"].tolist() == ["failed", "SystemExit: 3"]
+    assert told.loc["SHORT", "reason"] == "position has the shape (599, 6), not (600, 6)"
+    assert told.loc["NAN"].tolist() == ["failed", "the estimate is not finite"]
+    assert told.loc["REFUSES"].tolist() == ["unable", "no reports on Sundays"]
+    summary = load("results/mine").summary()
+    position = summary[summary["measure"] == "position"].set_index("scheme")["mean"]
+    assert position["HELD"].max() < position["LOWPASS"].max()
+
+
+def test_a_stored_run_is_read_without_the_users_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    words = [*TINY, "name=mine", f"schemes=[LOWPASS,{own('Held')}]"]
+    assert main(["sweep", *words]) == 0
+    monkeypatch.setitem(sys.modules, "own_schemes", None)
+    run = load("results/mine")
+    assert set(run.summary()["scheme"]) == {"LOWPASS", "HELD"}
+    assert main(["figures", "results/mine"]) == 0
+    assert main(["show", "results/mine"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("entry", "says"),
+    [
+        ("{_target_:own_schemes.Taken}", "the name 'KF' is that of a scheme of study=floater"),
+        ("{_target_:own_schemes.Other}", "is a scheme of study=blade, not of study=floater"),
+        ("{_target_:own_schemes.Nameless}", r"is no scheme: it lacks name \(a non-empty str\)"),
+        ("{_target_:own_schemes.Unable}", "is no scheme: it is no class with a method prepare"),
+        ("{_target_:own_schemes.None}", "own_schemes.None cannot be made"),
+        ("{_target_:nobody.Wrote}", "nobody.Wrote cannot be made"),
+        ("{_target_:Wrote}", "names no class; use"),
+        ("{name:3}", "is neither a name nor"),
+        ("MEKF", r"there is no scheme 'MEKF' here \(but in study=blade and study=mating\)"),
+        ("KF,KF", "'KF' stands there twice"),
+    ],
+)
+def test_what_is_no_scheme_is_refused_in_one_line(
+    entry: str, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import re
+
+    assert main(["sweep", *TINY, f"schemes=[{entry}]"]) == 2
+    told = capsys.readouterr().err
+    assert re.fullmatch(rf"owtsweep: schemes.*{says}.*\n", told), told
+
+
+def test_code_is_part_of_the_key() -> None:
+    study = get_study("floater")
+    config = compose([*TINY, f"schemes=[{own('Held')},KF]"])
+    mine, ours = study.engine(config).plan(config)[:2]
+    assert mine.content["entry"] == {"_target_": "own_schemes.Held"}
+    assert {"source"} <= set(mine.content)
+    assert "source" not in ours.content
