@@ -27,8 +27,8 @@ def test_records_grow_and_fall_and_sensors_feel_it() -> None:
         np.testing.assert_array_equal(ours, theirs)
 
 
-def test_an_envelope_names_the_blocks_and_no_envelope_does_not() -> None:
-    assert "envelope" not in plan(configure())[0].content
+def test_an_envelope_names_the_blocks() -> None:
+    assert plan(configure())[0].content["envelope"] is None
     assert plan(configure(GROWS))[0].content["envelope"] == [[0, 0.1], [15, 10], [30, 0.1]]
 
 

@@ -11,11 +11,14 @@ OTHERS = ("tower", "floater", "blade", "mating")
 
 
 @pytest.mark.parametrize("study", OTHERS)
-def test_a_class_of_a_users_says_where_it_would_run(study: str) -> None:
-    with pytest.raises(InputError, match=r"^schemes: .* is no name; .* runs in study=hub"):
-        compose([f"study={study}", "schemes=[{_target_: mine.HoldLastFix}]"])
+def test_an_unknown_name_is_refused(study: str) -> None:
     with pytest.raises(InputError, match="schemes: there is no scheme 'mine'"):
         compose([f"study={study}", "schemes=[mine]"])
+
+
+def test_a_class_of_a_users_says_where_it_would_run() -> None:
+    with pytest.raises(InputError, match=r"^schemes: .* is no name; .* runs in study=blade"):
+        compose(["study=mating", "schemes=[{_target_: mine.HoldLastFix}]"])
 
 
 @pytest.mark.parametrize(
