@@ -24,6 +24,20 @@ class Held:
         return floater.Estimates(held, np.zeros_like(held))
 
 
+class Falls:
+    """A scheme for the tower that divides by zero."""
+
+    name = "FALLS"
+
+    def prepare(self, known):
+        """Nothing is computed beforehand."""
+        return self
+
+    def run(self, measured):
+        """Fail."""
+        return 1 / 0
+
+
 class Other(Held):
     """A scheme of another study."""
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,9 @@ import pytest
 import own_schemes
 from owtsweep import load
 from owtsweep.cli import main
+from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
+from owtsweep.studies.base import schemes
 from owtsweep.testing import check_declared_scheme
 
 TINY = [
@@ -79,6 +83,38 @@ def test_a_users_scheme_runs_beside_ours_and_its_errors_are_its_own() -> None:
     assert position["HELD"].max() < position["LOWPASS"].max()
 
 
+def test_a_users_scheme_of_the_tower_fails_alone() -> None:
+    words = ["study=tower", *SHORT["tower"], "grid.noise=[1]", "grid.soil_factor=[1]"]
+    entries = f"schemes=[QUASI_STATIC,{own('Falls')}]"
+    assert main(["sweep", *words, "grid.replicates=1", "compute.workers=1", entries]) == 1
+    rows = load(next(Path("results").iterdir())).cases().groupby("scheme", observed=True)
+    told = rows[["status", "reason"]].first()
+    assert told.loc["QUASI_STATIC", "status"] == "ok"
+    assert told.loc["FALLS"].tolist() == ["failed", "ZeroDivisionError: division by zero"]
+
+
+def test_the_example_of_the_page_keeps_the_contract() -> None:
+    page = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text("utf-8")
+    (example,) = re.findall(r"```python\n(import numpy[^`]*class Held.*?)```", page, re.DOTALL)
+    names: dict[str, type] = {}
+    exec(example, names)
+    check_declared_scheme(names["Held"](), "floater", SHORT["floater"])
+
+
+def test_a_scheme_of_another_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    points = [EntryPoint("HELD", "own_schemes:Held", "owtsweep.schemes")]
+    monkeypatch.setattr(schemes, "entry_points", lambda group: points)
+    study, config = get_study("floater"), compose([*TINY, "schemes=[HELD,KF]"])
+    assert study.schemes()["HELD"] == "own_schemes:Held, of another package"
+    theirs, ours = study.engine(config).plan(config)[:2]
+    assert theirs.content["entry"] == "HELD"
+    assert "source" in theirs.content
+    assert "entry" not in ours.content
+    points[:] = [EntryPoint("WRONG", "own_schemes:Held", "owtsweep.schemes")]
+    with pytest.raises(InputError, match="own_schemes:Held calls itself 'HELD', its package"):
+        compose([*TINY, "schemes=[WRONG]"])
+
+
 def test_a_stored_run_is_read_without_the_users_code(monkeypatch: pytest.MonkeyPatch) -> None:
     words = [*TINY, "name=mine", f"schemes=[LOWPASS,{own('Held')}]"]
     assert main(["sweep", *words]) == 0
@@ -107,8 +143,6 @@ def test_a_stored_run_is_read_without_the_users_code(monkeypatch: pytest.MonkeyP
 def test_what_is_no_scheme_is_refused_in_one_line(
     entry: str, says: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    import re
-
     assert main(["sweep", *TINY, f"schemes=[{entry}]"]) == 2
     told = capsys.readouterr().err
     assert re.fullmatch(rf"owtsweep: schemes.*{says}.*\n", told), told

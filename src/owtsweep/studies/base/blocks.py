@@ -16,7 +16,6 @@ from owtsweep.studies.base.contest import Contest
 from owtsweep.studies.base.contract import NotFinite, Part, Scheme, Unable
 from owtsweep.studies.base.declaration import Cell, Declaration
 from owtsweep.studies.base.rows import Judgement, make_rows
-from owtsweep.studies.base.schemes import describe_code, explain_anew
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
@@ -71,8 +70,8 @@ def plan(declaration: AnyDeclaration, config: Any) -> list[Block]:
         Planned(
             scheme.name,
             find_ignored(declaration, scheme),
-            describe_code(entry, scheme),
-            explain_anew(entry, scheme),
+            declaration.schemes.describe_code(entry, scheme),
+            declaration.schemes.explain_anew(scheme),
         )
         for entry, scheme in zip(
             config.schemes, declaration.schemes.resolve_all(config.schemes), strict=True

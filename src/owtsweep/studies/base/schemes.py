@@ -121,7 +121,12 @@ class SchemeTable:
             return module.SCHEME  # type: ignore[no-any-return]
         for point in self._find_others():
             if point.name == entry:
-                return self._check(make_scheme({"_target_": point.value}), entry)
+                scheme = self._check(make_scheme({"_target_": point.value}), point.value)
+                require(
+                    scheme.name == entry,
+                    f"schemes: {point.value} calls itself {scheme.name!r}, its package {entry!r}",
+                )
+                return scheme
         raise InputError(f"schemes: {self._explain_unknown(entry)}")
 
     def resolve_all(self, entries: Sequence[Any]) -> list[Scheme[Any, Any, Any]]:
@@ -144,6 +149,20 @@ class SchemeTable:
             if names.count(name) > 1:
                 raise InputError(f"schemes: {name!r} stands there twice; use each name once")
         return schemes
+
+    def describe_code(self, entry: Any, scheme: Scheme[Any, Any, Any]) -> dict[str, Any]:
+        """Return the entry and the source of a scheme that is not the study's; {} if it is.
+
+        Rows depend on them. `numerics_version` tells of changes of the study's own schemes.
+        """
+        if scheme.name in self.listed:
+            return {}
+        plain = entry if isinstance(entry, str) else {str(k): v for k, v in entry.items()}
+        return {"entry": plain} | describe_source(type(scheme))
+
+    def explain_anew(self, scheme: Scheme[Any, Any, Any]) -> str:
+        """Return why stored rows of a scheme must be computed anew; "" if they can be used."""
+        return "" if scheme.name in self.listed else explain_doubt(type(scheme))
 
     def list_ignored(self, scheme: Scheme[Any, Any, Any]) -> Sequence[str]:
         """Return the axes on which a scheme's estimates do not depend; a user's may name some."""
@@ -192,23 +211,6 @@ def list_names(entries: Sequence[Any]) -> list[str]:
         else make_scheme(entry).name
         for entry in entries
     ]
-
-
-def describe_code(entry: Any, scheme: Scheme[Any, Any, Any]) -> dict[str, Any]:
-    """Return what of an entry's code rows depend on: nothing for a study's own scheme.
-
-    `numerics_version` tells of changes of a study's own schemes.
-    """
-    if not isinstance(entry, Mapping):
-        return {}
-    return {"entry": {str(key): value for key, value in entry.items()}} | describe_source(
-        type(scheme)
-    )
-
-
-def explain_anew(entry: Any, scheme: Scheme[Any, Any, Any]) -> str:
-    """Return why stored rows of an entry must be computed anew; "" if they can be used."""
-    return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
 
 
 def stand_in(entries: Any, names: Any) -> Any:
