@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -11,16 +10,15 @@ from typing import Annotated, Any, NamedTuple, NoReturn
 
 from pydantic import BeforeValidator
 
-from owtsweep.errors import InputError, as_text, require
+from owtsweep.errors import InputError, require
 from owtsweep.figures.palette import SchemeStyle, reserve
 from owtsweep.studies.base.contract import Scheme
+from owtsweep.studies.base.users import check_name, instantiate
 from owtsweep.studies.registry import OURS, list_schemes
 from owtsweep.sweep.source import describe_source, explain_doubt
 
 #: The entry-point group of other packages' schemes: name -> "module:Class".
 GROUP = "owtsweep.schemes"
-#: Most characters of a scheme's name: it stands in the cells and legends of figures.
-LONGEST_NAME = 60
 
 
 class Listed(NamedTuple):
@@ -121,7 +119,9 @@ class SchemeTable:
             return module.SCHEME  # type: ignore[no-any-return]
         for point in self._find_others():
             if point.name == entry:
-                scheme = self._check(make_scheme({"_target_": point.value}), point.value)
+                scheme = self._check(
+                    make_scheme({"_target_": point.value.replace(":", ".")}), point.value
+                )
                 require(
                     scheme.name == entry,
                     f"schemes: {point.value} calls itself {scheme.name!r}, its package {entry!r}",
@@ -242,21 +242,6 @@ def stand_in(entries: Any, names: Any) -> Any:
     ]
 
 
-def check_name(name: Any) -> None:
-    """Check that a scheme's name can be shown in tables, figures and a terminal.
-
-    Raises
-    ------
-    InputError
-        If the name is no text of 1 to `LONGEST_NAME` printable characters.
-    """
-    require(
-        isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable(),
-        f"schemes: the name {str(name)[:LONGEST_NAME]!r} cannot be used; give one of 1 to "
-        f"{LONGEST_NAME} printable characters",
-    )
-
-
 def make_scheme(entry: Mapping[str, Any]) -> Scheme[Any, Any, Any]:
     """Make a user's scheme of its entry `{_target_: package.Class, ...}`.
 
@@ -265,37 +250,12 @@ def make_scheme(entry: Mapping[str, Any]) -> Scheme[Any, Any, Any]:
     InputError
         If the class cannot be imported or made, or lacks `name` or `prepare`.
     """
-    target = str(entry["_target_"]).replace(":", ".")
-    module_name, _, class_name = target.rpartition(".")
-    require(
-        class_name != "" and module_name.strip(".") != "" and not module_name.startswith("."),
-        f"schemes: _target_: {target!r} names no class; use {{_target_: package.Class}}",
-    )
-    arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
-    with _blame(target):
-        made = getattr(import_module(module_name), class_name)
-        require(
-            isinstance(made, type) and callable(getattr(made, "prepare", None)),
-            "it is no class with a method prepare(known)",
-        )
-        scheme: Scheme[Any, Any, Any] = made(**arguments)
-        name = getattr(scheme, "name", None)
-        require(isinstance(name, str) and name != "", "it lacks name (a non-empty str)")
-    check_name(scheme.name)
+    scheme: Scheme[Any, Any, Any] = instantiate(entry, "prepare(known)", _check_made)
     return scheme
 
 
-@contextmanager
-def _blame(target: str) -> Iterator[None]:
-    """Turn every exception of a scheme's code into an InputError of one line."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"schemes: {target} is no scheme: {error}") from None
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # it may even call sys.exit()
-        raise InputError(
-            f"schemes: {target} cannot be made ({as_text(error)}); the class must be importable "
-            "(see PYTHONPATH) and take the given arguments"
-        ) from error
+def _check_made(scheme: Any, target: str) -> None:
+    name = getattr(scheme, "name", None)
+    require(isinstance(name, str) and name != "", "it lacks name (a non-empty str)")
+    check_name(name)
+    list(getattr(scheme, "ignores", ()))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
-from owtsweep.config import require
-from owtsweep.errors import InputError, as_text
+from owtsweep.errors import InputError
+from owtsweep.studies.base.users import blame_code, check_name, instantiate
 from owtsweep.studies.hub import names
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.stored_schemes import StoredScheme, check_name
+from owtsweep.studies.hub.stored_schemes import StoredScheme
 
 #: Attributes and methods that a scheme may have besides name, linear and start.
 OPTIONAL = ("under", "told", "kernel", "own_kernel", "stream", "sections")
@@ -44,7 +43,7 @@ def resolve(entry: Any) -> Scheme:
     if isinstance(entry, StoredScheme):
         return entry
     if isinstance(entry, Mapping) and "_target_" in entry:
-        return _instantiate(entry)
+        return instantiate(entry, "start(sensors, tuning)", _check_made)  # type: ignore[no-any-return]
     raise InputError(
         f"schemes: {entry!r} is neither a name nor {{_target_: package.Class}} with its arguments"
     )
@@ -91,59 +90,16 @@ def under(scheme: Scheme, tuning: Any) -> Scheme:
     """
     if tuning is None or not hasattr(scheme, "under"):
         return scheme
-    with _blame(scheme.name, "its method `under` must return a scheme"):
+    with blame_code(scheme.name, "its method `under` must return a scheme"):
         formed: Scheme = scheme.under(tuning)
         check_scheme(formed, scheme.name)
     return formed
 
 
-@contextmanager
-def _blame(target: str, advice: str) -> Iterator[None]:
-    """Turn every exception of a scheme's code into an InputError of one line.
-
-    Raises
-    ------
-    InputError
-        Instead of any exception inside the context, except KeyboardInterrupt, which is not changed.
-        The message names the scheme by `target` and ends with `advice`. But if the exception was an
-        InputError, the message ends with the text of that InputError.
-    """
-    try:
-        yield
-    except InputError as error:
-        told = str(error)
-        raise InputError(
-            told if told.startswith("schemes: ") else f"schemes: {target} is no scheme: {told}"
-        ) from None
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # it may even call sys.exit()
-        raise InputError(
-            f"schemes: {target} cannot be made ({as_text(error)}); {advice}"
-        ) from error
-
-
-def _instantiate(entry: Mapping[str, Any]) -> Scheme:
-    target = entry["_target_"]
-    module_name, _, class_name = str(target).rpartition(".")
-    require(
-        class_name != "" and module_name.strip(".") != "" and not module_name.startswith("."),
-        f"schemes: _target_: {target!r} names no class; use {{_target_: package.Class}}",
-    )
-    arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
-    advice = "the class must be importable (see PYTHONPATH) and take the given arguments"
-    with _blame(target, advice):
-        made = getattr(import_module(module_name), class_name)
-        require(
-            isinstance(made, type) and callable(getattr(made, "start", None)),
-            "it is no class with a method start(sensors, tuning)",
-        )
-        scheme: Scheme = made(**arguments)
-        check_scheme(scheme, target)
-        for name in OPTIONAL:  # a property that raises would do so in the middle of a sweep
-            getattr(scheme, name, None)
-        str(getattr(made, "version", ""))
-    return scheme
+def _check_made(scheme: Any, target: str) -> None:
+    check_scheme(scheme, target)
+    for name in OPTIONAL:  # a property that raises would do so in the middle of a sweep
+        getattr(scheme, name, None)
 
 
 def check_scheme(scheme: Any, target: str) -> None:

@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 from owtsweep.config import require
 from owtsweep.errors import InputError
+from owtsweep.studies.base.users import check_name
 from owtsweep.studies.hub.contract import Scheme
 
 
@@ -57,26 +58,6 @@ class StoredKernelScheme(StoredScheme):
             Always.
         """
         self.start(sensors, tuning)
-
-
-#: Most characters of a scheme's name: it stands in the cells and legends of figures.
-LONGEST_NAME = 60
-
-
-def check_name(name: Any) -> None:
-    """Check that a scheme's name can be shown in tables, figures and a terminal.
-
-    Raises
-    ------
-    InputError
-        If the name is not a text, is empty, has more than `LONGEST_NAME` characters, or contains a
-        character that cannot be printed.
-    """
-    require(
-        isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable(),
-        f"schemes: the name {str(name)[:LONGEST_NAME]!r} cannot be used; give one of 1 to "
-        f"{LONGEST_NAME} printable characters",
-    )
 
 
 def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
