@@ -94,6 +94,7 @@ def test_each_script_draws_its_figure(capsys, monkeypatch):
     for name in names:
         capsys.readouterr()
         monkeypatch.setattr(sys, "argv", [name, str(only_run())])
+        monkeypatch.delitem(sys.modules, f"experiments.{name}", raising=False)  # another test's
         runpy.run_module(f"experiments.{name}", run_name="__main__")
         files = [Path(line) for line in capsys.readouterr().out.splitlines()]
         assert files
