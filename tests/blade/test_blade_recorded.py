@@ -156,6 +156,7 @@ def test_a_sweep_judges_against_withheld_fixes(tmp_path: Path) -> None:
     run = owtsweep.run([
         *RECORDED, "grid.outage=[0,10]", "recorded.gnss=[gnss0.csv,gnss1.csv]",
         "schemes=[HOLD,MEKF,GNSS_WAHBA,TOTAL_STATIONS]", f"results={tmp_path}",
+        "compute.backend=threading",  # processes that another test left stand in its folder
     ])  # fmt: skip
     rows = run.cases()
     withheld = rows[rows["measure"] == "withheld"].set_index("scheme")["value"]
