@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.blocks import Records, check_estimates, list_cells
+from owtsweep.studies.base.axes import list_cells
+from owtsweep.studies.base.blocks import Records, check_estimates
 from owtsweep.studies.base.contract import NotFinite, Unable
 from owtsweep.studies.base.study import DeclaredStudy
 

@@ -1,14 +1,17 @@
-"""Checks the two axes of a map, and that no other axis of the grid has several values."""
+"""The axes of a grid: checks those of a map, and lists the cells."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import product
 from math import ceil, prod
 from typing import Any
 
 from owtsweep.config import require
 from owtsweep.studies.grid_size import check_blocks
 
+#: Value of each axis of the grid in one cell; an axis without a value is missing.
+Cell = Mapping[str, float]
 #: Records of a block where records are not long.
 RECORDS = 4
 
@@ -54,3 +57,15 @@ def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str], scheme
         )
     cells = prod(len(getattr(grid, axis)) for axis in chosen)
     check_blocks(cells * schemes * ceil(grid.replicates / RECORDS))
+
+
+def list_cells(axes: Sequence[str], grid: Any) -> list[Cell]:
+    """Return all cells of a grid, the last axis running fastest; an axis without value is missing.
+
+    `grid` is the configuration's section, with a list of values, or None, for each axis.
+    """
+    values = [getattr(grid, axis) or [None] for axis in axes]
+    return [
+        {axis: value for axis, value in zip(axes, cell, strict=True) if value is not None}
+        for cell in product(*values)
+    ]

@@ -12,9 +12,10 @@ import numpy as np
 
 from owtsweep.errors import as_text
 from owtsweep.results.status import FAILED, UNABLE
+from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.base.contest import Contest
 from owtsweep.studies.base.contract import NotFinite, Part, Scheme, Unable
-from owtsweep.studies.base.declaration import Cell, Declaration
+from owtsweep.studies.base.declaration import Declaration
 from owtsweep.studies.base.rows import Judgement, make_rows
 from owtsweep.sweep.study import Block
 
@@ -22,18 +23,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 AnyDeclaration = Declaration[Any, Any, Any, Any, Any, Any]
-
-
-def list_cells(axes: Sequence[str], grid: Any) -> list[Cell]:
-    """Return all cells of a grid, the last axis running fastest; an axis without value is missing.
-
-    `grid` is the configuration's section, with a list of values, or None, for each axis.
-    """
-    values = [getattr(grid, axis) or [None] for axis in axes]
-    return [
-        {axis: value for axis, value in zip(axes, cell, strict=True) if value is not None}
-        for cell in product(*values)
-    ]
 
 
 class Planned(NamedTuple):

@@ -9,12 +9,11 @@ from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Reading
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contest import Contest
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.schemes import SchemeTable
 
-#: Value of each axis of the grid in one cell; an axis without a value is missing.
-Cell = Mapping[str, float]
 Config = TypeVar("Config")
 Truth = TypeVar("Truth")
 Record = TypeVar("Record")

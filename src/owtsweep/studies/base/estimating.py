@@ -6,7 +6,8 @@ from typing import Any
 
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.results.conditions import find_only_cell
-from owtsweep.studies.base.blocks import Records, find_ignored, list_cells
+from owtsweep.studies.base.axes import list_cells
+from owtsweep.studies.base.blocks import Records, find_ignored
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.base.declaration import Declaration, Stated
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from itertools import product
 from typing import TYPE_CHECKING
+
+from owtsweep.studies.base.axes import Cell, list_cells
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
@@ -40,19 +40,12 @@ class Conditions:
     heading: float | None
 
     @classmethod
-    def of(cls, cell: Mapping[str, float]) -> Conditions:
+    def of(cls, cell: Cell) -> Conditions:
         """Return a cell in which an axis without a value is missing."""
         return cls(**{field.name: cell.get(field.name) for field in fields(cls)})  # type: ignore[arg-type]
 
 
 def list_cases(config: BladeConfig) -> list[Conditions]:
     """Return all cells of a configuration, the last axis running fastest."""
-    grid = config.grid
-    unset: list[float | None] = [None]
-    return [
-        Conditions(*values)
-        for values in product(
-            grid.sigma, grid.outage, grid.offset, grid.period or unset, grid.amplitude or unset,
-            grid.lever, grid.heading or unset,
-        )
-    ]  # fmt: skip
+    axes = [field.name for field in fields(Conditions)]
+    return [Conditions.of(cell) for cell in list_cells(axes, config.grid)]

@@ -10,8 +10,9 @@ import numpy as np
 from owtsweep.config import as_mapping
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
-from owtsweep.studies.base.declaration import Cell, Declaration, Quantity, Shown, Stated
+from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
 from owtsweep.studies.blade.case import Conditions
 from owtsweep.studies.blade.cases import Case, World, make_world, observe
 from owtsweep.studies.blade.config import BladeConfig

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from itertools import product
 from typing import TYPE_CHECKING
+
+from owtsweep.studies.base.axes import Cell, list_cells
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig
@@ -39,16 +39,12 @@ class Conditions:
     roll: float | None
 
     @classmethod
-    def of(cls, cell: Mapping[str, float]) -> Conditions:
+    def of(cls, cell: Cell) -> Conditions:
         """Return a cell in which an axis without a value is missing."""
         return cls(**{field.name: cell.get(field.name) for field in fields(cls)})  # type: ignore[arg-type]
 
 
 def list_cases(config: FloaterConfig) -> list[Conditions]:
     """Return all cells of a configuration, the last axis running fastest."""
-    grid = config.grid
-    rolls: list[float | None] = [None] if grid.roll is None else list(grid.roll)
-    return [
-        Conditions(*values)
-        for values in product(grid.delay, grid.bias, grid.snr, grid.loss, grid.believed, rolls)
-    ]
+    axes = [field.name for field in fields(Conditions)]
+    return [Conditions.of(cell) for cell in list_cells(axes, config.grid)]

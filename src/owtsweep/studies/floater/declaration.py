@@ -11,8 +11,9 @@ from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.io.reading import expand_home, hash_file
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
-from owtsweep.studies.base.declaration import Cell, Declaration, Quantity, Shown, Stated
+from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
 from owtsweep.studies.floater.believed import make_setting
 from owtsweep.studies.floater.case import Conditions
 from owtsweep.studies.floater.config import FloaterConfig
