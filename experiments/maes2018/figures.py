@@ -7,7 +7,6 @@ FOLDER (default: results/blade_paper) gets a PNG and an SVG of each, of one reco
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from experiments.drawing import draw_into
 from experiments.maes2018.picture import draw_picture
 from experiments.maes2018.processing import COLUMNS, Motions, process
 from experiments.maes2018.scenarios import REFERENCE, make_record
@@ -153,6 +153,7 @@ FIGURES: dict[str, Callable[[Shown], Figure]] = {
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1] if len(sys.argv) > 1 else "results/blade_paper")
-    for file in [*draw_figures(list(FIGURES), target), *draw_picture(target)]:
-        print(file)
+    draw_into(
+        "results/blade_paper",
+        lambda folder: [*draw_figures(list(FIGURES), folder), *draw_picture(folder)],
+    )

@@ -5,11 +5,6 @@
 FOLDER (default: results/floater_paper) gets a PNG and an SVG, of one record.
 """
 
-import sys
-from pathlib import Path
+from experiments.mehammer2018.figures import main
 
-from experiments.mehammer2018.figures import draw_figures
-
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/floater_paper")
-for file in draw_figures(["figure_5"], folder):
-    print(file)
+main("figure_5")

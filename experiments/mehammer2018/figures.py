@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from experiments.drawing import draw_into
 from experiments.mehammer2018.collecting import PAPER
 from experiments.mehammer2018.scenarios import Outcome, run_scenario
 from experiments.mehammer2018.scores import X, find_relative
@@ -205,3 +206,8 @@ def draw_figures(
         outcomes = {f"{name}, {scheme}": run[name][scheme] for name, scheme in needed}
         files += save_figure(partial(draw, outcomes), None)(folder, number)
     return files
+
+
+def main(*names: str) -> None:
+    """Draw figures into the folder that the command line names, and print their files."""
+    draw_into("results/floater_paper", partial(draw_figures, names))

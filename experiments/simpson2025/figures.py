@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
+from experiments.drawing import draw_into
 from experiments.simpson2025 import damage_figures, input_figures, state_figures
 from experiments.simpson2025.scenarios import (
     WAVES,
@@ -77,5 +77,4 @@ def draw_figures(
 
 def main(*names: str) -> None:
     """Draw figures into the folder that the command line names, and print their files."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_paper")
-    print(*draw_figures(names, folder), sep="\n")
+    draw_into("results/tower_paper", partial(draw_figures, names))
