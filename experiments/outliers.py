@@ -9,17 +9,16 @@ of one. Every way runs on the same records at natural period 4 s, with the bias 
 sensors=strong_bias and tuning=matched. Criterion: settled MSE of the position, x + y.
 """
 
-import sys
+from functools import partial
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from experiments.command import read_words, write
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import style
-from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
@@ -130,18 +129,14 @@ def draw(table):
 
 
 def main():
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/outliers")
-    folder.mkdir(parents=True, exist_ok=True)
+    """Run all ways under all truths; write the table and the figure."""
+    folder, _, _ = read_words("results/outliers")
     rows = []
     for truth, faults in TRUTHS.items():
         rows.append(run_ways(truth, faults))
         print(truth, flush=True)
     table = summarise(pd.concat(rows, ignore_index=True))
-    write_table(folder, "outliers", table)
-    print(folder / "outliers.csv")
-    with style.context():
-        for file in style.save(draw(table), folder, "outliers", None):
-            print(file)
+    write(folder, {"outliers": table}, {"outliers": partial(draw, table)})
 
 
 if __name__ == "__main__":

@@ -29,9 +29,6 @@ from experiments.keeping import PARTS, REFERENCE, Keeper, NumbersKeeper
 from owtsweep.cli import main
 from owtsweep.io.tables import write_table
 
-#: What the paper's printed numbers stand in, beside those of a run.
-PAPER_FIGURES = ("figure_15", "figure_16", "figure_17")
-
 
 class Reproduction:
     """Everything made below one folder, and compared with results/reference."""
@@ -83,10 +80,10 @@ class Reproduction:
     def report(self, name: str) -> None:
         """Draw all figures of a run, and write the report that compares it with the paper."""
         self.figures(name)
-        for figure in PAPER_FIGURES:
-            self.script(f"ren2019.{figure}", str(self.results / name))
-        self.script("ren2019.tables_6_to_9", str(self.results / name))
-        self.script("ren2019.fidelity", str(self.results / name))
+        run = str(self.results / name)
+        self.script("ren2019.figures", run, "figure_15", "figure_16", "figure_17")
+        self.script("ren2019.tables_6_to_9", run)
+        self.script("ren2019.fidelity", run)
 
     def tabulate(self, run: str, folder: str, name: str, measures: list[str] | None) -> None:
         """Write a run's means of some measures, and its best schemes, into a part's folder."""

@@ -16,15 +16,14 @@ results/better):
 Further arguments are overrides of all runs, e.g. results=elsewhere.
 """
 
-import sys
-from pathlib import Path
+from functools import partial
 
 import pandas as pd
 
 import owtsweep
+from experiments.command import read_words, write
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
-from owtsweep.io.tables import write_table
 from owtsweep.statistics.contrasts import gap
 from owtsweep.studies import compose
 from owtsweep.studies.hub.conditions import make_cube
@@ -143,20 +142,14 @@ def find_ratio(rows):
     return wide["SWITCH"] / others.min(axis=1)
 
 
-def main(folder, overrides):
-    folder.mkdir(parents=True, exist_ok=True)
+def main():
+    """Run all sweeps; write both tables and the figure."""
+    folder, _, overrides = read_words("results/better")
     rows = [row for name in RUNS for row in run_one(name, overrides)]
     table = pd.DataFrame(rows, columns=[*KEYS, "mse", "ci_low", "ci_high", "records"])
-    print(write_table(folder, "switching", table))
-    print(write_table(folder, "switching_boundary", tabulate_boundaries()))
-    with style.context():
-        for file in style.save(draw(table), folder, "switching", None):
-            print(file)
+    tables = {"switching": table, "switching_boundary": tabulate_boundaries()}
+    write(folder, tables, {"switching": partial(draw, table)})
 
 
 if __name__ == "__main__":
-    given = [word for word in sys.argv[1:] if "=" not in word]
-    main(
-        Path(given[0] if given else "results/better"),
-        [word for word in sys.argv[1:] if "=" in word],
-    )
+    main()

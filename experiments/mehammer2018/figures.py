@@ -1,4 +1,10 @@
-"""The paper's figures 3 to 8, drawn of one record of the study's truth."""
+"""Figures 3 to 8 of Mehammer et al. (2018), drawn of one record of the study's truth.
+
+    python -m experiments.mehammer2018.figures [FOLDER] [FIGURE ...]
+
+FOLDER (default: results/floater_paper) gets a PNG and an SVG of each FIGURE (default: of all), of
+one record. FIGURE is figure_3 to figure_8.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.drawing import draw_into
+from experiments.command import draw_named
 from experiments.mehammer2018.collecting import PAPER
 from experiments.mehammer2018.scenarios import Outcome, run_scenario
 from experiments.mehammer2018.scores import X, find_relative
@@ -208,6 +214,5 @@ def draw_figures(
     return files
 
 
-def main(*names: str) -> None:
-    """Draw figures into the folder that the command line names, and print their files."""
-    draw_into("results/floater_paper", partial(draw_figures, names))
+if __name__ == "__main__":
+    draw_named("results/floater_paper", FIGURES, draw_figures)

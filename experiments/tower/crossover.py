@@ -16,18 +16,16 @@ a replicate has the same motion and noise at all of them. (Where one computed re
 values of the condition, `owtsweep.results.boundary` finds the boundary without interpolation.)
 """
 
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 import owtsweep
+from experiments.command import read_words, write
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.io.tables import write_table
 from owtsweep.results.conditions import Condition
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.statistics.inference import percentile_interval, resample_means
@@ -49,30 +47,25 @@ COLUMNS = ("crossing", "ci_low", "ci_high", "better_above", "n")
 def cross(sensors: str, sea: str, overrides: list[str]) -> pd.DataFrame:
     """Run one sweep; return its crossings, one line each, or one line that says who always wins."""
     cut, whole = PAIRS[sea]
-    run = owtsweep.run(
-        [
-            "study=tower", f"sensors={sensors}", f"sea={sea}", f"tuning={TUNING}",
-            f"schemes=[{cut},{whole}]", "grid.noise=[1]", f"grid.soil_factor={FACTORS}",
-            "grid.replicates=10", *overrides,
-        ]
-    )  # fmt: skip
+    run = owtsweep.run([
+        "study=tower", f"sensors={sensors}", f"sea={sea}", f"tuning={TUNING}",
+        f"schemes=[{cut},{whole}]", "grid.noise=[1]", f"grid.soil_factor={FACTORS}",
+        "grid.replicates=10", *overrides,
+    ])  # fmt: skip
     rows = spread(run.cases(), "soil_factor", FACTORS)
     summary = run.summary()
     lines = []
+    told = {"sensors": sensors, "sea": sea, "tuning": TUNING, "cut": cut, "whole": whole}
     unable = rows[rows.status == UNABLE].drop_duplicates("scheme")
     if len(unable):
-        told = {"sensors": sensors, "sea": sea, "tuning": TUNING, "cut": cut, "whole": whole}
         return pd.DataFrame([told | {"better_above": f"none: {unable.reason.iloc[0]}"}])
     for criterion in CRITERIA:
         found = find_crossings(rows, CONDITIONS, (whole, cut), criterion, WINDOW, "soil_factor")
         means = summary[summary.measure == criterion].pivot_table(
             "mean", "scheme", "soil_factor", aggfunc="first"
         )
-        told = {
-            "sensors": sensors, "sea": sea, "tuning": TUNING, "criterion": criterion,
-            "cut": cut, "whole": whole, "error_cut": means.loc[cut, 1.0],
-            "error_whole": means.loc[whole, 1.0],
-        }  # fmt: skip
+        errors = {"error_cut": means.loc[cut, 1.0], "error_whole": means.loc[whole, 1.0]}
+        told |= {"criterion": criterion} | errors
         if found.empty:
             best = means[1.0].idxmin()
             lines.append(pd.DataFrame([told | {"better_above": f"none: {best} is better at all"}]))
@@ -188,21 +181,18 @@ def _interval(places: Array, resampled: Array, place: float, rising: bool) -> tu
     return (-np.inf if np.isnan(low) else low), high
 
 
-def main(folder: Path, overrides: list[str]) -> None:
+def main() -> None:
     """Run all four sweeps, and write and print the table."""
+    folder, _, overrides = read_words("results/tower_crossover")
     parts = [cross(sensors, sea, overrides) for sensors in SENSORS for sea in PAIRS]
     columns = [
         "sensors", "sea", "tuning", "criterion", "cut", "whole", "error_cut", "error_whole",
-        "crossing", "ci_low", "ci_high", "better_above", "n",
+        *COLUMNS,
     ]  # fmt: skip
     table = pd.concat(parts, ignore_index=True)[columns]
-    folder.mkdir(parents=True, exist_ok=True)
-    file = write_table(folder, "crossover", table)
     print(table.to_string(index=False))
-    print(file)
+    write(folder, {"crossover": table})
 
 
 if __name__ == "__main__":
-    words = sys.argv[1:]
-    place = words.pop(0) if words and "=" not in words[0] else "results/tower_crossover"
-    main(Path(place), words)
+    main()
