@@ -8,7 +8,8 @@ one record. FIGURE is figure_3 to figure_8.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import tomllib
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from experiments.command import draw_named
-from experiments.mehammer2018.collecting import PAPER
-from experiments.mehammer2018.scenarios import Outcome, run_scenario
+from experiments.mehammer2018.scenarios import PAPER, Outcome, run_scenario
 from experiments.mehammer2018.scores import X, find_relative
 from owtsweep.arrays import Array
 from owtsweep.figures import style
@@ -138,55 +138,8 @@ def _finish(figure: Figure, axes: Axes, title: str, outcomes: Outcomes) -> None:
     )
 
 
-#: Figure -> what draws it, and what it shows: scenarios of `collecting.PAPER`, and schemes.
-FIGURES: dict[str, tuple[Callable[[Outcomes], Figure], tuple[tuple[str, str], ...]]] = {
-    "figure_3": (
-        partial(
-            draw_surge, title="Measurement noise of 10 dB (Fig. 3 of Mehammer et al. 2018)",
-            limit=0.15, view=(250.0, 300.0),
-        ),
-        (("noise 10 dB", "KF"),),
-    ),
-    "figure_4": (
-        partial(
-            draw_surge,
-            title="Believed R ten times too large, 20 dB, a plant that wanders (Fig. 4)",
-            limit=4.5, view=(420.0, 500.0),
-        ),
-        (("disturbed, R x 10", "KF"),),
-    ),
-    "figure_5": (
-        partial(
-            draw_surge, title="Delay of one step, 50 ms (Fig. 5)", limit=0.5,
-            view=(200.0, 205.0),
-        ),
-        (("delay of a step", "KF"),),
-    ),
-    "figure_6": (
-        partial(
-            draw_surge, title="Four losses of .5 s, reported as zeros, 20 dB (Fig. 6)",
-            limit=0.5, view=(195.0, 215.0),
-        ),
-        (("losses as zeros", "KF"), ("losses as zeros", "KF_STEADY")),
-    ),
-    "figure_7": (
-        partial(
-            draw_surge, title="Decay of a buoy: steady-state and time-varying (Fig. 7)",
-            limit=2.0, view=(20.0, 24.0),
-        ),
-        (("decay, R next to nothing", "KF"), ("decay, R next to nothing", "KF_STEADY")),
-    ),
-    "figure_8": (
-        partial(
-            draw_velocity, title="Decay of a buoy: velocities beside the passive observer (Fig. 8)",
-            view=(20.0, 26.0),
-        ),
-        (
-            ("decay", "PASSIVE_OBSERVER"), ("decay, R next to nothing", "KF_STEADY"),
-            ("decay, R next to nothing", "KF"),
-        ),
-    ),
-}  # fmt: skip
+#: Figure -> what it shows, as figures.toml says.
+FIGURES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 
 
 def draw_figures(
@@ -207,10 +160,12 @@ def draw_figures(
     """
     files = []
     for number in names:
-        draw, needed = FIGURES[number]
+        figure = dict(FIGURES[number])
+        needed = figure.pop("shown")
         run = {name: run_scenario(PAPER[name], replicate, overrides) for name in dict(needed)}
         outcomes = {f"{name}, {scheme}": run[name][scheme] for name, scheme in needed}
-        files += save_figure(partial(draw, outcomes), None)(folder, number)
+        draw = draw_surge if "limit" in figure else draw_velocity
+        files += save_figure(partial(draw, outcomes, **figure), None)(folder, number)
     return files
 
 

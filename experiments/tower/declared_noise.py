@@ -32,7 +32,7 @@ def collect(records):
     for change, overrides in CHANGES.items():
         for replicate in range(records):
             for _, outcomes in run_scenarios(WIND.values(), replicate, overrides):
-                table = tabulate(list(outcomes.values()))
+                table = tabulate(outcomes.values())
                 kept = table[table["measure"] == "worst_deviation"]
                 tables.append(kept.assign(change=change))
     return pd.concat(tables)
