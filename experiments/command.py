@@ -1,9 +1,10 @@
 """The command line of the scripts: where they write, what they are told, and what they print."""
 
 import sys
+import tomllib
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -12,6 +13,11 @@ import owtsweep
 from owtsweep.figures.drawings import save_figure
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.runs import Run
+
+
+def read_data(script: str) -> dict[str, Any]:
+    """Return the data of the TOML file of a script's name; `script` is the script's `__file__`."""
+    return tomllib.loads(Path(script).with_suffix(".toml").read_text("utf-8"))
 
 
 class Words(NamedTuple):

@@ -17,29 +17,14 @@ runs.
 import pandas as pd
 
 import owtsweep
-from experiments.command import read_words, write
+from experiments.command import read_data, read_words, write
 
 #: States that NEES counts: position and velocity, x and y.
 STATES = 4.0
 SHORT = ["measures.efficiency=false", "record.duration=600", "hme1.fix_rule=gate"]
 SCHEMES = ["schemes=[MKF,HME1,SKFA]", "baselines=[NONE]"]
-FOUR = ["grid.natural_period=[4]", "grid.amplitude=[0.1,1]"]
-GNSS = "sensors.gnss"
 #: Name -> what is changed.
-DEPARTURES = {
-    "none": FOUR,
-    "outliers 1 %": [*FOUR, f"{GNSS}.outliers.rate=0.01"],
-    "outliers 5 %": [*FOUR, f"{GNSS}.outliers.rate=0.05"],
-    "bursts of 5, 5 %": [*FOUR, f"{GNSS}.outliers.rate=0.05", f"{GNSS}.outliers.length=5"],
-    "red noise .1 m, 300 s": [
-        *FOUR, f"{GNSS}.correlation.sigma=0.1", f"{GNSS}.correlation.time=300",
-    ],
-    "unknown tilt": [
-        "grid.natural_period=[8]", "grid.amplitude=[0.1,2]", "sensors.imu.tilt=0.0137",
-        "skf.tilt=0", "mkf.tilt=0", "hme1.tilt=0",
-    ],
-    "plant": ["motion=plant", "motion.hs=[1,2,3]", "motion.tp=[4,6,8]", "record.duration=1000"],
-}  # fmt: skip
+DEPARTURES = read_data(__file__)
 SEEDS = (1, 2)
 COLUMNS = [
     "departure", "natural_period", "amplitude", "hs", "tp", "scheme", "mse", "nees", "efficiency",

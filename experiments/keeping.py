@@ -2,7 +2,6 @@
 
 import shutil
 import tempfile
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,7 @@ from experiments.agreement import (
     compare_rows,
     largest_difference,
 )
+from experiments.command import read_data
 
 REFERENCE = Path("results/reference")
 #: Colours of a kept picture, and how many of them at most are taken from its flat areas.
@@ -24,7 +24,7 @@ COLOURS, FLAT_COLOURS = 256, 192
 #: A colour is that of a flat area if it fills this many squares of 2 x 2 pixels.
 LEAST_SQUARES = 20
 #: The parts of reproduce.toml; each names the files that are kept of it.
-PARTS = tomllib.loads(Path(__file__).with_name("reproduce.toml").read_text("utf-8"))
+PARTS = read_data(str(Path(__file__).with_name("reproduce")))
 KEPT = {name: part["keep"] for name, part in PARTS.items() if "keep" in part}
 
 

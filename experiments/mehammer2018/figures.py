@@ -8,7 +8,6 @@ one record. FIGURE is figure_3 to figure_8.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.command import draw_named
+from experiments.command import draw_named, read_data
 from experiments.mehammer2018.scenarios import PAPER, Outcome, run_scenario
 from experiments.mehammer2018.scores import X, find_relative
 from owtsweep.arrays import Array
@@ -139,7 +138,7 @@ def _finish(figure: Figure, axes: Axes, title: str, outcomes: Outcomes) -> None:
 
 
 #: Figure -> what it shows, as figures.toml says.
-FIGURES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+FIGURES = read_data(__file__)
 
 
 def draw_figures(

@@ -6,13 +6,12 @@ are run here, each from the configuration that the command `sweep` would take.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
+from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
 from owtsweep.studies.composing import compose
@@ -73,7 +72,7 @@ class Scenario:
 #: The paper's tests, and what the project's own goals are judged by: name -> scenario.
 PAPER, OWN = (
     {name: Scenario(**fields) for name, fields in part.items()}
-    for part in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).values()
+    for part in read_data(__file__).values()
 )
 
 

@@ -31,11 +31,7 @@ from owtsweep.studies.tower.truth import Motion
 #: Noise of all sensors but GNSS, % of each signal's standard deviation (section 5.1.1).
 NOISE = 1.0
 #: Set-ups of Table 2 -> their names in figures.
-SETUPS = {
-    "dense_x_a": "Dense: x-a",
-    "dense_theta_a": "Dense: θ-a",
-    "sparse_theta_a": "Sparse: θ-a",
-}
+SETUPS = {"dense_x_a": "Dense: x-a", "dense_theta_a": "Dense: θ-a", "sparse_theta_a": "Sparse: θ-a"}
 
 
 @dataclass(frozen=True)

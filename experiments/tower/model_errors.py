@@ -19,7 +19,7 @@ import pandas as pd
 from joblib import delayed
 from matplotlib.figure import Figure
 
-from experiments.command import read_words, write
+from experiments.command import read_data, read_words, write
 from experiments.parallel import compute
 from owtsweep.figures import best_scheme_map, style
 from owtsweep.io.steps import show_steps
@@ -37,20 +37,8 @@ from owtsweep.studies.tower.origin import describe_truth
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import model_substructure
 
-#: What is wrong -> the override that makes it so. The water is 30 m deep: 6 m are 20 %.
-ERRORS = {
-    "none": "model.stiffness=1",
-    "EI -20 %": "model.stiffness=0.8",
-    "EI +20 %": "model.stiffness=1.2",
-    "mass -20 %": "model.mass=0.8",
-    "mass +20 %": "model.mass=1.2",
-    "water -6 m": "model.water_level=-6",
-    "water +6 m": "model.water_level=6",
-    "damping -20 %": "model.damping=0.8",
-    "damping +20 %": "model.damping=1.2",
-    "rotor -20 %": "model.rotor_mass=0.8",
-    "rotor +20 %": "model.rotor_mass=1.2",
-}
+#: What is wrong -> the override that makes it so.
+ERRORS = read_data(__file__)
 #: Files of conf/studies/tower/sensors.
 SETUPS = ("dense_x_a", "dense_theta_a", "sparse_theta_a", "dry", "strain")
 COMPARED = ("AKF", "AKF_LAGGED", "GDF", "AKF_WHOLE", "MDE")
