@@ -20,9 +20,11 @@ from owtsweep.estimation.observability import find_unobservable
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.composing import compose
 from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
+from owtsweep.studies.tower.channels import list_places
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
+from owtsweep.studies.tower.measuring import take_signals
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
 from owtsweep.studies.tower.setting import make_setting, model_substructure
@@ -190,6 +192,17 @@ def run_scenarios(
             placed = replace(place_sensors(config, record), part=model_substructure(config))
             estimated = {way: _estimate(scenario, config, placed, way) for way in DIRECTIONS}
             yield scenario, estimated
+
+
+def place_sensors(config: TowerConfig, case: Case) -> Case:
+    """Return a record with the sensors of a configuration in place of its own."""
+    places = list_places(config.sensors, config.nodes)
+    where = [(place.kind, place.node) for place in places]
+    signals = {
+        direction: take_signals(motion, case.part.strain, where, config.faults)
+        for direction, motion in case.motion.items()
+    }
+    return replace(case, places=places, signals=signals)
 
 
 def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: str) -> Outcome:

@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 
 from experiments.command import read_data, read_words, write
 from experiments.parallel import compute
+from experiments.simpson2025.scenarios import place_sensors
 from owtsweep.figures import best_scheme_map, style
 from owtsweep.io.steps import show_steps
 from owtsweep.results.best_scheme import find_best_schemes
@@ -30,7 +31,7 @@ from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors, tell
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, tell
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.measures import CRITERIA, WINDOW, Fatigue, compare, find_true_fatigue
 from owtsweep.studies.tower.origin import describe_truth
