@@ -13,9 +13,9 @@ from pathlib import Path
 import pandas as pd
 
 from experiments.command import read_words
-from experiments.maes2018.collecting import collect
 from experiments.maes2018.processing import COLUMNS
 from experiments.maes2018.scenarios import REFERENCE
+from experiments.maes2018.scores import collect
 from owtsweep.io.steps import show_steps
 from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.page import Heading, Paragraph, TextTable
@@ -28,7 +28,7 @@ CLAIMS = Path(__file__).with_name("claims.toml")
 def write_report(scores: pd.DataFrame, folder: Path) -> list[Path]:
     """Write fidelity.md, fidelity.html and their tables into a folder; return the files.
 
-    `scores` are as `collecting.collect` makes them. The folder is made if it does not exist.
+    `scores` are as `scores.collect` makes them. The folder is made if it does not exist.
     """
     table = ScoreTable(scores)
     return write_verdicts(

@@ -16,8 +16,7 @@ from pathlib import Path
 import pandas as pd
 
 from experiments.command import read_words
-from experiments.mehammer2018.cells import list_lost_cells
-from experiments.mehammer2018.collecting import MOST, collect
+from experiments.mehammer2018.collecting import MOST, collect, list_lost_cells
 from experiments.mehammer2018.figures import FIGURES, draw_figures
 from experiments.mehammer2018.published import compare_stored, read_author_record, show_stored
 from experiments.mehammer2018.scenarios import OWN

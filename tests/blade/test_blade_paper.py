@@ -9,11 +9,16 @@ import pandas as pd
 import pytest
 from hanging import QUIET
 
-from experiments.maes2018.collecting import SCENARIOS, score
 from experiments.maes2018.fidelity import CLAIMS, write_report
 from experiments.maes2018.processing import process
 from experiments.maes2018.scenarios import REFERENCE, make_record
-from experiments.maes2018.scores import score_boom, score_geometry, score_reference
+from experiments.maes2018.scores import (
+    SCENARIOS,
+    score,
+    score_boom,
+    score_geometry,
+    score_reference,
+)
 from owtsweep.verdicts.claims_file import read_claims
 
 SHORT = ("record.duration=100", "record.settling=20")

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from experiments.mehammer2018 import cells, collecting
+from experiments.mehammer2018 import collecting
 from experiments.mehammer2018.fidelity import CLAIMS, list_tables, write_report
 from experiments.mehammer2018.figures import FIGURES, draw_figures
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_scenario
@@ -46,8 +46,8 @@ def won() -> pd.DataFrame:
     """Return velocity errors of maps of one cell in which KF_CONSISTENT is best."""
     rows = [
         (plane, "a cell", scheme, 1.0 + (scheme != "KF_CONSISTENT"))
-        for plane in cells.PLANES
-        for scheme in (cells.CONSISTENT, *cells.RIVALS)
+        for plane in collecting.PLANES
+        for scheme in (collecting.CONSISTENT, *collecting.RIVALS)
     ]
     return _repeat(pd.DataFrame(rows, columns=["plane", "cell", "scheme", "value"]))
 
@@ -100,7 +100,7 @@ def test_statements_and_goals_hold_where_they_should(holding, won):
     assert verdicts.pop("F9") == NOT_REPRODUCED  # in the author's record
     assert set(verdicts.values()) == {REPRODUCED}
     assert len(verdicts) == 18
-    assert not cells.list_lost_cells(won)
+    assert not collecting.list_lost_cells(won)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_a_statement_falls_with_its_number(holding, won, name, scenario, scheme,
 def test_g10_falls_with_one_cell(holding, won):
     lost = spoil(won, 0.9, plane="snr_loss", scheme="LOWPASS")
     assert judge_all(holding, lost)["G10"].verdict == NOT_REPRODUCED
-    told = cells.list_lost_cells(lost)
+    told = collecting.list_lost_cells(lost)
     assert told == ["snr_loss: a cell (LOWPASS 0.900, KF_CONSISTENT 1.000)"]
 
 
