@@ -116,23 +116,12 @@ def test_what_differs_is_listed_and_copied_if_asked(copies, monkeypatch, tmp_pat
     assert (kept / "summary_a.csv").read_text() == f"mean\n{'2.0' if copies else '1.0'}\n"
 
 
-@pytest.fixture
-def reproduction(monkeypatch, tmp_path):
-    """`make reproduce` without runs, and the names of the modules that it would run."""
-    modules = []
-    monkeypatch.setattr(reproduce, "run_module", lambda name, *words: modules.append(name))
-    monkeypatch.setattr(reproduce, "run_command", lambda *words: None)
-    monkeypatch.setattr(reproduce.plant, "make_all", lambda *folders: None)
-    keeper = SimpleNamespace(keep=lambda name: None, keep_file=lambda *names: None)
-    whole = reproduce.Reproduction(tmp_path, "1", keeper)
-    monkeypatch.setattr(whole, "sweep", lambda *words: None)
-    return whole, modules
-
-
-def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(reproduction, tmp_path):
+def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch, tmp_path):
     """The run of the plant has the sea, `make reproduce` copies the figures, the docs show them."""
-    whole, _ = reproduction
-    overrides = [*reproduce.PLANT["plant_seas"], "tuning=paper"]
+    (sweep,) = (
+        step for step in reproduce.PARTS["plant"]["steps"] if step.startswith("sweep plant_seas")
+    )
+    overrides = [*sweep.split()[3:], "tuning=paper"]  # after the number of records
     sea = choose_sea(compose(overrides))
     assert (sea["hs"], sea["tp"]) == (2.0, 6.0)
     page = (ROOT / "docs" / "plant.md").read_text("utf-8")
@@ -143,18 +132,38 @@ def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(reproduction, tmp
     drawn = [f"{name}_{tuning}" for name in TIME_HISTORIES for tuning in ("paper", "matched")]
     files = [f"figures/{name}.png" for name in (*drawn, "figure_03_record", "figure_04_spectrum")]
     files += [f"fidelity/{tuning}/fidelity_claims.csv" for tuning in ("paper", "matched")]
+    (tmp_path / "plant").mkdir()
     for file in files:
         (tmp_path / "plant_seas" / file).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / "plant_seas" / file).write_text(file)
-    whole.make_plant()
+    keeper = SimpleNamespace(keep=lambda *_: None, keep_file=lambda *_: None)
+    for verb in ("sweep", "command", "script"):  # nothing runs
+        monkeypatch.setattr(reproduce.Reproduction, verb, lambda *_: None)
+    reproduce.Reproduction(tmp_path, 1, keeper).make("plant")
     for name in TIME_HISTORIES:
         assert (tmp_path / "plant" / f"{name}.png").read_text() == f"figures/{name}_paper.png"
 
 
-def test_the_numbers_of_switch_are_made_anew(reproduction):
-    whole, modules = reproduction
-    whole.make_better()
-    assert "switching" in modules
+def test_the_steps_of_make_reproduce_are_there():
+    """Each script that a step runs is a file, and each part that is kept has a folder."""
+    for name, part in reproduce.PARTS.items():
+        for verb, *words in map(str.split, part.get("steps", ())):
+            assert verb in ("sweep", "figures", "report", "copy", "script")
+            if verb == "script":
+                path = ROOT.joinpath("experiments", *words[0].split("."))
+                assert path.with_suffix(".py").is_file()
+        assert "keep" not in part or (keeping.REFERENCE / name).is_dir()
+
+
+def test_stars_of_copies_stand_for_the_same(tmp_path):
+    for name in ("one", "two"):
+        (tmp_path / f"map_{name}.png").write_text(name)
+    whole = reproduce.Reproduction(tmp_path, 1, SimpleNamespace())
+    whole.copy("map_*.png", "kept_*_paper.png")
+    assert (tmp_path / "kept_one_paper.png").read_text() == "one"
+    assert (tmp_path / "kept_two_paper.png").read_text() == "two"
+    with pytest.raises(SystemExit, match="nothing of this name"):
+        whole.copy("chart.png", "kept.png")
 
 
 BEST = "best,runner_up,mse_best,mse_runner_up,difference,ci_low,ci_high\n"

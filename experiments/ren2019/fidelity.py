@@ -49,10 +49,7 @@ OF_HISTORIES = tuple(s for s in CLAIMS.statements if s.name in ("F9", "F11"))
 #: Measure of the paper's tables -> its label in figures.
 MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
 #: Title of a panel -> its measures.
-PANELS = {
-    "MSE of x and y (m²)": ("x", "y"),
-    "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy"),
-}
+PANELS = {"MSE of x and y (m²)": ("x", "y"), "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy")}
 
 
 def judge_all(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:

@@ -7,12 +7,12 @@ import pandas as pd
 import pytest
 
 from experiments.mehammer2018 import cells, collecting
-from experiments.mehammer2018.closed_loop import find_error_of_line
 from experiments.mehammer2018.fidelity import CLAIMS, list_tables, write_report
 from experiments.mehammer2018.figures import FIGURES, draw_figures
-from experiments.mehammer2018.scenarios import run_scenario
+from experiments.mehammer2018.scenarios import OWN, PAPER, run_scenario
 from experiments.mehammer2018.scores import (
     count_peaks,
+    find_error_of_line,
     find_high,
     find_integration_error,
     score,
@@ -33,7 +33,7 @@ def holding() -> pd.DataFrame:
     """Return scores with which all holds but what the author's files say."""
     rows = [
         (name, scheme, m, value)
-        for name, scenario in collecting.SCENARIOS.items()
+        for name, scenario in (PAPER | OWN).items()
         for scheme in scenario.schemes
         for m, value in _hold(name, scheme)
     ]
@@ -177,7 +177,7 @@ def test_velocities_here_are_judged_too(holding, won):
 
 
 def test_the_report_has_all_parts(holding, won, tmp_path):
-    config = collecting.OWN["20 dB"].compose()
+    config = OWN["20 dB"].compose()
     files = write_report(holding, won, config, tmp_path)
     page = (tmp_path / "fidelity.md").read_text()
     assert "Goals G1-G10: 10 reproduced." in page
@@ -204,7 +204,7 @@ def test_the_closed_loop_is_what_the_predictor_does_with_a_sine(delay):
 
 def test_the_printed_truth_is_known_exactly_from_its_accelerations():
     """Noiseless, from the truth on: what is left of an estimate is rounding."""
-    outcome = run_scenario(collecting.PAPER["noise 10 dB"], 0, SHORT)["KF"]
+    outcome = run_scenario(PAPER["noise 10 dB"], 0, SHORT)["KF"]
     error = outcome.estimates.position[:, :3] - outcome.truth.position[:, :3]
     assert np.abs(error).max() < 1e-4 * outcome.setting.position_sigma[:3].min()
 
@@ -228,7 +228,7 @@ def test_a_smooth_position_integrates_to_itself():
 
 
 def test_scores_are_those_of_the_estimates():
-    scenario = collecting.OWN["delay of 4, no noise"]
+    scenario = OWN["delay of 4, no noise"]
     outcome = run_scenario(scenario, 0, ["record.duration=120"])["KF_STEADY"]
     found = score(outcome)
     error = (outcome.estimates.position - outcome.truth.position)[outcome.settled :, 0]
@@ -239,7 +239,7 @@ def test_scores_are_those_of_the_estimates():
 def test_each_record_has_its_own_number():
     table = collecting.score_scenario("20 dB", range(2), SHORT)
     found = table.set_index(["replicate", "scheme", "measure"])["value"].sort_index()
-    outcomes = [run_scenario(collecting.OWN["20 dB"], number, SHORT) for number in range(2)]
+    outcomes = [run_scenario(OWN["20 dB"], number, SHORT) for number in range(2)]
     for number, of_record in enumerate(outcomes):
         for scheme, outcome in of_record.items():
             assert found[number, scheme].to_dict() == score(outcome)
@@ -252,7 +252,7 @@ def test_each_record_has_its_own_number():
 
 def test_goals_are_judged_of_slow_motions_where_they_say_so():
     """G2: 31 s or more. Heave keeps its waves."""
-    found = score(run_scenario(collecting.OWN["20 dB, slow"], 0)["KF_CONSISTENT"])
+    found = score(run_scenario(OWN["20 dB, slow"], 0)["KF_CONSISTENT"])
     assert found["period_z"] < 31.0 <= min(found["period_x"], found["period_y"])
 
 
@@ -263,6 +263,6 @@ def test_the_figures_are_drawn(tmp_path):
 
 
 def test_every_scenario_runs():
-    for scenario in collecting.SCENARIOS.values():
+    for scenario in (PAPER | OWN).values():
         for outcome in run_scenario(scenario, 0, SHORT).values():
             assert score(outcome)["rms_x"] > 0.0

@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 from rich.console import Console
 from tools import configure
 
+from experiments.ren2019.figures import sum_printed
 from experiments.ren2019.histories import measure_histories
-from experiments.ren2019.mse_over_amplitude import sum_printed
 from looks import LOOKS
 from owtsweep.config import changed
 from owtsweep.errors import InputError

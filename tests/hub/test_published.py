@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from experiments.ren2019 import tables_6_to_9 as tables
-from experiments.ren2019.mse_over_amplitude import sum_printed
+from experiments.ren2019.figures import sum_printed
 from owtsweep.studies.readings import published
 
 

@@ -208,6 +208,4 @@ def test_the_example_shows_one_record(
     assert errors["PENDULUM"] < errors["HOLD"]
     assert (tmp_path / "mating.png").stat().st_size > 10_000
     assert example(["x"]) == 2
-    assert capsys.readouterr().err == (
-        "mating.py: OUTAGE: 'x' is no such number; give one from 0 on, e.g. 20\n"
-    )
+    assert capsys.readouterr().err == "mating.py: grid.outage[0]: 'x' is not a number\n"

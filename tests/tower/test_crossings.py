@@ -2,14 +2,9 @@
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from experiments.tower.crossover import find_crossings
-from owtsweep.errors import InputError
-from owtsweep.results.conditions import Condition
 
-NOISE = Condition("noise", "sensor noise", "%", "log")
-SOIL = Condition("soil_factor", "soil stiffness factor", scale="log")
 FACTORS = (0.5, 0.8, 1.0, 1.25, 2.0)
 
 
@@ -27,15 +22,14 @@ def make_rows(scatter: float, replicates: int = 8, factors=FACTORS) -> pd.DataFr
                 }
                 rows += [
                     {"noise": noise, "soil_factor": factor, "replicate": replicate, "value": value,
-                     "scheme": scheme, "measure": "damage", "window": "settled", "status": "ok"}
+                     "scheme": scheme, "measure": "damage", "status": "ok"}
                     for scheme, value in errors.items()
                 ]  # fmt: skip
     return pd.DataFrame(rows)
 
 
 def find(rows: pd.DataFrame) -> pd.DataFrame:
-    schemes = ("WHOLE", "CUT")
-    return find_crossings(rows, (NOISE, SOIL), schemes, "damage", "settled", "soil_factor")
+    return find_crossings(rows, ("WHOLE", "CUT"), "damage")
 
 
 def test_both_crossings_are_found_in_every_cell():
@@ -66,15 +60,3 @@ def test_resamples_without_a_crossing_open_the_interval():
 def test_no_crossing_no_row_and_one_record_no_interval():
     assert find(make_rows(0.0, factors=(1.5, 2.0))).empty
     assert find(make_rows(0.0, replicates=1))["ci_low"].isna().all()
-
-
-def test_one_value_is_too_few():
-    with pytest.raises(InputError, match=r"grid.soil_factor: 1 value"):
-        find(make_rows(0.0, factors=(1.0,)))
-
-
-def test_a_scheme_that_was_not_run_is_named():
-    with pytest.raises(InputError, match="MDE has no value of damage"):
-        find_crossings(
-            make_rows(0.0), (NOISE, SOIL), ("CUT", "MDE"), "damage", "settled", "soil_factor"
-        )

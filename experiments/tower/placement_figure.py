@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from owtsweep.figures import style
 from owtsweep.studies.tower.placement import Choice, Criterion, Problem, extend
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 STRESS, MOMENT = "C0", "C3"
 #: Errors in % that are written at the axis.
@@ -41,8 +39,6 @@ def draw_placement(
     note
         Where the numbers are from, for the bottom of the figure.
     """
-    from owtsweep.figures import style
-
     figure = style.new_figure(9.0, 4.6)
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
     _draw_errors(left, greedy, exhaustive)
