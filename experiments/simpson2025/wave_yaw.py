@@ -23,7 +23,9 @@ from owtsweep.figures import style
 from owtsweep.figures.drawings import save_figure
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.io.tables import write_table
-from owtsweep.studies.tower.origin import describe_origin
+from owtsweep.studies.base.contest import describe_draws
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contest import describe_errors, describe_truth
 
 #: Angle between waves and wind, degrees.
 YAWS = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
@@ -69,6 +71,19 @@ def draw_yaws(table: pd.DataFrame, note: str) -> Figure:
     figure.axes[0].legend(frameon=False)
     style.footnote(figure, note)
     return figure
+
+
+def describe_origin(config: TowerConfig) -> str:
+    """Return in one line the tuning, the truth, the sensors, the records and their seed."""
+    wrong = describe_errors(config)
+    parts = [
+        f"Tuning {config.tuning_name}",
+        f"truth: {describe_truth(config)}",
+        f"sensors {config.sensors.name}",
+        *([f"wrong: {wrong}"] if wrong else []),
+        describe_draws(config),
+    ]
+    return "; ".join(parts)
 
 
 def _compare(yaw: float, replicate: int, overrides: Sequence[str]) -> list[dict[str, object]]:

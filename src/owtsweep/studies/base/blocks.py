@@ -16,7 +16,7 @@ from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.base.contest import Contest
 from owtsweep.studies.base.contract import NotFinite, Part, Scheme, Unable
 from owtsweep.studies.base.declaration import Declaration
-from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.base.tables import Judgement, make_rows
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:

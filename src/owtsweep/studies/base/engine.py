@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.base import blocks, maps, tables, terminal
+from owtsweep.studies.base import blocks, maps, tables
 from owtsweep.studies.base.contest import Contest
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class ContestEngine:
 
     def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map by the key `criterion`, and who wins by each one."""
-        return terminal.show(self.contest, config, tables)
+        return maps.show(self.contest, config, tables)
 
     def backend(self, config: Any) -> str:
         """Return "loky", joblib's backend for processes."""

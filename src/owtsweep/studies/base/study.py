@@ -56,7 +56,7 @@ class ContestStudy(Study):
 
     def describe_origin(self, config: Any) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.base.origin import describe_origin
+        from owtsweep.studies.base.contest import describe_origin
 
         return describe_origin(self.contest(), config)
 
@@ -82,7 +82,7 @@ class ContestStudy(Study):
         from functools import partial
 
         from owtsweep.comparing.compare import compare
-        from owtsweep.studies.base.comparing import describe_run
+        from owtsweep.studies.base.tables import describe_run
 
         describe = partial(describe_run, self.contest())
         return compare(comparison, folder, describe, metadata=metadata)

@@ -11,7 +11,7 @@ from owtsweep.config import as_mapping
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.blocks import Planned, plan_blocks
 from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.base.tables import Judgement, make_rows
 from owtsweep.studies.mating.conditions import AXES
 from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST

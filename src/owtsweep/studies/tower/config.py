@@ -14,10 +14,8 @@ from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.base.schemes import SchemeEntries
-from owtsweep.studies.tower.loads.config import SeaState, Wind
-from owtsweep.studies.tower.measuring import Faults
 from owtsweep.studies.tower.recorded import Recorded
-from owtsweep.studies.tower.sections import Grid, Model, Sensors, Truth
+from owtsweep.studies.tower.sections import Faults, Grid, Model, SeaState, Sensors, Truth, Wind
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 
