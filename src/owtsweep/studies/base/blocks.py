@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import product
 from math import prod
 from types import MappingProxyType
@@ -14,7 +14,7 @@ from owtsweep.errors import as_text
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.base.contract import NotFinite, Part, Scheme, Unable
+from owtsweep.studies.base.contract import NotFinite, Part, Ready, Scheme, Unable
 from owtsweep.studies.base.declaration import Declaration
 from owtsweep.studies.base.tables import Judgement, make_rows
 from owtsweep.sweep.study import Block
@@ -46,8 +46,20 @@ class Planned(NamedTuple):
     anew: str = ""
 
 
-def plan(declaration: AnyDeclaration, config: Any) -> list[Block]:
-    """Return all blocks of a configuration.
+def plan(
+    declaration: AnyDeclaration,
+    config: Any,
+    cells: Sequence[Cell] | None = None,
+    replicates: int | None = None,
+) -> list[Block]:
+    """Return all blocks of a configuration, or of some cells with another number of records.
+
+    Parameters
+    ----------
+    cells
+        Cells of the grid; None: all.
+    replicates
+        Number of records of each of these cells; None: that of the grid.
 
     Raises
     ------
@@ -75,6 +87,8 @@ def plan(declaration: AnyDeclaration, config: Any) -> list[Block]:
         declaration.list_content(config),
         declaration.most_records(config),
         _find_axes(declaration.contest, places),
+        cells,
+        replicates,
     )
 
 
@@ -85,10 +99,13 @@ def plan_blocks(
     shared: Mapping[str, Any],
     most: int,
     grouping: Sequence[str],
+    cells: Sequence[Cell] | None = None,
+    replicates: int | None = None,
 ) -> list[Block]:
     """Return all blocks of a configuration: one per cell, scheme, and some records.
 
-    A scheme has one block for all values of the axes that it ignores.
+    A scheme has one block for all values of the axes that it ignores. Blocks begin at the multiples
+    of `most`, so more records of a cell add blocks, and leave the full ones as they are.
 
     Parameters
     ----------
@@ -102,10 +119,14 @@ def plan_blocks(
         Most records of a block.
     grouping
         The axes that tell groups apart: on these depends what is made once for a group.
+    cells, replicates
+        Cells, and the number of records of each; None: those of the grid.
     """
-    axes, count = contest.axes, config.grid.replicates
+    axes = contest.axes
+    cells = list_cells(axes, config.grid) if cells is None else cells
+    count = config.grid.replicates if replicates is None else replicates
     blocks: dict[tuple[Any, ...], Block] = {}
-    for cell, first in product(list_cells(axes, config.grid), range(0, count, most)):
+    for cell, first in product(cells, range(0, count, most)):
         last = min(first + most, count)
         numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
         group = ", ".join([*_tell(cell, grouping), numbers])
@@ -149,12 +170,38 @@ def run(
         cell = {axis: value for axis in axes if (value := block.content.get(axis)) is not None}
         chosen = block.choose(config)
         entry = block.content.get("entry")
-        scheme = declaration.schemes.resolve(entry or block.content["scheme"])
+        scheme = Readied(declaration.schemes.resolve(entry or block.content["scheme"]))
         judged = [
             _judge(declaration, chosen, cell, record, parts, scheme, own=entry is None)
             for record, parts in made.take(chosen, cell)
         ]
         yield block, make_rows(block.content, axes, replicates, judged)
+
+
+class Readied:
+    """A scheme that is prepared once for all records about which it is told the same."""
+
+    def __init__(self, scheme: Scheme[Any, Any, Any]) -> None:
+        self._scheme = scheme
+        self._made: dict[Hashable, Ready[Any, Any] | Unable] = {}
+
+    def run(self, part: Part[Any, Any]) -> Any:
+        """Estimate from one part of a record.
+
+        Raises
+        ------
+        Unable
+            If the scheme cannot work with what it is told.
+        """
+        if part.known not in self._made:
+            try:
+                self._made[part.known] = self._scheme.prepare(part.known)
+            except Unable as reason:
+                self._made[part.known] = reason
+        made = self._made[part.known]
+        if isinstance(made, Unable):
+            raise made
+        return made.run(part.measured)
 
 
 class Records:
@@ -215,15 +262,13 @@ def _judge(
     cell: Cell,
     record: Any,
     parts: Mapping[str, Part[Any, Any]],
-    scheme: Scheme[Any, Any, Any],
+    scheme: Readied,
     *,
     own: bool,
 ) -> Judgement:
     """Run a scheme on a record and compare its estimates with the truth."""
     try:
-        estimates = {
-            name: scheme.prepare(part.known).run(part.measured) for name, part in parts.items()
-        }
+        estimates = {name: scheme.run(part) for name, part in parts.items()}
         if not own:
             for given in estimates.values():
                 check_estimates(declaration, given, declaration.count_samples(record))

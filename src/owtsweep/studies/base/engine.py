@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.studies.base import blocks, maps, tables
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contest import Contest
 
 if TYPE_CHECKING:
@@ -67,9 +68,11 @@ class DeclaredEngine(ContestEngine):
         super().__init__(declaration.contest)
         self.declaration = declaration
 
-    def plan(self, config: Any) -> list[Block]:
-        """Return all blocks of a configuration."""
-        return blocks.plan(self.declaration, config)
+    def plan(
+        self, config: Any, cells: Sequence[Cell] | None = None, replicates: int | None = None
+    ) -> list[Block]:
+        """Return all blocks of a configuration, or of some cells with another number of records."""
+        return blocks.plan(self.declaration, config, cells, replicates)
 
     def run(self, config: Any, of_group: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each with its rows."""
