@@ -13,7 +13,7 @@ import numpy as np
 from owtsweep.errors import as_text
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.axes import Cell, list_cells
-from owtsweep.studies.base.contest import Contest
+from owtsweep.studies.base.contest import C, Contest, ContestConfig
 from owtsweep.studies.base.contract import NotFinite, Part, Ready, Scheme, Unable
 from owtsweep.studies.base.declaration import Declaration
 from owtsweep.studies.base.tables import Judgement, make_rows
@@ -22,7 +22,11 @@ from owtsweep.sweep.study import Block
 if TYPE_CHECKING:
     import pandas as pd
 
+#: A declaration of any study, a part of its records, and a scheme of it. Truth, records, knowledge
+#: and estimates pass from one function of a declaration to the next; nobody here looks inside.
 AnyDeclaration = Declaration[Any, Any, Any, Any, Any, Any]
+AnyPart = Part[Any, Any]
+AnyScheme = Scheme[Any, Any, Any]
 
 
 class Planned(NamedTuple):
@@ -42,13 +46,13 @@ class Planned(NamedTuple):
 
     name: str
     ignored: Sequence[str] = ()
-    code: Mapping[str, Any] = MappingProxyType({})
+    code: Mapping[str, object] = MappingProxyType({})
     anew: str = ""
 
 
 def plan(
     declaration: AnyDeclaration,
-    config: Any,
+    config: ContestConfig,
     cells: Sequence[Cell] | None = None,
     replicates: int | None = None,
 ) -> list[Block]:
@@ -93,10 +97,10 @@ def plan(
 
 
 def plan_blocks(
-    contest: Contest,
-    config: Any,
+    contest: Contest[C],
+    config: C,
     schemes: Sequence[Planned],
-    shared: Mapping[str, Any],
+    shared: Mapping[str, object],
     most: int,
     grouping: Sequence[str],
     cells: Sequence[Cell] | None = None,
@@ -125,7 +129,7 @@ def plan_blocks(
     axes = contest.axes
     cells = list_cells(axes, config.grid) if cells is None else cells
     count = config.grid.replicates if replicates is None else replicates
-    blocks: dict[tuple[Any, ...], Block] = {}
+    blocks: dict[tuple[object, ...], Block] = {}
     for cell, first in product(cells, range(0, count, most)):
         last = min(first + most, count)
         numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
@@ -149,14 +153,14 @@ def plan_blocks(
     return list(blocks.values())
 
 
-def find_ignored(declaration: AnyDeclaration, scheme: Scheme[Any, Any, Any]) -> list[str]:
+def find_ignored(declaration: AnyDeclaration, scheme: AnyScheme) -> list[str]:
     """Return the axes of what schemes are told on which the estimates of this one do not depend."""
     told = _find_axes(declaration.contest, ("knowledge",))
     return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in told]
 
 
 def run(
-    declaration: AnyDeclaration, config: Any, blocks: Sequence[Block]
+    declaration: AnyDeclaration, config: ContestConfig, blocks: Sequence[Block]
 ) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; yield each with its rows.
 
@@ -175,17 +179,17 @@ def run(
             _judge(declaration, chosen, cell, record, parts, scheme, own=entry is None)
             for record, parts in made.take(chosen, cell)
         ]
-        yield block, make_rows(block.content, axes, replicates, judged)
+        yield block, make_rows(block.content["scheme"], cell, axes, replicates, judged)
 
 
 class Readied:
     """A scheme that is prepared once for all records about which it is told the same."""
 
-    def __init__(self, scheme: Scheme[Any, Any, Any]) -> None:
+    def __init__(self, scheme: AnyScheme) -> None:
         self._scheme = scheme
-        self._made: dict[Hashable, Ready[Any, Any] | Unable] = {}
+        self._made: dict[Hashable, Ready[object, object] | Unable] = {}
 
-    def run(self, part: Part[Any, Any]) -> Any:
+    def run(self, part: AnyPart) -> object:
         """Estimate from one part of a record.
 
         Raises
@@ -207,13 +211,15 @@ class Readied:
 class Records:
     """Some records of a group, whose truth, measurements and knowledge are made once each."""
 
-    def __init__(self, declaration: AnyDeclaration, config: Any, replicates: Sequence[int]) -> None:
+    def __init__(
+        self, declaration: AnyDeclaration, config: ContestConfig, replicates: Sequence[int]
+    ) -> None:
         self._declaration, self._config, self._replicates = declaration, config, replicates
-        self._truths: dict[Any, list[Any]] = {}
-        self._records: dict[Any, list[Any]] = {}
-        self._parts: dict[Any, list[Mapping[str, Part[Any, Any]]]] = {}
+        self._truths: dict[Hashable, list[object]] = {}
+        self._records: dict[Hashable, list[object]] = {}
+        self._parts: dict[Hashable, list[Mapping[str, AnyPart]]] = {}
 
-    def take(self, config: Any, cell: Cell) -> list[tuple[Any, Mapping[str, Part[Any, Any]]]]:
+    def take(self, config: ContestConfig, cell: Cell) -> list[tuple[object, Mapping[str, AnyPart]]]:
         """Return each record of a cell, and its parts as the tuning of a configuration has them."""
         made, given = self._declaration, self._config
         world = self._identify(cell, ("world",))
@@ -242,12 +248,16 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
     NotFinite
         If they do not; the message names the field.
     """
+    try:
+        values = {name: getattr(estimates, name) for name in declaration.estimates}
+    except AttributeError as error:
+        raise NotFinite(f"the estimates lack {error.name}") from None
     for name, field in declaration.estimates.items():
-        value = getattr(estimates, name, None)
-        if value is None:
-            if not field.optional:
-                raise NotFinite(f"the estimates lack {name}")
+        value = values[name]
+        if value is None and field.optional:
             continue
+        if value is None:
+            raise NotFinite(f"the estimates lack {name}")
         shape, wanted = np.shape(value), (samples, *field.shape)
         if len(shape) != len(wanted) or any(
             size not in (-1, found) for found, size in zip(shape, wanted, strict=True)
@@ -258,10 +268,10 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
 
 def _judge(
     declaration: AnyDeclaration,
-    config: Any,
+    config: ContestConfig,
     cell: Cell,
-    record: Any,
-    parts: Mapping[str, Part[Any, Any]],
+    record: object,
+    parts: Mapping[str, AnyPart],
     scheme: Readied,
     *,
     own: bool,
@@ -283,7 +293,7 @@ def _judge(
         return Judgement.none(FAILED, as_text(error))
 
 
-def _find_axes(contest: Contest, places: Sequence[str]) -> list[str]:
+def _find_axes(contest: Contest[C], places: Sequence[str]) -> list[str]:
     """Return the axes that enter at some of the places "world", "sensors" and "knowledge"."""
     return [axis.name for axis in contest.conditions if axis.enters in places]
 

@@ -22,7 +22,7 @@ class ContestEngine:
 
     samples = True
 
-    def __init__(self, contest: Contest) -> None:
+    def __init__(self, contest: Contest[Any]) -> None:
         self.contest = contest
         #: Columns without which no table can be made.
         self.row_types: Mapping[str, type] = {

@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.best_scheme import find_coinciding, tell_winners
 from owtsweep.results.status import FAILED
-from owtsweep.studies.base.contest import WAIT, WINDOW, Contest, describe_draws
+from owtsweep.studies.base.contest import (
+    WAIT,
+    WINDOW,
+    C,
+    Contest,
+    ContestConfig,
+    describe_draws,
+)
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.base.tables import find_waits, list_competing, make_cube
 
@@ -26,8 +33,8 @@ if TYPE_CHECKING:
 
 
 def list_maps(
-    contest: Contest,
-    config: Any,
+    contest: Contest[C],
+    config: C,
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
     metadata: Mapping[str, str],
@@ -59,7 +66,7 @@ def list_maps(
     return drawings
 
 
-def show(contest: Contest, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
     """Return the map by the key `criterion`, and who wins by each one."""
     from rich.console import Group
     from rich.text import Text
@@ -98,7 +105,7 @@ def tell_unable(unable: pd.DataFrame) -> list[str]:
     return [f"Unable to work, with its reason in summary.csv: {told}."]
 
 
-def tell_waiting(config: Any, rows: pd.DataFrame) -> list[str]:
+def tell_waiting(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     """Return a sentence on schemes that wait for later measurements, if others do not."""
     waits = find_waits(rows)
     if not waits or list_competing(config, rows) == list_names(config.schemes):
@@ -108,8 +115,8 @@ def tell_waiting(config: Any, rows: pd.DataFrame) -> list[str]:
 
 
 def _draw_map(
-    contest: Contest,
-    config: Any,
+    contest: Contest[C],
+    config: C,
     best: pd.DataFrame,
     criterion: str,
     schemes: Sequence[str],
@@ -137,7 +144,7 @@ def _draw_map(
     return figure
 
 
-def _draw_distributions(contest: Contest, config: Any, cube: Cube) -> Figure:
+def _draw_distributions(contest: Contest[C], config: C, cube: Cube) -> Figure:
     from owtsweep.figures import distributions, style
 
     figure = distributions.draw(
@@ -152,7 +159,7 @@ def _draw_distributions(contest: Contest, config: Any, cube: Cube) -> Figure:
     return figure
 
 
-def _add_origin(figure: Figure, contest: Contest, config: Any) -> None:
+def _add_origin(figure: Figure, contest: Contest[C], config: C) -> None:
     """Write truth and sensors below a figure's title."""
     from owtsweep.figures import style
 

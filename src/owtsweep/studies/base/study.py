@@ -36,7 +36,7 @@ class ContestStudy(Study):
         """Return the two axes of the map."""
         return self.contest().find_conditions(config)
 
-    def contest(self) -> Contest:
+    def contest(self) -> Contest[Any]:
         """Return the study's axes, criteria and words."""
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
-from owtsweep.studies.base.contest import WAIT, WINDOW, Contest, list_origin
+from owtsweep.studies.base.axes import Cell
+from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
 from owtsweep.studies.base.schemes import list_names
 
 if TYPE_CHECKING:
@@ -33,7 +34,8 @@ class Judgement(NamedTuple):
 
 
 def make_rows(
-    content: Mapping[str, Any],
+    scheme: str,
+    cell: Cell,
     axes: Sequence[str],
     replicates: Sequence[int],
     judged: Sequence[Judgement],
@@ -42,8 +44,8 @@ def make_rows(
 
     Parameters
     ----------
-    content
-        The block's content, with its scheme and the values of axes.
+    scheme, cell
+        The block's scheme, and the values of axes on which its rows depend.
     axes
         The names of all axes.
     replicates, judged
@@ -53,12 +55,10 @@ def make_rows(
 
     counts = [len(part.found) for part in judged]
     status = np.repeat([part.status for part in judged], counts)
-    values = {axis: content.get(axis) for axis in axes}
-    cell = {axis: np.nan if value is None else float(value) for axis, value in values.items()}
     return pd.DataFrame(
         {
-            **cell,
-            "scheme": content["scheme"],
+            **{axis: float(cell.get(axis, np.nan)) for axis in axes},
+            "scheme": scheme,
             "replicate": np.repeat(replicates, counts),
             "measure": [name for part in judged for name in part.found],
             "window": np.where(status == OK, WINDOW, ""),
@@ -69,7 +69,7 @@ def make_rows(
     )
 
 
-def make_tables(contest: Contest, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+def make_tables(contest: Contest[C], config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Make the tables "summary" and "best_scheme" from a run's rows."""
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     measured = [name for name in contest.criteria if name in cube.measures]
@@ -79,7 +79,7 @@ def make_tables(contest: Contest, config: Any, rows: pd.DataFrame) -> dict[str, 
     }
 
 
-def make_cube(contest: Contest, config: Any, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
+def make_cube(contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
     """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
     axes = contest.find_axes(config)
     for axis in axes:
@@ -117,14 +117,14 @@ def find_waits(rows: pd.DataFrame) -> dict[str, float]:
     }
 
 
-def list_competing(config: Any, rows: pd.DataFrame) -> list[str]:
+def list_competing(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     """Return the schemes that do not wait; all of them if every one does."""
     waits = find_waits(rows)
     names = list_names(config.schemes)
     return [name for name in names if name not in waits] or names
 
 
-def describe_run(contest: Contest, run: Candidate) -> Aspects:
+def describe_run(contest: Contest[C], run: Candidate) -> Aspects:
     """Describe a run by its axes, schemes and criterion, and by what makes its records."""
     config = run.config
     return Aspects(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -41,14 +40,14 @@ UNITS = {
 }
 
 
-def list_content(config: BladeConfig) -> dict[str, Any]:
+def list_content(config: BladeConfig) -> dict[str, object]:
     """Return what the rows of every block depend on; files of a lift by their bytes."""
     whole = as_mapping(config)
     content = {name: whole[name] for name in CONTENT}
     recorded = config.recorded
     if recorded.imu is not None:
         imu, *gnss = (hash_file(expand_home(name)) for name in (recorded.imu, *recorded.gnss))
-        content["recorded"] |= {"imu": imu, "gnss": gnss}
+        content["recorded"] = whole["recorded"] | {"imu": imu, "gnss": gnss}
         content["reference"] = config.grid.sigma[0]
     return content
 

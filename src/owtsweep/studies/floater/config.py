@@ -10,6 +10,7 @@ from pydantic import field_validator
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.record import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.tuning import Tuned, Tuning
@@ -125,7 +126,7 @@ class Sensors(Section):
     )
 
 
-class FloaterConfig(TunedConfig):
+class FloaterConfig(TunedConfig, ContestConfig):
     """The configuration of the floater study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and

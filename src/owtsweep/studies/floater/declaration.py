@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,11 +53,11 @@ class Record(NamedTuple):
     measured: Measured
 
 
-def list_content(config: FloaterConfig) -> dict[str, Any]:
+def list_content(config: FloaterConfig) -> dict[str, object]:
     """Return what the rows of every block depend on; a file of motion by its bytes."""
     whole = as_mapping(config)
     content = {name: whole[name] for name in CONTENT}
-    content["motion"] |= WORLDS[config.motion.kind].list_files(config.motion)
+    content["motion"] = whole["motion"] | WORLDS[config.motion.kind].list_files(config.motion)
     return content
 
 

@@ -10,7 +10,6 @@ of its peak. Above that there is no motion: an accelerometer would see what a ba
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,7 +95,7 @@ def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
 
 def _draw_lines(
     density: Array, coupling: float, stream: Callable[[str], np.random.Generator], words: str
-) -> NDArray[np.complexfloating[Any, Any]]:
+) -> NDArray[np.complex128]:
     """Draw complex amplitudes with a variance of 1 per column, shape (lines, 6).
 
     Lines of a coupled degree of freedom have the correlation `coupling` with those that it follows.
@@ -108,7 +107,8 @@ def _draw_lines(
     for name, (leader, sign) in COUPLED.items():
         own = np.sqrt(1.0 - coupling**2)
         units[name] = sign * coupling * units[leader] + own * units[name]
-    return scale_to_one(np.sqrt(density) * np.column_stack([units[name] for name in DOF]))
+    drawn = scale_to_one(np.sqrt(density) * np.column_stack([units[name] for name in DOF]))
+    return np.asarray(drawn, dtype=np.complex128)
 
 
 def decay(

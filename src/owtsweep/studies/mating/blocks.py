@@ -66,7 +66,8 @@ def run(config: MatingConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
                 found[WAIT] = of_blade.waits[scheme]
             judged[scheme].append(Judgement(found))
     for block in blocks:
-        rows = make_rows(block.content, AXES, replicates, judged[block.content["scheme"]])
+        scheme = block.content["scheme"]
+        rows = make_rows(scheme, block.content, AXES, replicates, judged[scheme])
         yield block, rows
 
 
