@@ -5,12 +5,12 @@ from functools import cache
 import numpy as np
 
 from owtsweep.studies import compose
-from owtsweep.studies.blade.believed import make_setting
-from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.base.axes import list_cells
+from owtsweep.studies.blade.cases import make_world, observe
+from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.measures import Judged, compare
-from owtsweep.studies.blade.measuring import find_last_outage, measure
+from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.schemes import SCHEMES
-from owtsweep.studies.blade.truth import make_truth
 
 #: One cell without an outage, fibre-optic gyroscopes, everybody told the truth.
 CELL = ("study=blade", "axes=[sigma,outage]", "grid.sigma=[0.006]", "grid.outage=[0]", "unit=fog")
@@ -28,10 +28,10 @@ def make(*words, replicate=0, short=True):
     """Return configuration, truth, measurements and setting of a record; 100 s if short."""
     short_words = ("record.duration=100", "record.settling=20") if short else ()
     config = compose([*CELL, *short_words, *words])
-    (conditions,) = list_cases(config)
-    motion = make_truth(config, replicate, conditions)
-    measured = measure(config, motion, conditions, replicate)
-    return config, motion, measured, make_setting(config, motion, conditions, replicate)
+    (cell,) = list_cells(CONTEST.axes, config.grid)
+    world = make_world(config, cell, replicate)
+    case = observe(config, cell, world)
+    return config, world.motion, case.measured, case.tell(config, cell)
 
 
 def run(name, setting, measured):

@@ -25,9 +25,8 @@ from owtsweep.estimation.inertial import (
 )
 from owtsweep.estimation.inertial_invariant import carry_body, correct_body
 from owtsweep.studies.blade.contract import PLAN, ROOT
-from owtsweep.studies.blade.schemes.mekf import Navigator
+from owtsweep.studies.blade.schemes.mekf import Navigator, describe_swing
 from owtsweep.studies.blade.schemes.navigation import begin, find_noise
-from owtsweep.studies.blade.schemes.swing import describe_swing
 
 RNG = np.random.default_rng(5)
 STEP = 0.02

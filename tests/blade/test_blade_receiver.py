@@ -10,7 +10,7 @@ from hanging import QUIET, make, mean_square, run, score
 
 from owtsweep.estimation.inertial_filter import learn_fix
 from owtsweep.streams import stream
-from owtsweep.studies.blade.receiver import draw_errors, draw_states
+from owtsweep.studies.blade.measuring import draw_errors, draw_states
 from owtsweep.studies.blade.schemes.mekf import Navigator
 from owtsweep.studies.blade.sections import Receiver
 

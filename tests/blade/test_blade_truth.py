@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, interpolate
-from owtsweep.studies.blade.believed import draw_start
+from owtsweep.studies.blade.cases import draw_start
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, ROOT, UNIT
 from owtsweep.studies.blade.measuring import find_last_outage, find_outages
 

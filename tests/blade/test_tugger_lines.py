@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hanging import make
 
-from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.base.axes import list_cells
+from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.sections import Freedom
-from owtsweep.studies.blade.truth import choose_freedoms
-from owtsweep.studies.blade.tugger import hold
+from owtsweep.studies.blade.truth import choose_freedoms, hold
 
 FREEDOM = Freedom(period=20.0, damping=0.05, sigma=0.8, gust=0.2)
 
@@ -43,13 +43,13 @@ def test_lines_hold_the_heading_and_nothing_else() -> None:
     assert np.array_equal(free[:, [0, 1, 2, 5]], held[:, [0, 1, 2, 5]])
     assert held[:, 3].std() < 0.6 * free[:, 3].std()
     config = make(*words)[0]
-    (conditions,) = list_cases(config)
-    period, damping, sigma, gust = choose_freedoms(config, conditions)["heading"]
+    (cell,) = list_cells(CONTEST.axes, config.grid)
+    period, damping, sigma, gust = choose_freedoms(config, cell)["heading"]
     assert (period, gust) == pytest.approx((10.0, 0.05))
     assert (damping, sigma) == pytest.approx((0.075, 0.8 / np.sqrt(12.0)))
     config = make(*words, "grid.heading=[2]")[0]
-    (conditions,) = list_cases(config)
-    assert choose_freedoms(config, conditions)["heading"][2] == 2.0
+    (cell,) = list_cells(CONTEST.axes, config.grid)
+    assert choose_freedoms(config, cell)["heading"][2] == 2.0
 
 
 def test_gusts_are_stated_for_each_freedom() -> None:

@@ -11,10 +11,11 @@ from scipy.spatial.transform import Rotation
 from owtsweep.estimation import error_state as kernels
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies import compose
+from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.attitude import find_body_rates
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import list_cases
+from owtsweep.studies.floater.contest import CONTEST
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
@@ -38,8 +39,8 @@ def make_case(*words, replicate=0, steps=1200):
         "grid.delay=[0]", "grid.bias=[0]", "grid.snr=[20]", "grid.loss=[0]",
         "schemes=[ERROR_STATE]", f"record.duration={steps * STEP}", "record.settling=20", *words,
     ])  # fmt: skip
-    (cell,) = list_cases(config)
-    motion = make_truth(config, replicate, cell.roll)
+    (cell,) = list_cells(CONTEST.axes, config.grid)
+    motion = make_truth(config, replicate, cell.get("roll"))
     return (
         motion.truth, make_setting(config, motion, cell),
         measure(config, motion, cell, replicate), config.record.settled,

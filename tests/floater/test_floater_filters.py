@@ -13,8 +13,8 @@ from sine_records import find_lag, report
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.schemes import SCHEMES
-from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
 from owtsweep.studies.floater.schemes.complementary import find_crossover
+from owtsweep.studies.floater.schemes.lowpass import balance_lag_and_noise
 
 _, SETTING, _ = make()
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from owtsweep.studies import compose
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import Conditions
 from owtsweep.studies.floater.contract import DOF
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measuring import find_sigmas, measure
 from owtsweep.studies.floater.truth import make_truth
 
@@ -33,14 +32,14 @@ def move(*words, replicate=0):
 
 def sense(*words, replicate=0, delay=0.0, bias=0.0, snr=20.0, loss=0.0):
     """Return what sensors say of record 0, by the draws of a replicate."""
-    conditions = Conditions(delay, bias, snr, loss, 1.0, None)
-    return measure(configure(*words), move(*words), conditions, replicate)
+    cell = {"delay": delay, "bias": bias, "snr": snr, "loss": loss, "believed": 1.0}
+    return measure(configure(*words), move(*words), cell, replicate)
 
 
 def tell(*words, delay=0.0, bias=0.0, snr=20.0, believed=1.0):
     """Return what schemes are told."""
-    conditions = Conditions(delay, bias, snr, 0.0, believed, None)
-    return make_setting(configure(*words), move(*words), conditions)
+    cell = {"delay": delay, "bias": bias, "snr": snr, "loss": 0.0, "believed": believed}
+    return make_setting(configure(*words), move(*words), cell)
 
 
 def errors(measured, motion):

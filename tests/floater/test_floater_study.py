@@ -15,10 +15,11 @@ from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
+from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.base.schemes import SchemeTable
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import list_cases
+from owtsweep.studies.floater.contest import CONTEST
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
 from owtsweep.sweep.plan import make_plan, make_tasks
@@ -137,7 +138,7 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
             return estimates
 
     config = compose(TINY)
-    (cell, _) = list_cases(config)
+    (cell, _) = list_cells(CONTEST.axes, config.grid)
     motion = make_truth(config, 0)
     moody = Moody()
     monkeypatch.setattr(SchemeTable, "resolve", lambda table, name: moody)

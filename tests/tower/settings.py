@@ -8,9 +8,9 @@ from owtsweep.structures.bernoulli import assemble_cut, assemble_whole
 from owtsweep.structures.reduction import reduce_free
 from owtsweep.structures.stress import strain_matrix
 from owtsweep.studies.tower.contract import Believed, Channel, Setting
-from owtsweep.studies.tower.loads.waves import triangular_load
 from owtsweep.studies.tower.truth import find_damping
 from owtsweep.studies.tower.tuning import Tuning
+from owtsweep.studies.tower.waves import triangular_load
 from tower.turbine import CUTS, STEP, STRUCTURE
 
 CUT = assemble_cut(STRUCTURE, *CUTS)

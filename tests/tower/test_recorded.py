@@ -12,10 +12,8 @@ from owtsweep.errors import InputError
 from owtsweep.structures import read_structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.channels import list_places
 from owtsweep.studies.tower.contract import Channel, Estimates
-from owtsweep.studies.tower.measuring import Faults, take_signals
+from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.recorded import Recorded, read_record
 from owtsweep.studies.tower.recorded_truth import (
     compare,
@@ -25,7 +23,8 @@ from owtsweep.studies.tower.recorded_truth import (
     require_channels,
 )
 from owtsweep.studies.tower.schemes import SCHEMES
-from owtsweep.studies.tower.setting import make_setting, model_substructure
+from owtsweep.studies.tower.sections import Faults
+from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
 
 ROOT = Path(__file__).parents[2]
 MAST = read_structure(ROOT / "examples" / "mast.yaml")

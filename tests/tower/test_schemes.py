@@ -8,10 +8,11 @@ import pytest
 
 from owtsweep.errors import InputError
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
+from owtsweep.studies.tower.measuring import add_errors, take_signals
 from owtsweep.studies.tower.models import model_cut, respond_statically
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import list_unseen_rigid
+from owtsweep.studies.tower.sections import Faults
 from tower.settings import CUT, SPARSE, STRAIN, make_setting, place
 from tower.turbine import STEP, make, streams
 

@@ -16,7 +16,7 @@ from owtsweep.cli import main
 from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base.tables import spread as spread_axis
-from owtsweep.studies.tower.origin import describe_noise
+from owtsweep.studies.tower.contest import describe_noise
 from owtsweep.studies.tower.setting import misjudge
 from owtsweep.sweep.plan import make_plan
 from owtsweep.testing import check_study

@@ -8,9 +8,10 @@ from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.structures.stress import strain_matrix
-from owtsweep.studies.tower.loads.waves import make_wave_loads, triangular_load
-from owtsweep.studies.tower.loads.wind import find_spectrum, make_top_loads
-from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
+from owtsweep.studies.tower.measuring import add_errors, take_signals
+from owtsweep.studies.tower.sections import Faults
+from owtsweep.studies.tower.waves import make_wave_loads, triangular_load
+from owtsweep.studies.tower.wind import find_spectrum, make_top_loads
 from tower.turbine import CALM, CUTS, ROUGH, STEP, STRUCTURE, WIND, make, streams
 
 

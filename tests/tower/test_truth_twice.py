@@ -10,8 +10,8 @@ import numpy as np
 from scipy.linalg import eigh, expm
 
 from owtsweep.structures.bernoulli import PlaneBeam
-from owtsweep.studies.tower.loads.waves import make_wave_loads
-from owtsweep.studies.tower.loads.wind import make_top_loads
+from owtsweep.studies.tower.waves import make_wave_loads
+from owtsweep.studies.tower.wind import make_top_loads
 from tower.turbine import ROUGH, STEP, STRUCTURE, WIND, make, streams
 
 STEPS = 400

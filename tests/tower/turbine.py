@@ -8,7 +8,7 @@ import numpy as np
 
 from owtsweep.streams import stream
 from owtsweep.structures import find_structure
-from owtsweep.studies.tower.loads.config import SeaState, TopLoad, Wind
+from owtsweep.studies.tower.sections import SeaState, TopLoad, Wind
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 STEP = 0.01

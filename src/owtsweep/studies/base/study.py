@@ -37,7 +37,7 @@ class ContestStudy(Study):
         """Return the two axes of the map."""
         return self.contest().find_conditions(config)
 
-    def contest(self) -> Contest:
+    def contest(self) -> Contest[Any]:
         """Return the study's axes, criteria and words."""
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
 
@@ -57,7 +57,7 @@ class ContestStudy(Study):
 
     def describe_origin(self, config: Any) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.base.origin import describe_origin
+        from owtsweep.studies.base.contest import describe_origin
 
         return describe_origin(self.contest(), config)
 
@@ -83,7 +83,7 @@ class ContestStudy(Study):
         from functools import partial
 
         from owtsweep.comparing.compare import compare
-        from owtsweep.studies.base.comparing import describe_run
+        from owtsweep.studies.base.tables import describe_run
 
         describe = partial(describe_run, self.contest())
         return compare(comparison, folder, describe, metadata=metadata)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.studies.base import contract
+from owtsweep.studies.base.knowledge import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.tuning import Tuning
@@ -86,8 +87,8 @@ class Measured:
     specific_force: Array | None
 
 
-@dataclass(frozen=True)
-class Setting:
+@dataclass(frozen=True, eq=False)
+class Setting(Knowledge):
     """All that a scheme may know beforehand of a case.
 
     Attributes

@@ -11,7 +11,7 @@ from owtsweep.config import as_mapping
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.blocks import Planned, plan_blocks
 from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.base.tables import Judgement, make_rows
 from owtsweep.studies.mating.conditions import AXES
 from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST
@@ -66,7 +66,8 @@ def run(config: MatingConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
                 found[WAIT] = of_blade.waits[scheme]
             judged[scheme].append(Judgement(found))
     for block in blocks:
-        rows = make_rows(block.content, AXES, replicates, judged[block.content["scheme"]])
+        scheme = block.content["scheme"]
+        rows = make_rows(scheme, block.content, AXES, replicates, judged[scheme])
         yield block, rows
 
 

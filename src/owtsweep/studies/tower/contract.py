@@ -9,6 +9,7 @@ from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
 from owtsweep.studies.base import contract
+from owtsweep.studies.base.knowledge import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.tuning import Tuning
@@ -63,8 +64,8 @@ class Believed:
     length: Array
 
 
-@dataclass(frozen=True)
-class Setting:
+@dataclass(frozen=True, eq=False)
+class Setting(Knowledge):
     """All that a scheme may know of one direction of a case.
 
     Attributes

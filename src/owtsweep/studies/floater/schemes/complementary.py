@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
@@ -30,7 +31,7 @@ class Complementary:
     """The filter with its crossover of each degree of freedom in rad/s, shape (6,)."""
 
     setting: Setting
-    crossover: np.ndarray
+    crossover: Array
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""

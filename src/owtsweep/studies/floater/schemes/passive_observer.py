@@ -16,8 +16,8 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
-from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
 from owtsweep.studies.floater.schemes.linear import keep_reports
+from owtsweep.studies.floater.schemes.lowpass import balance_lag_and_noise
 from owtsweep.studies.floater.schemes.printed import find_start
 
 #: Damping ratio of the slow motion in the observer's model.

@@ -18,8 +18,8 @@ from owtsweep.errors import require
 from owtsweep.motion.plant import compute_forces
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam
-from owtsweep.studies.tower.loads.config import SeaState
-from owtsweep.studies.tower.loads.periodic import sample_periodic
+from owtsweep.studies.tower.sections import SeaState
+from owtsweep.studies.tower.wind import sample_periodic
 from owtsweep.waves import Sea, draw_waves
 
 
