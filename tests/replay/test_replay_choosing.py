@@ -14,7 +14,7 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import baselines, choosing
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen
+from owtsweep.studies.replay.record import listen
 from owtsweep.studies.replay.sentences import write_sentence
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=5", "measures.settling_time=5"]

@@ -28,8 +28,7 @@ from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
-from owtsweep.studies.replay.identification.estimated import use_estimates
-from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise
+from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
 from owtsweep.studies.replay.identification.rows import (
     ESTIMATED,
     NOISE,
@@ -37,8 +36,13 @@ from owtsweep.studies.replay.identification.rows import (
     name_second_run,
 )
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import count_replicates, listen
-from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
+from owtsweep.studies.replay.record import (
+    LONG,
+    ReplayRecord,
+    count_replicates,
+    listen,
+    release_memory,
+)
 from owtsweep.sweep.study import FAILED, OK, Block
 
 if TYPE_CHECKING:

@@ -18,8 +18,13 @@ from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.public import make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
+from owtsweep.studies.replay.record import (
+    LONG,
+    ReplayRecord,
+    cut_into_pieces,
+    listen,
+    release_memory,
+)
 from owtsweep.studies.replay.session import SchemeFailed, run_scheme
 
 STATES = ("x", "y", "vx", "vy")

@@ -18,8 +18,7 @@ from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measures import Measured
-from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import ReplayRecord, release_memory
+from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen, release_memory
 
 #: The periodogram is kept up to this multiple of the upper edge of the band.
 BEYOND = 2.0

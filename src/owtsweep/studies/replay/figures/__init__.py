@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from owtsweep.errors import printable
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.studies.replay.config import ReplayConfig
 
@@ -13,10 +15,26 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+#: The number of characters that fit into a title.
+LONGEST = 80
 #: Figures that show a quantity over time; those ending in `_zoom` show some seconds only.
 HISTORIES = (
     "position", "position_zoom", "velocity", "velocity_zoom", "acceleration_zoom", "bias",
 )  # fmt: skip
+
+
+def as_plain(text: str) -> str:
+    """Return a text in a form that matplotlib draws as it is, without reading a part as a formula.
+
+    Characters that cannot be printed are replaced by escape sequences, and each `$` is escaped.
+    """
+    return printable(text).replace("$", r"\$")
+
+
+def name_file(path: str) -> str:
+    """Return the name of the file at `path` for a title, cut to `LONGEST` characters."""
+    name = Path(path).name
+    return as_plain(name if len(name) <= LONGEST else f"{name[:LONGEST]}...")
 
 
 def overview(config: ReplayConfig) -> str:
