@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -94,7 +94,7 @@ def plan(config: ReplayConfig) -> list[Block]:
 
 
 def _plan_noise(
-    config: ReplayConfig, label: str, file: str, content: Mapping[str, Any], *, apart: bool
+    config: ReplayConfig, label: str, file: str, content: Mapping[str, object], *, apart: bool
 ) -> Iterator[Block]:
     """Yield a block on a record's noise; if the stated noise is not that, those of a second run.
 
@@ -121,7 +121,7 @@ def _plan_noise(
         yield Block(name if apart else label, name, second, 1, anew=anew)
 
 
-def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
+def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
     whole = as_mapping(config)
     names = ("seed", "engine", "sensors", "band", "gaps", "columns", "units")
     content = {key: whole[key] for key in names}

@@ -10,7 +10,6 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -123,7 +122,7 @@ def _replace_when_written(path: Path) -> Iterator[str]:
 
 def _make_columns(
     record: ReplayRecord, pieces: Iterator[Trajectory], name: str
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[dict[str, object]]:
     origin = np.concatenate([record.origin, np.zeros(2)])
     first = 0
     for estimated in pieces:

@@ -82,7 +82,7 @@ class ReplayRecord:
         """The time of the last step on the file's clock, in s."""
         return self.begin + self.step * (self.steps - 1)
 
-    def time_at(self, part: slice) -> Array:
+    def time_at(self, part: slice[int]) -> Array:
         """Return the times of the steps in a slice, on the file's clock, in s."""
         return np.asarray(self.begin + self.step * np.arange(*part.indices(self.steps)))
 

@@ -31,7 +31,7 @@ SETTLING = 20.0
 COLUMNS = {"position": slice(0, 2), "velocity": slice(2, 4)}
 
 
-def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, slice]:
+def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, slice[int]]:
     """Choose the parts of a record that figures show: name of the part -> its steps.
 
     The part "whole" begins with the record and is at most `SPAN` s long. The shorter parts "zoom"
@@ -82,7 +82,7 @@ def _find_largest_motion(record: ReplayRecord, positions: Iterable[Array]) -> di
     return {name: step for name, (_, step) in found.items()}
 
 
-def _select(record: ReplayRecord, start: float, end: float) -> slice:
+def _select(record: ReplayRecord, start: float, end: float) -> slice[int]:
     """Return the slice of the steps whose time lies from `start` to `end` (s), both included.
 
     Times are on the clock of the record's file.
@@ -120,7 +120,7 @@ class Session:
     record: ReplayRecord
     sensors: Sensors
     signals: Signals
-    windows: Mapping[str, slice]
+    windows: Mapping[str, slice[int]]
     seen: Mapping[str, Mapping[str, Trajectory]]
     repeated: Mapping[str, frozenset[str]]
     bounds: Mapping[str, Mapping[str, float]]

@@ -78,6 +78,7 @@ def drawings(
 def _figures_of_one(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
 ) -> dict[str, Callable[[], Figure]]:
+    from owtsweep.studies.replay.facts import pick_facts
     from owtsweep.studies.replay.figures import histories, place, spectrum
     from owtsweep.studies.replay.session import run_session
     from owtsweep.studies.replay.states import collect_filter_states
@@ -85,9 +86,8 @@ def _figures_of_one(
     recorded = cache(lambda: run_session(config, config.grid.files[0]))
     states = cache(lambda: collect_filter_states(config, recorded()))
     advice = tables["advice"]
-    # a baseline has no lines in the figures; a table stored before has no column `recommended`
-    choice = "recommended" if "recommended" in advice else "best"
-    advised = str(advice.iloc[0][choice]) if len(advice) else None
+    # a baseline has no lines in the figures
+    advised = str(advice.iloc[0]["recommended"]) if len(advice) else None
 
     def history(name: str) -> Callable[[], Figure]:
         quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")
@@ -97,6 +97,6 @@ def _figures_of_one(
 
     return {
         **{name: history(name) for name in HISTORIES},
-        "spectrum": lambda: spectrum.draw(config, tables["records"].iloc[0]),
-        "place_in_map": lambda: place.draw(config, tables["records"].iloc[0]),
+        "spectrum": lambda: spectrum.draw(config, pick_facts(tables["records"])),
+        "place_in_map": lambda: place.draw(config, pick_facts(tables["records"])),
     }

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import OrderedDict
 from dataclasses import dataclass
 from threading import Lock
-from typing import Any
 
 import numpy as np
 from scipy.signal import welch
@@ -105,7 +104,7 @@ class Noise:
         return all(one.inside for one in self.parameters if one.parameter != "clock_offset")
 
 
-_KEPT: OrderedDict[Any, Noise] = OrderedDict()
+_KEPT: OrderedDict[tuple[object, ...], Noise] = OrderedDict()
 _MOST_KEPT = 256
 _LOCK = Lock()
 
