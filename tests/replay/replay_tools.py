@@ -20,8 +20,7 @@ from owtsweep.studies.hub.public import Scheme, Sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.measures import Measured, Tally
-from owtsweep.studies.replay.measuring import Signals
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import ReplayRecord, Signals
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(os.environ.get("OWTSWEEP_DATA", ROOT.parent / "shared/data"))

@@ -31,7 +31,9 @@ def test_too_small_a_margin_does_not_matter():
     assert found["best"] == "HME1"
     assert found["ci_low"] > 0.0
     assert not found["matters"]
-    line = sentences.write_sentence({"source": "record", "criterion": "position", **found})
+    row = {"source": "record", "criterion": "position", "noise": "stated", **found}
+    chosen = {"recommended": "HME1", "value_recommended": found["value_best"]}
+    line = sentences.write_sentence({**row, **chosen})
     assert "no difference that matters" in line
 
 
@@ -83,16 +85,18 @@ def test_without_errors_the_fixes_advise():
         rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled"
     )
     assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
-    assert "from a fix" in sentences.write_sentence(found)
+    assert "from a fix" in sentences.write_sentence({**found, "noise": "stated"})
 
 
 def test_large_margins_are_told_in_times():
     row = {
         "source": "record", "criterion": "position", "best": "HME1", "same_as": "",
-        "runner_up": "MKF", "value_best": 0.01, "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
+        "runner_up": "MKF", "value_best": 0.01, "recommended": "HME1", "value_recommended": 0.01,
+        "noise": "stated", "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
         "matters": True,
     }  # fmt: skip
     assert "MKF has 5 times as much (95 %: 4 to 6 times)" in sentences.write_sentence(row)
-    assert "MKF has 5 times as much" in sentences.write_sentence({**row, "source": "map"})
+    of_map = {"source": "map", "fit_share": 0.8, "advises": True, "contradicts_record": False}
+    assert "MKF has 5 times as much;" in sentences.write_sentence({**row, **of_map})
     near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
     assert "MKF has 50 % more (95 %: 40 to 60 %)" in sentences.write_sentence(near)

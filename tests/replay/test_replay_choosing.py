@@ -15,7 +15,7 @@ from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import baselines, choosing
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen
+from owtsweep.studies.replay.record import listen
 from owtsweep.studies.replay.sentences import write_sentence
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=5", "measures.settling_time=5"]
@@ -93,7 +93,7 @@ def test_a_still_record_needs_no_estimator_and_the_report_begins_so(tmp_path, mo
     row = advised.iloc[0]
     assert (row["best"], row["recommended"], row["baseline"]) == ("MKF", "NONE", "NONE")
     assert row["value_baseline"] < row["value_best"]
-    sentence = write_sentence(row.fillna("").to_dict() | {"same_as": ""})
+    sentence = write_sentence(row.to_dict())
     assert "no estimator needed, motion below the sensors (NONE)" in sentence
     assert "no scheme is better; MKF, the best scheme, has" in sentence
 
@@ -114,7 +114,7 @@ def test_the_map_is_no_advice_for_a_peak_outside_the_band(tmp_path, monkeypatch)
     assert not by_map["advises"]
     assert advised.loc["record", "recommended"] == "HME1"
     assert by_map["contradicts_record"]
-    sentence = write_sentence({**by_map.to_dict(), "source": "map", "same_as": ""})
+    sentence = write_sentence({**by_map.to_dict(), "source": "map"})
     assert sentence.startswith("no advice, only for the")
     assert "this contradicts the record's own errors" in sentence
 

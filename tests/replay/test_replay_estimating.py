@@ -10,7 +10,7 @@ from owtsweep.config import changed
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen
+from owtsweep.studies.replay.record import listen
 
 SMALL = (
     "sensors.imu.rate=20", "hme.mhe.horizon=5", "hme.mhe.smoother_window=6", "hme.mhe.interval=0.5",

@@ -15,12 +15,18 @@ from owtsweep.errors import InputError
 from owtsweep.studies import compose
 from owtsweep.studies.hub.public import follow_sensors
 from owtsweep.studies.replay import running
-from owtsweep.studies.replay.identification.differences import take_differences
 from owtsweep.studies.replay.identification.disagreement import describe_disagreement
-from owtsweep.studies.replay.identification.estimated import use_estimates
 from owtsweep.studies.replay.identification.fit import Fit, fit_noise
-from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
-from owtsweep.studies.replay.identification.of_record import estimate_noise, measure_floor
+from owtsweep.studies.replay.identification.likelihood import (
+    integrate_twice,
+    pose,
+    take_differences,
+)
+from owtsweep.studies.replay.identification.of_record import (
+    estimate_noise,
+    measure_floor,
+    use_estimates,
+)
 from owtsweep.studies.replay.identification.rows import name_second_run
 from owtsweep.studies.replay.results import aggregate
 

@@ -19,10 +19,11 @@ from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.resolving import resolve
-from owtsweep.studies.replay import blocks, estimating, measuring, session, states, windows
+from owtsweep.studies.replay import blocks, estimating, session, states
+from owtsweep.studies.replay import record as recorded
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen, simulate_true_bias
+from owtsweep.studies.replay.record import listen, simulate_true_bias
 
 ROOT = Path(__file__).parents[2]
 EDGES = [0, 1, 77, 77, 150, 777, 1501]
@@ -35,9 +36,9 @@ SLOW = (
 
 @pytest.fixture
 def short_pieces(monkeypatch):
-    for module in (measuring, estimating):
+    for module in (recorded, estimating):
         monkeypatch.setattr(module, "PIECE", 640)
-    monkeypatch.setattr(measuring.cut_into_pieces, "__defaults__", (640,))
+    monkeypatch.setattr(recorded.cut_into_pieces, "__defaults__", (640,))
 
 
 def same(one: Trajectory, other: Trajectory) -> bool:
@@ -104,7 +105,7 @@ def test_the_noise_does_not_depend_on_the_pieces(tmp_path):
     whole = collect_force(signals)
     assert np.array_equal(np.concatenate([*signals.force(700)]), whole)
     # by hand: the streams as DESIGN.md has them
-    named = partial(measuring.stream, config.seed, "replay", (0.0,), 3)
+    named = partial(recorded.stream, config.seed, "replay", (0.0,), 3)
     noise = sensing.noise(config.sensors, sensors, record.steps, named)
     force = record.acceleration @ sensors.rotation + noise.specific_force
     assert np.array_equal(whole, force)
@@ -116,7 +117,7 @@ def test_the_simulated_bias_is_that_of_the_noise(tmp_path, monkeypatch):
     config = config_of([path], "sensors.yaw=25", "sensors.imu.sigma=1e-9")
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
-    monkeypatch.setattr(measuring, "PIECE", 640)
+    monkeypatch.setattr(recorded, "PIECE", 640)
     found = np.concatenate([*simulate_true_bias(config, sensors, record.steps, 2)])
     force = collect_force(listen(config, sensors, record, 2)) @ sensors.rotation.T
     expected = force - record.acceleration + np.array(sensors.gravity)
@@ -138,9 +139,9 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
         return found, states.collect_filter_states(config, found)
 
     one, one_states = seen()
-    for module in (measuring, estimating):
+    for module in (recorded, estimating):
         monkeypatch.setattr(module, "PIECE", 640)
-    monkeypatch.setattr(measuring.cut_into_pieces, "__defaults__", (640,))
+    monkeypatch.setattr(recorded.cut_into_pieces, "__defaults__", (640,))
     other, other_states = seen()
     assert one.windows == other.windows
     assert one.bounds == other.bounds
@@ -168,7 +169,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
 def test_the_windows_are_about_the_largest_motion(tmp_path):
     path = motion_file(tmp_path / "a.csv", duration=60.0)
     record = load_record(config_of([path]), str(path))
-    found = windows.choose_windows(record, [record.position])
+    found = session.choose_windows(record, [record.position])
     time, size = record.time_at(slice(None)), np.hypot(*record.position.T)
     inside = (time >= time[0] + 27.5) & (time <= time[-1] - 7.5)
     middle = time[np.argmax(np.where(inside, size, -1.0))]

@@ -10,7 +10,7 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.replay import facts, measures, place
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen
+from owtsweep.studies.replay.record import listen
 
 
 @pytest.fixture(scope="module")

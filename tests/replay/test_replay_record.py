@@ -10,8 +10,8 @@ from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import count_replicates, listen
 from owtsweep.studies.replay.of_sensors import align
+from owtsweep.studies.replay.record import count_replicates, listen
 
 
 def sine_file(path, rate=25.0, mean=2.0):

@@ -3,6 +3,7 @@
 import pytest
 
 import owtsweep
+from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.sample import MOTION, write_sample
 from owtsweep.studies.replay.sentences import describe_tilt
 
@@ -15,7 +16,7 @@ def tell(tmp_path, tilt: float) -> str:
     write_sample(tmp_path)
     words = [*FEW, f"sensors.imu.tilt={tilt}", f"results={tmp_path}"]
     run = owtsweep.replay(tmp_path / MOTION, words).run
-    return describe_tilt(run.config, run.table("records").iloc[0])  # type: ignore[arg-type]
+    return describe_tilt(run.config, pick_facts(run.table("records")))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

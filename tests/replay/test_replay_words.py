@@ -9,8 +9,7 @@ from replay_tools import motion_file
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import read
-from owtsweep.studies.replay.running import compose_replay, expand
-from owtsweep.studies.replay.words import quote_texts
+from owtsweep.studies.replay.running import compose_replay, expand, quote_texts
 
 
 @pytest.mark.parametrize(
