@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.inference import t_quantile
-from owtsweep.statistics.sums import mean_and_error
+from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES
 
 #: A margin (an error / the least error - 1) below this does not matter for the choice.
