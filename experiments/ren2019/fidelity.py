@@ -36,9 +36,9 @@ from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import report
 from owtsweep.verdicts.claims_file import Statement, read_claims
+from owtsweep.verdicts.inference import JudgedStatement, tabulate_claims
 from owtsweep.verdicts.judge import judge
 from owtsweep.verdicts.score_table import ScoreTable
-from owtsweep.verdicts.statements import JudgedStatement, tabulate_claims
 
 CLAIMS = read_claims(Path(__file__).with_name("claims.toml"))
 #: The statements on figures 15 to 18, which are judged in x alone too: section 5.3 of the paper

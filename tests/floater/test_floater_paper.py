@@ -20,9 +20,8 @@ from experiments.mehammer2018.scores import (
 from owtsweep.estimation.kinematic_predictor import predict_steady
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.verdicts.claims_file import read_claims
-from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, JudgedStatement
 from owtsweep.verdicts.judge import judge
-from owtsweep.verdicts.statements import JudgedStatement
 
 SHORT = ["record.duration=110", "record.settling=10"]
 RECORDS = 4

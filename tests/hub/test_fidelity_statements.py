@@ -24,11 +24,16 @@ from experiments.ren2019.fidelity import CLAIMS, judge_all, judge_along_x
 from experiments.ren2019.histories import COLUMNS
 from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.summaries import fidelity_table
-from owtsweep.studies.readings.published import BOUNDARIES
-from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+from owtsweep.studies.readings.published import BOUNDARIES, tolerated
+from owtsweep.verdicts.inference import (
+    MISSING,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    UNDECIDED,
+    JudgedStatement,
+)
 from owtsweep.verdicts.judge import judge
 from owtsweep.verdicts.score_table import ScoreTable
-from owtsweep.verdicts.statements import JudgedStatement
 
 
 def velocity_only(hme1: float, hme2: float) -> Callable[[str, float], dict[str, Terms]]:

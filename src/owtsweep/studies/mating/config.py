@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
-from owtsweep.config.record import Record
+from owtsweep.config.common import Record
 from owtsweep.studies.base.contest import ContestConfig
 
 

@@ -14,8 +14,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.inference import t_quantile
-from owtsweep.statistics.sums import mean_and_error
+from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES
 
 #: A margin (an error / the least error - 1) below this does not matter for the choice.
