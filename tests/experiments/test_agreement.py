@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from looks import LOOKS
 from matplotlib.colors import to_rgb
 from PIL import Image
 
@@ -19,7 +20,6 @@ from owtsweep.figures.palette import mix_with_white
 from owtsweep.studies import compose
 from owtsweep.studies.hub.figures.listing import TIME_HISTORIES
 from owtsweep.studies.hub.histories import choose_sea
-from owtsweep.studies.hub.looks import LOOKS
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "results" / "reference" / "default"

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base.contract import Ready
+from owtsweep.studies.base import contract
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.tuning import Tuning
@@ -161,5 +161,7 @@ class Estimates:
     wait: float = 0.0
 
 
-#: A scheme made ready for one setting.
-Prepared = Ready[Measured, Estimates]
+class Scheme(contract.Scheme[Setting, Measured, Estimates]):
+    """A scheme of the floater study."""
+
+    study = "floater"

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_filter import SWING, filter_fixes
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     Found,
     begin,
@@ -79,7 +79,7 @@ class Navigator:
         return found
 
 
-class NavigatorScheme:
+class NavigatorScheme(Scheme):
     """The multiplicative filter with what it is given besides: attributes of `Navigator`."""
 
     def __init__(self, name: str, **given: Any) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import (
     ANGLES,
     read_inputs,
@@ -68,7 +68,7 @@ def find_crossover(setting: Setting, column: int) -> float:
     return float(max(root.real for root in roots))
 
 
-class ComplementaryScheme:
+class ComplementaryScheme(Scheme):
     """The complementary filter."""
 
     name = "COMPLEMENTARY"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from owtsweep.studies.floater.contract import Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.levelling import hold
 from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
 from owtsweep.studies.floater.schemes.linear import keep_reports
@@ -43,7 +43,7 @@ class LowPass:
         return Estimates(position, velocity)
 
 
-class LowPassScheme:
+class LowPassScheme(Scheme):
     """Low-pass filter and numerical differentiation."""
 
     name = "LOWPASS"

@@ -26,7 +26,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.structures.reduction import reduce_held
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Estimates, Setting
+from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import balance_loads, list_whole_dof, respond_statically, see
 from owtsweep.studies.tower.schemes.spectral import Bands
 
@@ -82,7 +82,7 @@ class Expansion:
         return Estimates(displacement, inputs, wait=self.step * len(measured))
 
 
-class MDE:
+class MDE(Scheme):
     """The scheme MDE."""
 
     name = "MDE"
