@@ -20,6 +20,7 @@ from experiments.command import read_data, read_words, write
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import style
 from owtsweep.studies import compose
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
@@ -52,7 +53,7 @@ def run_ways(truth, faults):
         )
         position = amplitude * np.outer(motion.position, records.direction)
         for way in WAYS:
-            estimator = resolve(way.split()[0]).stream(known, configs[way])
+            estimator = resolve(way.split()[0]).stream(Known(known, configs[way]))
             state = run_estimator(estimator, *data, known.fix_interval).state
             squares = np.sum((state[settled:, :2] - position[settled:]) ** 2, axis=1)
             rows.append((truth, amplitude, way, record, float(np.mean(squares))))

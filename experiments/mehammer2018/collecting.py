@@ -14,10 +14,11 @@ from joblib import delayed
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_composed
 from experiments.mehammer2018.scores import score
 from experiments.parallel import compute
+from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.composing import compose
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import Conditions, list_cases
 from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.contest import CONTEST
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
@@ -65,9 +66,9 @@ def score_scenario(name: str, replicates: Sequence[int], overrides: Sequence[str
     return pd.DataFrame(rows, columns=["scenario", "scheme", "measure", "replicate", "value"])
 
 
-def name_cell(config: FloaterConfig, cell: Conditions) -> str:
+def name_cell(config: FloaterConfig, cell: Cell) -> str:
     """Return the name of a cell, e.g. "delay 2, bias 0.1"."""
-    return ", ".join(f"{axis} {getattr(cell, axis):g}" for axis in config.axes)
+    return ", ".join(f"{axis} {cell[axis]:g}" for axis in config.axes)
 
 
 def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
@@ -79,7 +80,7 @@ def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
     assert isinstance(config, FloaterConfig)
     motions = [make_truth(config, replicate) for replicate in range(RECORDS)]
     rows = []
-    for cell in list_cases(config):
+    for cell in list_cells(CONTEST.axes, config.grid):
         name = name_cell(config, cell)
         for replicate, motion in enumerate(motions):
             measured = measure(config, motion, cell, replicate)

@@ -14,11 +14,13 @@ import numpy as np
 from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
+from owtsweep.studies.base.axes import list_cells
+from owtsweep.studies.base.contract import Ready
 from owtsweep.studies.composing import compose
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import list_cases
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.studies.floater.contract import Estimates, Measured, Prepared, Setting, Truth
+from owtsweep.studies.floater.contest import CONTEST
+from owtsweep.studies.floater.contract import Estimates, Measured, Setting, Truth
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
@@ -84,7 +86,7 @@ class Outcome:
     scheme: str
     config: FloaterConfig
     setting: Setting
-    prepared: Prepared
+    prepared: Ready[Measured, Estimates]
     truth: Truth
     measured: Measured
     estimates: Estimates
@@ -109,8 +111,8 @@ def run_scenario(
 
 def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> dict[str, Outcome]:
     """Run a scenario, of which `config` is the configuration, on the record with a number."""
-    (cell,) = list_cases(config)
-    motion = make_truth(config, replicate, cell.roll)
+    (cell,) = list_cells(CONTEST.axes, config.grid)
+    motion = make_truth(config, replicate, cell.get("roll"))
     if scenario.printed:
         motion = integrate_as_printed(motion)
     measured = measure(config, motion, cell, replicate)

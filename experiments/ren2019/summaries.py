@@ -22,10 +22,10 @@ from owtsweep.verdicts.inference import (
     Decision,
     Estimate,
     JudgedClaim,
+    JudgedStatement,
     all_of,
     mean_ratio,
 )
-from owtsweep.verdicts.statements import JudgedStatement
 
 NAN = float("nan")
 #: What the names of statements that are judged in x alone end with.

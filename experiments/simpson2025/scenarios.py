@@ -19,15 +19,13 @@ from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.observability import find_unobservable
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
-from owtsweep.studies.tower.channels import list_places
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
-from owtsweep.studies.tower.measuring import take_signals
+from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
-from owtsweep.studies.tower.setting import make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion
 
 #: Noise of all sensors but GNSS, % of each signal's standard deviation (section 5.1.1).

@@ -21,7 +21,9 @@ from experiments.simpson2025.scenarios import NOISE, Scenario, run_scenarios
 from experiments.simpson2025.scores import damages_of
 from owtsweep.figures import style
 from owtsweep.io.steps import show_steps
-from owtsweep.studies.tower.origin import describe_origin
+from owtsweep.studies.base.contest import describe_draws
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contest import describe_errors, describe_truth
 
 #: Angle between waves and wind, degrees.
 YAWS = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
@@ -64,6 +66,19 @@ def draw_yaws(table: pd.DataFrame, note: str) -> Figure:
     figure.axes[0].legend(frameon=False)
     style.footnote(figure, note)
     return figure
+
+
+def describe_origin(config: TowerConfig) -> str:
+    """Return in one line the tuning, the truth, the sensors, the records and their seed."""
+    wrong = describe_errors(config)
+    parts = [
+        f"Tuning {config.tuning_name}",
+        f"truth: {describe_truth(config)}",
+        f"sensors {config.sensors.name}",
+        *([f"wrong: {wrong}"] if wrong else []),
+        describe_draws(config),
+    ]
+    return "; ".join(parts)
 
 
 def _compare(yaw: float, replicate: int, overrides: Sequence[str]) -> list[dict[str, object]]:

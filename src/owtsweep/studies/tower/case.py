@@ -11,13 +11,16 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.streams import stream
-from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.channels import Place, list_places
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Setting
-from owtsweep.studies.tower.measuring import add_errors, take_signals
+from owtsweep.studies.tower.measuring import Place, add_errors, list_places, take_signals
 from owtsweep.studies.tower.recorded_truth import load_motions
-from owtsweep.studies.tower.setting import Substructure, make_setting, model_substructure
+from owtsweep.studies.tower.setting import (
+    Substructure,
+    make_believed,
+    make_setting,
+    model_substructure,
+)
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 

@@ -21,14 +21,17 @@ from owtsweep.streams import stream
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.structures.stress import stress_matrix
-from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.channels import Place, find_node, list_places
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Kind, Setting
-from owtsweep.studies.tower.measuring import Faults, take_signals
+from owtsweep.studies.tower.measuring import (
+    Place,
+    find_node,
+    list_places,
+    take_signals,
+)
 from owtsweep.studies.tower.placement import Problem, pose
-from owtsweep.studies.tower.sections import KINDS
-from owtsweep.studies.tower.setting import make_setting, model_substructure
+from owtsweep.studies.tower.sections import KINDS, Faults
+from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 #: Accelerometers where the user names no sensor.
