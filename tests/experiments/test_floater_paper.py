@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from experiments.mehammer2018 import collecting
-from experiments.mehammer2018.fidelity import CLAIMS, list_tables, write_report
+from experiments.mehammer2018.fidelity import list_tables, write_report
 from experiments.mehammer2018.figures import FIGURES, draw_figures
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_scenario
 from experiments.mehammer2018.scores import (
@@ -22,6 +24,8 @@ from owtsweep.studies.floater.contract import DOF
 from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, JudgedStatement
 from owtsweep.verdicts.judge import judge
+
+ROOT = Path(__file__).parents[2]
 
 SHORT = ["record.duration=110", "record.settling=10"]
 RECORDS = 4
@@ -88,7 +92,7 @@ def spoil(table: pd.DataFrame, value: float, **chosen: str) -> pd.DataFrame:
 
 def judge_all(scores: pd.DataFrame, maps: pd.DataFrame) -> dict[str, JudgedStatement]:
     """Return all statements and goals, judged, by name."""
-    file = read_claims(CLAIMS)
+    file = read_claims(ROOT / "experiments/mehammer2018/claims.toml")
     judged = judge([*file.statements, *file.goals], list_tables(scores, maps), file)
     return {statement.name: statement for statement in judged}
 
