@@ -11,9 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
 
 from experiments.command import draw_named
 from experiments.maes2018.processing import COLUMNS, Motions, process
@@ -24,11 +27,6 @@ from owtsweep.figures import style
 from owtsweep.figures.drawings import save_figure
 from owtsweep.studies.blade.boom import estimate_boom
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, ROOT, UNIT, Truth
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.collections import PathCollection
-    from matplotlib.figure import Figure
 
 #: What is wrong with the total stations in the figures, and the scheme of the paper's system.
 SCENARIO, SCHEME = "late clock", "UKF"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from experiments.command import read_data
 from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.config import BladeConfig
@@ -15,24 +16,8 @@ from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.composing import compose
 
-#: The paper's system: fibre-optic gyroscopes, fixes of 6 mm, no outage; all told the truth.
-CELL = (
-    "study=blade", "axes=[sigma,outage]", "unit=fog", "tuning=matched", "grid.sigma=[0.006]",
-    "grid.outage=[0]",
-)  # fmt: skip
-_CLOCK, _STRETCH = "sensors.prism_offset=0.1", "sensors.stretch=0.05"
-_SAG = "motion.bending.sag=0.03"
-#: What is wrong with the reference system -> overrides. The paper's sentences name all of it.
-REFERENCE = {
-    "noise only": (),
-    "late clock": (_CLOCK,),
-    "bent blade": (_STRETCH,),
-    "both": (_CLOCK, _STRETCH),
-    "sagging blade": (_SAG,),
-    "sag and late clock": (_CLOCK, _SAG),
-}
-#: Outages of 10 s, many in a record.
-COASTING = ("grid.outage=[10]", "sensors.outage_every=30")
+#: Overrides: the paper's system, outages, and name -> what is wrong with the reference system.
+CELL, COASTING, REFERENCE = read_data(__file__).values()
 
 
 @dataclass(frozen=True)

@@ -162,7 +162,7 @@ def score_boom(record: Record) -> dict[str, float]:
 class Scenario(NamedTuple):
     """Overrides of the paper's system, the schemes that run, and what is measured of each."""
 
-    words: tuple[str, ...]
+    words: Sequence[str]
     schemes: tuple[str, ...]
     measure: Callable[[Record, str], dict[str, float]]
 

@@ -11,9 +11,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from experiments.command import draw_named, read_data
 from experiments.mehammer2018.scenarios import PAPER, Outcome, run_scenario
@@ -23,10 +25,6 @@ from owtsweep.figures import style
 from owtsweep.figures.drawings import save_figure
 from owtsweep.figures.lines import clip, make_line
 from owtsweep.studies.floater.schemes import SCHEMES
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 TRUTH: dict[str, Any] = {"color": "black", "linewidth": 1.8, "label": "truth", "zorder": 2.2}
 MEASURED: dict[str, Any] = {"color": "0.7", "linewidth": 0.6, "label": "measured", "zorder": 2.0}

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from experiments.command import draw_named
-from experiments.simpson2025 import damage_figures, input_figures, state_figures
+from experiments.simpson2025 import load_figures, state_figures
 from experiments.simpson2025.scenarios import (
     WAVES,
     WEIGHTLESS,
@@ -41,14 +41,14 @@ FIGURES = {
     "figure_04": Drawn(state_figures.draw_modes, _DENSE),
     "figure_05": Drawn(state_figures.draw_states, _WIND),
     "figure_06": Drawn(state_figures.draw_modal, _DENSE),
-    "figure_07": Drawn(damage_figures.draw_damage, _WIND),
-    "figure_08": Drawn(input_figures.draw_ground_inputs, _WIND),
-    "figure_09": Drawn(input_figures.draw_top_inputs, _WIND),
-    "figure_10": Drawn(input_figures.draw_gravity, (*_DENSE, WEIGHTLESS["dense_theta_a"])),
-    "figure_12": Drawn(damage_figures.draw_damage_with_waves, tuple(WAVES.values())),
+    "figure_07": Drawn(load_figures.draw_damage, _WIND),
+    "figure_08": Drawn(load_figures.draw_ground_inputs, _WIND),
+    "figure_09": Drawn(load_figures.draw_top_inputs, _WIND),
+    "figure_10": Drawn(load_figures.draw_gravity, (*_DENSE, WEIGHTLESS["dense_theta_a"])),
+    "figure_12": Drawn(load_figures.draw_damage_with_waves, tuple(WAVES.values())),
     **{
         f"figure_13_yaw_{yaw}": Drawn(
-            partial(input_figures.draw_ground_inputs_with_waves, yaw=yaw),
+            partial(load_figures.draw_ground_inputs_with_waves, yaw=yaw),
             (WAVES[yaw, "p_1"], WAVES[yaw, "p_2"]),
         )
         for yaw in (0, 30)
