@@ -64,13 +64,9 @@ def judge_along_x(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
 
 def take_x(statement: Statement) -> Statement:
     """Return a statement with the MSE of x in place of the position MSE."""
+    in_x = {"measure": ("x",)}
     claims = tuple(
-        replace(
-            claim,
-            parts=tuple(
-                replace(part, select=part.select | {"measure": ("x",)}) for part in claim.parts
-            ),
-        )
+        replace(claim, parts=tuple(replace(p, select=p.select | in_x) for p in claim.parts))
         for claim in statement.claims
     )
     return replace(statement, name=f"{statement.name}{X_ALONE}", claims=claims)
