@@ -32,8 +32,8 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.cells import BOUNDED, WINDOW, compute_bounds, find_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.bounds.shape import find_shape
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.figures import efficiency
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.origin import describe_origin
 

@@ -26,6 +26,7 @@ from owtsweep.io.tables import write_table
 from owtsweep.motion.modulation import Modulation, modulate
 from owtsweep.motion.source import Motion
 from owtsweep.studies import compose
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
@@ -95,7 +96,7 @@ def judge(scheme, config, records, motion, noise, amplitude):
     whole = Measurements(
         amplitude * seen.specific_force + noise.specific_force, amplitude * seen.fixes + noise.fixes
     )
-    estimate = run_estimator(scheme.stream(sensors, config), *whole, sensors.fix_interval)
+    estimate = run_estimator(scheme.stream(Known(sensors, config)), *whole, sensors.fix_interval)
     along = (motion.position, motion.velocity)
     truth = np.concatenate([np.outer(each, records.direction) for each in along], axis=1)
     first = round(SETTLED / sensors.step)

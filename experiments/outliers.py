@@ -21,6 +21,7 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
@@ -67,7 +68,7 @@ def run_ways(truth, faults):
         )
         position = amplitude * np.outer(motion.position, records.direction)
         for way, (name, _) in WAYS.items():
-            estimator = resolve(name).stream(known, configs[way])
+            estimator = resolve(name).stream(Known(known, configs[way]))
             state = run_estimator(estimator, *data, known.fix_interval).state
             squares = np.sum((state[settled:, :2] - position[settled:]) ** 2, axis=1)
             rows.append((truth, amplitude, way, record, float(np.mean(squares))))

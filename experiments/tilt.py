@@ -35,6 +35,7 @@ from owtsweep.studies.hub.error_spectrum import (
     expected_mse,
     look_constant,
 )
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.tuning_rules import believe
@@ -101,7 +102,7 @@ def compare_knowledge(
         frequency = frequency[~look_constant(frequency * sensors.fix_step)]
         bound = 2.0 * bound_of_axis(sensors)[0]
         for scheme in resolve_all(believing.schemes, believing):
-            chain = scheme.kernel(sensors, believing)  # type: ignore[attr-defined]
+            chain = scheme.kernel(Known(sensors, believing))
             errors, noise = error_spectrum(chain, sensors, frequency), noise_floor(chain, sensors)
             band = (float(frequency[0]), float(frequency[-1]))
             for amplitude, period in product(amplitudes, periods):

@@ -4,10 +4,10 @@ import sys
 
 import numpy as np
 
-from owtsweep.schemes import Unable, floater
+from owtsweep.schemes import Unable, blade, floater, tower
 
 
-class Held:
+class Held(floater.Scheme):
     """The last report, at rest: what CONTRIBUTING.md shows."""
 
     name = "HELD"
@@ -24,7 +24,7 @@ class Held:
         return floater.Estimates(held, np.zeros_like(held))
 
 
-class Falls:
+class Falls(tower.Scheme):
     """A scheme for the tower that divides by zero."""
 
     name = "FALLS"
@@ -38,10 +38,14 @@ class Falls:
         return 1 / 0
 
 
-class Other(Held):
+class Other(blade.Scheme):
     """A scheme of another study."""
 
-    name, study = "OTHER", "blade"
+    name = "OTHER"
+
+    def prepare(self, known):
+        """Nothing is computed beforehand."""
+        return self
 
 
 class Taken(Held):

@@ -14,12 +14,12 @@ from PIL import Image
 from experiments import keeping, reproduce
 from experiments.agreement import compare_folders, compare_numbers
 from experiments.keeping import copy_small
+from looks import LOOKS
 from owtsweep.figures import style
 from owtsweep.figures.palette import mix_with_white
 from owtsweep.studies import compose
 from owtsweep.studies.hub.figures.listing import TIME_HISTORIES
 from owtsweep.studies.hub.histories import choose_sea
-from owtsweep.studies.hub.looks import LOOKS
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "results" / "reference" / "default"

@@ -12,7 +12,7 @@ from owtsweep.cli.program import main
 from owtsweep.errors import InputError
 from owtsweep.io import files
 from owtsweep.studies import compose
-from owtsweep.studies.hub.stored_schemes import stand_in
+from owtsweep.studies.hub.resolving import SCHEMES
 from owtsweep.sweep.keys import run_folder, run_hash
 
 SMALL = (
@@ -78,9 +78,9 @@ def test_a_long_experiment_is_refused_by_its_key():
 
 @pytest.mark.parametrize("name", ["\x1b[31m", "b" * 61])
 def test_a_stored_name_that_cannot_be_shown_is_refused(name):
-    described = [{"name": name, "linear": True, "kernel": False}]
+    described = [{"name": name, "linear": True, "batched": ""}]
     with pytest.raises(InputError, match=r"^schemes: the name '.*' cannot be used"):
-        stand_in([{"_target_": "theirs.Scheme"}], described)
+        SCHEMES.stand_in([{"_target_": "theirs.Scheme"}], described)
 
 
 slow = pytest.mark.faults

@@ -3,9 +3,10 @@
 import numpy as np
 
 from owtsweep import Estimate
+from owtsweep.schemes import hub
 
 
-class HoldLastFix:
+class HoldLastFix(hub.Scheme):
     """The README's example: report the last fix, at rest. Linear, so amplitudes are free."""
 
     linear = True
@@ -13,7 +14,7 @@ class HoldLastFix:
     def __init__(self, name: str = "hold") -> None:
         self.name = name
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         """A fresh estimator."""
         return HoldLastFixEstimator()
 
@@ -36,7 +37,7 @@ class Saturated(HoldLastFix):
 
     linear = False
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         """A fresh estimator that clips."""
 
         class Clipped(HoldLastFixEstimator):
@@ -54,7 +55,7 @@ class Broken(HoldLastFix):
         super().__init__(f"broken by {how}")
         self.how = how
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         """An estimator that fails after 2 s."""
         outer = self
 

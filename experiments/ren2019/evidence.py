@@ -10,9 +10,9 @@ import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.results.status import OK
-from owtsweep.studies.hub.conditions import BOUNDARY
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.resolving import scheme_names
+from owtsweep.studies.hub.spectrum import BOUNDARY
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.scores import collect_scores
 from owtsweep.verdicts.inference import Estimate

@@ -32,7 +32,7 @@ from owtsweep.errors import InputError
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.origin import describe_in_a_line
-from owtsweep.studies.hub.plant import is_plant
+from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import report
 from owtsweep.verdicts.claims_file import Statement, read_claims
@@ -84,7 +84,7 @@ def write_report(run: Run, folder: Path) -> list[Path]:
     config, name = cast(HubConfig, run.config), run.metadata()["folder"]
     tell_step("time histories of HME1 and HME2")
     histories = measure_histories(config)
-    if is_plant(config):
+    if not find_world(config).has_spectrum:
         return _write_report_of_plant(run, folder, histories)
     tell_step("published numbers and statements")
     evidence = Evidence.of_run(run)

@@ -3,16 +3,17 @@
 import numpy as np
 
 from owtsweep.evaluation.estimate import Estimate
+from owtsweep.schemes import hub
 
 
-class Failing:
+class Failing(hub.Scheme):
     name = "Failing"
     linear = True
 
     def __init__(self, fault):
         self.fault = fault
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         return FailingEstimator(self.fault)
 
 

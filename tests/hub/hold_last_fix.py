@@ -3,16 +3,17 @@
 import numpy as np
 
 from owtsweep import Estimate
+from owtsweep.schemes import hub
 
 
-class HoldLastFix:
+class HoldLastFix(hub.Scheme):
     """Position: the last fix. Velocity: the change from the fix before, over the time between."""
 
     name = "HoldLastFix"
     linear = True
 
-    def start(self, sensors, tuning):
-        return HoldLastFixEstimator(sensors.fix_step)
+    def start(self, known):
+        return HoldLastFixEstimator(known.sensors.fix_step)
 
 
 class HoldLastFixEstimator:

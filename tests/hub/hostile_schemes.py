@@ -8,6 +8,7 @@ import numpy as np
 
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.schemes import hub
 
 ERRORS = {
     "exit": SystemExit(3), "closed": GeneratorExit(), "cancelled": asyncio.CancelledError(),
@@ -15,13 +16,13 @@ ERRORS = {
 }  # fmt: skip
 
 
-class Good:
+class Good(hub.Scheme):
     """Keeps the contract; the others break one part of it."""
 
     name = "Good"
     linear = True
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         return Still()
 
 
@@ -75,8 +76,8 @@ class OddSections(Good):
     sections = (3,)
 
 
-class Kernel(Good):
-    kernel = property(raising)
+class Batched(Good):
+    batched = property(raising)
 
 
 class Version(Good):
@@ -90,8 +91,8 @@ class NumberName(Good):
     name = 3
 
 
-class NoStart(Good):
-    start = 3
+class NoStart(hub.Scheme):
+    name = "NoStart"
 
 
 class Abstract(Good, abc.ABC):
@@ -99,7 +100,7 @@ class Abstract(Good, abc.ABC):
     def missing(self): ...
 
 
-class Meta(type):
+class Meta(abc.ABCMeta):
     def __call__(cls, *args):
         sys.exit(3)
 
@@ -116,7 +117,7 @@ class Running(Good):
     def __init__(self, where, how=""):
         self.where, self.how = where, how
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         if self.where == "start":
             raise ERRORS[self.how]
         if self.where == "recorded":
@@ -176,9 +177,9 @@ class Recorded(Still):
 class Kernels(Running):
     """Its kernel fails, or is none."""
 
-    name = "Kernels"
+    name, batched = "Kernels", "chain"
 
-    def kernel(self, sensors, tuning, steps=0):
+    def kernel(self, known, steps=0):
         if self.where == "kernel":
             raise ERRORS[self.how]
         if self.how == "none":
@@ -187,4 +188,4 @@ class Kernels(Running):
 
         from owtsweep.studies.hub.schemes.mkf import SCHEME
 
-        return replace(SCHEME.kernel(sensors, tuning, steps), filter=None)
+        return replace(SCHEME.kernel(known, steps), filter=None)

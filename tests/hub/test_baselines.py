@@ -22,6 +22,7 @@ from owtsweep.studies.hub import batch, cache, estimates, planning, winners
 from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import listing, maps_by_tuning, mse_over_amplitude
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import BASELINES
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.study import HubStudy
@@ -69,8 +70,8 @@ def test_both_forms_are_the_definition(name: str, changes: tuple[str, ...]) -> N
     steps = len(data.specific_force)
     assert steps > batch.CHUNK
     exact = defined(name, data.fixes, steps, sensors)
-    stepwise = run_estimator(scheme.start(sensors, config), *data, sensors.fix_interval)
-    chain = scheme.kernel(sensors, config, steps)  # type: ignore[attr-defined]
+    stepwise = run_estimator(scheme.start(Known(sensors, config)), *data, sensors.fix_interval)
+    chain = scheme.kernel(Known(sensors, config), steps)
     compiled = np.hstack(estimates.trajectories(chain, sensors, *ned(data, sensors))[:2])
     scale = np.maximum(np.max(np.abs(exact), axis=0), 1e-300)
     assert np.all(np.abs(stepwise.state - exact) <= 1e-12 * scale)
@@ -88,7 +89,7 @@ def test_the_contract_of_a_scheme(name: str) -> None:
 def test_a_missing_fix_is_bridged() -> None:
     # of fixes a second apart, the third is lost: velocity over two seconds, then none new
     _, sensors = measured(configure("sensors.gnss.rate=1"))
-    hold, delta = (resolve(name).start(sensors, None) for name in ("HOLD", "DELTA"))
+    hold, delta = (resolve(name).start(Known(sensors, None)) for name in ("HOLD", "DELTA"))
     fixes = {1: 1.0, 21: 2.0, 61: 8.0}  # the first one comes late
     answers = [
         [e.update(np.zeros(2), np.full(2, fixes[k]) if k in fixes else None) for e in (hold, delta)]
@@ -193,7 +194,7 @@ def test_a_baseline_that_schemes_name_is_a_scheme() -> None:
         (["baselines=HOLD"], r"^baselines: 'HOLD' is no list"),
         (
             ["schemes=[{_target_: user_schemes.HoldLastFix, name: HOLD}]", "baselines=[HOLD]"],
-            r"^baselines: a scheme of yours is also named HOLD",
+            r"^schemes: .*: the name 'HOLD' is that of a scheme of study=hub",
         ),
     ],
 )

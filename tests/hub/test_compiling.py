@@ -15,6 +15,7 @@ from owtsweep.studies.hub.compiling import share
 from owtsweep.studies.hub.compiling.examples import list_examples
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_curves.curves import curves
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.on_board import online as online_of
 from owtsweep.studies.hub.resolving import resolve_all
 
@@ -41,7 +42,7 @@ def test_examples_have_the_types_that_given_series_have() -> None:
     known = sensors.sensors(config.sensors)
     scheme: Any
     (scheme,) = resolve_all(["HME1"], config)
-    chain: Any = scheme.kernel(known, config, 500)
+    chain: Any = scheme.kernel(Known(known, config), 500)
     assert chain.covariance.shape == (chain.gains.rows, 2, 2)
     require_used("gains", riccati.recursion, windowing.leaving, windowing.covariances)
     estimates.trajectories(chain, known, np.zeros((500, 2)), np.zeros((10, 2)))

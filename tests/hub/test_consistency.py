@@ -21,6 +21,7 @@ from owtsweep.studies.hub import estimates, measures
 from owtsweep.studies.hub.batch import Lanes, sum_errors
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import STUDY, Records, make_records
 from owtsweep.studies.hub.resolving import resolve
 
@@ -91,7 +92,7 @@ def sampled_nees(chain: Chain, config: HubConfig, records: Records, amplitude: f
 @pytest.mark.parametrize(("name", "delay"), [("HME1", 0.2), ("MKF", 0.0)])
 def test_nees_of_the_filter_is_chi_square(name: str, delay: float, amplitude: float) -> None:
     config, records = setting(delay)
-    chain = resolve(name).kernel(records.sensors, config, records.steps)
+    chain = resolve(name).kernel(Known(records.sensors, config), records.steps)
     assert chain.filter.input_delay == round(delay * 100)
     nees = sampled_nees(chain, config, records, amplitude)
     assert len(nees) == 18 * 2 * len(REPLICATES)
@@ -143,7 +144,7 @@ def test_the_bound_of_the_default_sensors() -> None:
 def settled_hme1() -> dict[str, tuple[float, float, float]]:
     """Products of HME1's settled measures, averaged over the replicates."""
     config, records = setting(0.2)
-    chain = resolve("HME1").kernel(records.sensors, config, records.steps)
+    chain = resolve("HME1").kernel(Known(records.sensors, config), records.steps)
     (sums,) = sum_errors([chain], records, settled=6000)
     found = measures.from_sums(sums)
     return {

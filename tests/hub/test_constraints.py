@@ -16,14 +16,14 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies import compose
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
+from owtsweep.studies.hub.known import Known, Sensors
 from owtsweep.studies.hub.planning import plan
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve, under
 from owtsweep.studies.hub.sensors import Measurements, sensors
 from owtsweep.studies.hub.study import HubStudy
-from owtsweep.testing import check_scheme, example_sensors
+from owtsweep.testing.hub_schemes import check_hub_scheme, example_sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -42,7 +42,7 @@ def with_outlier(config: HubConfig) -> tuple[Measurements, Array, Sensors]:
 
 def run(config: HubConfig, data: Measurements, known: Sensors, *, fast: bool = True) -> Array:
     scheme = under(resolve("HME2"), config)
-    estimator = (scheme.stream if fast else scheme.start)(known, config)  # type: ignore
+    estimator = (scheme.stream if fast else scheme.start)(Known(known, config))
     return run_estimator(estimator, *data, known.fix_interval).state
 
 
@@ -66,8 +66,8 @@ def test_a_bound_that_nothing_reaches_changes_no_bit() -> None:
     data, _, known = with_outlier(configure(*base))
     scheme = under(resolve("HME2"), far)
     assert not scheme.linear
-    assert not hasattr(scheme, "kernel")
-    estimator = scheme.stream(known, far)  # type: ignore[attr-defined]
+    assert scheme.batched == ""
+    estimator = scheme.stream(Known(known, far))
     found = run_estimator(estimator, *data, known.fix_interval).state
     assert estimator.solved == 0
     np.testing.assert_array_equal(found, run(configure(*base), data, known))
@@ -85,7 +85,7 @@ def test_the_compiled_form_is_the_reference(arrival: str, bound: str) -> None:
     data, _, known = with_outlier(config)
     data.fixes[23] = np.nan
     scheme = under(resolve("HME2"), config)
-    estimator = scheme.stream(known, config)  # type: ignore[attr-defined]
+    estimator = scheme.stream(Known(known, config))
     found = run_estimator(estimator, *data, known.fix_interval).state
     assert estimator.solved > 0
     assert_same(found, run(config, data, known, fast=False), "estimate")
@@ -97,7 +97,7 @@ def test_the_contract_holds_whatever_the_data(arrival: str) -> None:
     changes = (f"hme.mhe.arrival={arrival}", "hme.mhe.constraints={velocity: 2, bias: 0.2}")
     config = configure(*changes, tuning="matched")
     scheme = Streaming(under(resolve("HME2"), config))
-    check_scheme(scheme, tuning=config, sensors=example_sensors()[1:])
+    check_hub_scheme(scheme, config, example_sensors()[1:])
 
 
 # --- one window ------------------------------------------------------------------------------
@@ -214,7 +214,7 @@ def test_an_estimator_without_an_answer_goes_no_further(monkeypatch: pytest.Monk
     # a sample half worked in must not be followed by others as if nothing had happened
     config = configure("record.duration=20", "hme.mhe.constraints.bias=0.1", tuning="matched")
     data, _, known = with_outlier(config)
-    estimator = under(resolve("HME2"), config).stream(known, config)  # type: ignore
+    estimator = under(resolve("HME2"), config).stream(Known(known, config))
 
     def fail(*_: object, **__: object) -> Array:
         raise ArithmeticError("the MHE's solver stopped")

@@ -12,13 +12,14 @@ from tools import configure
 
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.studies.hub.resolving import resolve
-from owtsweep.testing import check_scheme, example_sensors
+from owtsweep.testing import check_scheme
+from owtsweep.testing.hub_schemes import check_hub_scheme, example_sensors
 
 
 @pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("name", ["EKF", "MKF", "HME1", "HME2"])
 def test_our_schemes_keep_the_contract(name: str) -> None:
-    check_scheme(resolve(name), tuning=configure(tuning="matched"))
+    check_scheme(resolve(name), ["tuning=matched"])
 
 
 def test_the_example_keeps_the_contract_with_the_default_tuning() -> None:
@@ -33,8 +34,8 @@ class Broken(HoldLastFix):
         for key, value in declared.items():
             setattr(self, key, value)
 
-    def start(self, sensors, tuning):
-        return (self.estimator or HoldLastFixEstimator)(sensors.fix_step)
+    def start(self, known):
+        return (self.estimator or HoldLastFixEstimator)(known.sensors.fix_step)
 
 
 class Shape(HoldLastFixEstimator):
@@ -113,7 +114,6 @@ class Nothing(HoldLastFixEstimator):
     [
         (Broken(name=""), r"lacks name"),
         (Broken(linear=1), r"lacks linear"),
-        (Broken(start=None), r"lacks start"),
         (Broken(Shape), r"velocity of step 0 has the shape \(2, 1\), not \(2,\)"),
         (Broken(Nan), r"position of step 0 is not finite"),
         (Broken(Offset), r"zero data"),
@@ -131,21 +131,22 @@ class Nothing(HoldLastFixEstimator):
 )
 def test_broken_schemes_are_found_out(scheme: Broken, message: str) -> None:
     with pytest.raises(AssertionError, match=message) as caught:
-        check_scheme(scheme, tuning=())
+        check_scheme(scheme)
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.usefixtures("kernels")
 def test_a_kernel_that_differs_is_found_out() -> None:
     class Lagging(type(resolve("MKF"))):
-        def kernel(self, sensors, tuning, steps):
-            return super().kernel(replace(sensors, position_sigma=0.031), tuning, steps)
+        def kernel(self, known, steps):
+            sensors = replace(known.sensors, position_sigma=0.031)
+            return super().kernel(replace(known, sensors=sensors), steps)
 
-    tuning = configure(tuning="matched")
-    check_scheme(resolve("MKF"), tuning=tuning, sensors=example_sensors()[:1])
+    config = configure(tuning="matched")
+    check_hub_scheme(resolve("MKF"), config, example_sensors()[:1])
     with pytest.raises(AssertionError, match="kernel differs from update"):
-        check_scheme(Lagging("Lagging", "mkf"), tuning=tuning, sensors=example_sensors()[:1])
+        check_hub_scheme(Lagging("Lagging", "mkf"), config, example_sensors()[:1])
 
 
 def test_a_nonlinear_scheme_may_saturate() -> None:
-    check_scheme(Broken(Clipped, linear=False), tuning=())
+    check_scheme(Broken(Clipped, linear=False))

@@ -7,6 +7,7 @@ import pytest
 from tools import configure, filtered_states, measured, ned
 
 from dense import Measurement, posterior
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
 from owtsweep.studies.hub.resolving import resolve
 
@@ -26,7 +27,7 @@ def test_mkf_is_the_least_squares_solution(model: str) -> None:
     data, sensors = measured(config)
     force, fixes = ned(data, sensors)
     axis = axis_filter(config.mkf, sensors)
-    chain = resolve("MKF").kernel(sensors, config, len(force))
+    chain = resolve("MKF").kernel(Known(sensors, config), len(force))
     states = filtered_states(chain, force, fixes).reshape(len(force), 4, 2)
     known = np.array([0, 1, 3] if model == "sigma2" else [0, 1, 2, 3])  # what the data determine
     for last in (3, 5, len(force) - 1):  # between fixes, at one, and later

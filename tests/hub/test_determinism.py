@@ -7,6 +7,7 @@ import pytest
 from tools import configure, rows_of
 
 from owtsweep.studies.hub.batch import sum_errors
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 
@@ -31,7 +32,7 @@ def test_grid_order_does_not_show() -> None:
 def test_the_number_of_lanes_does_not_show(name: str) -> None:
     config = configure()
     many = make_records(config, 4.0, range(8))
-    chain = resolve(name).kernel(many.sensors, config, many.steps)
+    chain = resolve(name).kernel(Known(many.sensors, config), many.steps)
     for amplitude in (None, 0.7):
         whole = sum_errors([chain], many, 100, amplitude)[0].products
         for few in ([3], [3, 5, 6]):

@@ -12,8 +12,8 @@ from owtsweep.studies.hub import batch, estimates, settled
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
+from owtsweep.studies.hub.known import Known, Sensors
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
@@ -29,7 +29,7 @@ QUICK = tuple(f"{scheme}.q_b=1e-6" for scheme in ("ekf", "mkf", "hme1", "hme2"))
 
 def chain_of(name: str, config: HubConfig) -> tuple[Chain, Sensors]:
     sensors = sensing.sensors(config.sensors)
-    return resolve(name).kernel(sensors, config), sensors  # type: ignore[attr-defined]
+    return resolve(name).kernel(Known(sensors, config)), sensors
 
 
 def simulated(

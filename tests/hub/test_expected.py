@@ -18,11 +18,11 @@ from owtsweep.studies.hub import batch, cache, estimates, peak
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.error_curves.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.expected import answers, engine
+from owtsweep.studies.hub.known import Known, Sensors
 from owtsweep.studies.hub.peak import peak_factors
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import fix_count
@@ -43,7 +43,7 @@ def probe_of(name: str, config: HubConfig) -> tuple[Chain, Sensors, int, int]:
     sensors = sensing.sensors(config.sensors)
     steps = round(config.record.duration / sensors.step)
     settled = round(config.measures.settling_time / sensors.step)
-    return resolve(name).kernel(sensors, config, steps), sensors, steps, settled  # type: ignore
+    return resolve(name).kernel(Known(sensors, config), steps), sensors, steps, settled
 
 
 def curves_of(name: str, config: HubConfig) -> Curves:

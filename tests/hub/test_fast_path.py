@@ -8,6 +8,7 @@ from tools import assert_same, configure, measured, ned, run_batch
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.models import POSITION, AxisFilter, axis_filter
 from owtsweep.studies.hub.resolving import resolve
 
@@ -56,6 +57,6 @@ def test_the_mkf_is_the_kalman_filter(model: str) -> None:
     assert_same(np.kron(P, np.eye(2)), run.covariance, "covariances")
     at_fixes = slice(None, None, sensors.fix_interval)
     assert_same(innovations[at_fixes], run.innovation[at_fixes], "innovations")
-    chain: Chain = resolve("MKF").kernel(sensors, config, len(force))  # type: ignore
+    chain: Chain = resolve("MKF").kernel(Known(sensors, config), len(force))
     compiled = chain.gains.K[chain.gains.row(np.arange(len(force)))]
     assert_same(K, compiled[:, :, : K.shape[2]], "gains")

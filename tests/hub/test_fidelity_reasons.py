@@ -14,6 +14,7 @@ from experiments.ren2019.contents import FREEDOM
 from experiments.ren2019.evidence import Cell, Evidence
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.filter_states import bias_of
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import simulate_bias
@@ -105,7 +106,7 @@ def test_histories_are_those_of_the_sweep():
     """Their squared errors are those that the batch engine sums on the fly."""
     config = configure("record.duration=30", "grid.replicates=2")
     records = make_records(config, histories.NATURAL_PERIOD, [1])
-    chain = resolve("HME2").kernel(records.sensors, config, records.steps)
+    chain = resolve("HME2").kernel(Known(records.sensors, config), records.steps)
     bias = true_bias(config, records)
     errors = histories.absolute_errors(chain, records, bias)
     (direct,) = batch.sum_errors([chain], records, 1, histories.AMPLITUDE)

@@ -17,6 +17,7 @@ from tools import configure
 
 from experiments.ren2019.histories import measure_histories
 from experiments.ren2019.mse_over_amplitude import sum_printed
+from looks import LOOKS
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, distributions, margin, style, terminal
@@ -27,11 +28,11 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies import compose
-from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
+from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
-from owtsweep.studies.hub.looks import LOOKS
-from owtsweep.studies.hub.stored_schemes import StoredKernelScheme
+from owtsweep.studies.hub.resolving import StoredHubScheme
+from owtsweep.studies.hub.spectrum import CONDITIONS
 from owtsweep.studies.readings import published
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
@@ -409,7 +410,8 @@ def test_terminal_map_of_many_periods_and_of_missing_cells():
 
 
 def test_what_would_run_the_authors_code_is_left_out_and_told():
-    theirs = StoredKernelScheme({"_target_": "theirs.HME1"}, "HME1", linear=True)
+    described = {"name": "HME1", "linear": True, "batched": "chain"}
+    theirs = StoredHubScheme({"_target_": "theirs.HME1"}, described)
     config = changed(configure(tuning="matched"), schemes=["MKF", "HME2", theirs])
     shown = error_spectra.compute(config, points=5)
     assert list(shown) == ["MKF", "HME2"]

@@ -17,8 +17,8 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
+from owtsweep.studies.hub.known import Known, Sensors
 from owtsweep.studies.hub.resolving import resolve, under
 from owtsweep.studies.hub.schemes.hme2 import make_horizon
 from owtsweep.studies.hub.sensors import Measurements, sensors
@@ -40,7 +40,7 @@ def run(
     name: str, config: HubConfig, data: Measurements, known: Sensors, *, fast: bool = True
 ) -> Trajectory:
     scheme: Any = under(resolve(name), config)
-    estimator = (scheme.stream if fast else scheme.start)(known, config)
+    estimator = (scheme.stream if fast else scheme.start)(Known(known, config))
     return run_estimator(estimator, *data, known.fix_interval)
 
 
@@ -167,7 +167,7 @@ def test_the_gate_is_the_chi_square_quantile() -> None:
 def test_a_scheme_whose_fixes_lose_weight_is_not_linear(name: str) -> None:
     scheme = under(resolve(name), ruled("huber"))
     assert not scheme.linear
-    assert not hasattr(scheme, "kernel")
+    assert scheme.batched == ""
     assert under(resolve(name), ruled("plain")).linear
     with pytest.raises(InputError, match="only with fix_rule=plain"):
         ruled("gate", "engine=expected", "sensors.gnss.outliers.rate=0")

@@ -8,6 +8,7 @@ from tools import configure
 
 from owtsweep.estimation.mhe import window_map
 from owtsweep.studies.hub.horizon import horizon, transition_over
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import sensors
 
@@ -19,7 +20,7 @@ LENGTH, M = 4, 10
 def test_the_arrival_is_the_filter_of_one_window_ago() -> None:
     config = configure("hme.mhe.arrival=mkf", tuning="matched")
     known = sensors(config.sensors)
-    chain = resolve("HME2").kernel(known, config, 600)
+    chain = resolve("HME2").kernel(Known(known, config), 600)
     mhe = horizon(config.hme.mhe, known)
     assert (mhe.length, known.fix_interval, mhe.first) == (LENGTH, M, 0)
     for fix in (0, 2, 3):  # the window fills: full information with the initial covariance
@@ -37,7 +38,7 @@ def test_the_arrival_is_the_filter_of_one_window_ago() -> None:
 def test_without_arrival_fixes_pass_until_three_are_there() -> None:
     config = configure("hme.mhe.arrival=none", tuning="matched")
     known = sensors(config.sensors)
-    chain = resolve("HME2").kernel(known, config, 600)
+    chain = resolve("HME2").kernel(Known(known, config), 600)
     assert chain.mhe.first == 2
     fresh = np.flatnonzero(chain.gains.fresh[: 2 * M + 5])
     assert fresh.tolist() == [0, M, 2 * M, 2 * M + 2, 2 * M + 4]  # T_g first, then T_m

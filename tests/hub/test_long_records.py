@@ -9,6 +9,7 @@ import pytest
 
 from owtsweep.studies import compose
 from owtsweep.studies.hub import blocks, feed, planning, records
+from owtsweep.studies.hub.spectrum import SPECTRUM
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -58,7 +59,7 @@ def test_parts_change_no_bit(overrides, few, monkeypatch, at_a_time):
     assert max(at_a_time) == 5
     at_a_time.clear()
     steps = 20 * (30 if "record.duration=30" in overrides else 150)
-    monkeypatch.setattr(records, "MEMORY_SHARE", few * records.BYTES_PER_STEP * steps + 1)
+    monkeypatch.setattr(records, "MEMORY_SHARE", few * SPECTRUM.bytes_per_step * steps + 1)
     pieces = _rows(overrides)
     assert max(at_a_time) == few
     for one, other in zip(whole, pieces, strict=True):

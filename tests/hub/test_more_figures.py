@@ -21,6 +21,7 @@ from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra, time_histories
 from owtsweep.studies.hub.histories import Histories, natural_period_of, simulate_histories
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.sweep.runs import Run
 
@@ -88,7 +89,7 @@ def test_states_are_what_the_estimates_come_from(name: str, tuning: str) -> None
     config = configure(tuning=tuning)
     data, sensors = measured(config)
     force, fixes = ned(data, sensors)
-    chain = resolve(name).kernel(sensors, config)
+    chain = resolve(name).kernel(Known(sensors, config))
     states = estimates.states(chain, force, fixes)
     position, velocity, _ = estimates.trajectories(chain, sensors, force, fixes)
     if chain.filter.window == 0:

@@ -13,6 +13,7 @@ from tools import Array, assert_same, configure, measured, run_batch, whole_seri
 import owtsweep
 from owtsweep.studies import compose
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.online.coordinates import check_origin
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.resolving import resolve
@@ -25,7 +26,7 @@ MAP = np.array([6123456.0, 512345.0])
 
 
 def start(name: str, config: HubConfig, origin: Any) -> Any:
-    return resolve(name).stream(measured(config)[1], config, origin=origin)  # type: ignore
+    return resolve(name).stream(Known(measured(config)[1], config), origin=origin)
 
 
 def record(config: HubConfig) -> tuple[Array, Array]:
@@ -138,7 +139,7 @@ def sampled_nees(name: str, delay: float, origin: Any, steps: tuple[int, ...]) -
         force, fixes = whole_series(drawn, 0.2, i)
         positions = np.full_like(force, np.nan)
         positions[:: sensors.fix_interval] = fixes + MAP
-        out = resolve(name).stream(sensors, config, origin=origin).run(force, positions)  # type: ignore
+        out = resolve(name).stream(Known(sensors, config), origin=origin).run(force, positions)
         along = np.stack([motion.position, motion.velocity], axis=1)[at]
         truth = 0.2 * along[:, :, None] * drawn.direction + [[*MAP], [0.0, 0.0]]
         error = out.state[at].reshape(-1, 2, 2) - truth

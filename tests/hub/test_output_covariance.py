@@ -7,6 +7,7 @@ import pytest
 from tools import configure
 
 from dense import Measurement, posterior
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import sensors
@@ -30,7 +31,7 @@ def test_every_noise_counts_once(window: int, delay: float, last: int, hold: str
     )
     known = sensors(config.sensors)
     axis = axis_filter(config.hme1, known)
-    chain = resolve("HME1").kernel(known, config, last + 1)
+    chain = resolve("HME1").kernel(Known(known, config), last + 1)
     force = [Measurement(k, FORCE, 0.0, known.force_sigma**2) for k in range(last + 1)]
     fixes = [
         Measurement(k, POSITION, 0.0, known.position_sigma**2)

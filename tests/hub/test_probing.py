@@ -10,9 +10,9 @@ from owtsweep.arrays import Array
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.inputs import Probe
+from owtsweep.studies.hub.known import Known, Sensors
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
@@ -77,7 +77,7 @@ def test_probes_are_whole_records(
     config = configure(f"record.duration={DURATION}", *SETTLES_SOON, tuning="matched")
     sensors = sensing.sensors(config.sensors)
     steps = round(DURATION / sensors.step)
-    chain = resolve(name).kernel(sensors, config, steps)  # type: ignore[attr-defined]
+    chain = resolve(name).kernel(Known(sensors, config), steps)
     fixes = fix_count(steps, sensors.fix_interval)
     probes = {
         # eleven: two pairs, the second of them not full, that settle at different times

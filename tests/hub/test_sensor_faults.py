@@ -15,6 +15,7 @@ from owtsweep.studies.hub.batch import Lanes
 from owtsweep.studies.hub.error_curves import inputs
 from owtsweep.studies.hub.error_spectrum import error_spectrum
 from owtsweep.studies.hub.feed import Feed
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 
@@ -54,7 +55,7 @@ def test_an_ac_coupling_answers_as_its_transfer_function() -> None:
 def test_the_error_spectrum_has_the_faults_of_the_sensors() -> None:
     config = configure("sensors.yaw=0", *FAULTY, *(f"{s}.q_b=1e-6" for s in ("mkf", "hme1")))
     sensors = sensing.sensors(config.sensors)
-    chain = resolve("HME1").kernel(sensors, config)  # type: ignore[attr-defined]
+    chain = resolve("HME1").kernel(Known(sensors, config))
     motion = swing(0.37, sensors.step, seconds=600.0, delay=sensors.delay)
     measured = sensing.observe(
         sensing.couple(sensing.lean(motion, sensors), sensors), ALONG, sensors

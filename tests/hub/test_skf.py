@@ -19,12 +19,13 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
 from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
 from owtsweep.studies.hub.histories import simulate_histories
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.on_board import online
 from owtsweep.studies.hub.resolving import resolve
-from owtsweep.studies.hub.schemes.skf import SpectralScheme
+from owtsweep.studies.hub.schemes.skf import find_motion
 from owtsweep.studies.hub.spectral_axis import tune_axis
 from owtsweep.studies.hub.study import HubStudy
-from owtsweep.testing import check_scheme
+from owtsweep.testing.hub_schemes import check_hub_scheme
 
 SKF: Any = resolve("SKF")
 TOLD = ("skf.natural_period=4", "skf.amplitude=0.7", "skf.states=6", "schemes=[SKF]")
@@ -37,8 +38,8 @@ def told(*overrides: str) -> HubConfig:
 @pytest.mark.usefixtures("kernels")
 def test_skf_keeps_the_contract_step_by_step_and_online() -> None:
     config = told()
-    check_scheme(SKF, tuning=config)
-    check_scheme(Streaming(SKF), tuning=config)
+    check_hub_scheme(SKF, config)
+    check_hub_scheme(Streaming(SKF), config)
 
 
 @pytest.mark.usefixtures("kernels")
@@ -47,17 +48,17 @@ def test_kernel_and_online_form_give_what_the_reference_gives(delay: float) -> N
     config = told(f"sensors.gnss.delay={delay}", "sensors.imu.tilt=0.02", "record.duration=60")
     data, sensors = measured(config)
     M = sensors.fix_interval
-    reference, stream = SKF.start(sensors, config), SKF.stream(sensors, config)
+    reference, stream = SKF.start(Known(sensors, config)), SKF.stream(Known(sensors, config))
     fixes = np.full((len(data.specific_force), 2), np.nan)
     fixes[::M] = data.fixes
     fixes[[7 * M, 8 * M, 30 * M]] = np.nan  # lost
     whole, lost = [], []
-    again = SKF.start(sensors, config)
+    again = SKF.start(Known(sensors, config))
     for k, force in enumerate(data.specific_force):
         estimate = reference.update(force, data.fixes[k // M] if k % M == 0 else None)
         whole.append([*estimate.position, *estimate.velocity])
         lost.append(again.update(force, None if np.isnan(fixes[k, 0]) else fixes[k]))
-    kernel = SKF.own_kernel(sensors, config, len(whole))
+    kernel = SKF.own_kernel(Known(sensors, config), len(whole))
     assert_same(np.hstack(kernel.trajectories(*ned(data, sensors))), np.array(whole), "kernel")
     out = stream.run_record(data.specific_force, fixes)
     states = np.array([[*estimate.position, *estimate.velocity] for estimate in lost])
@@ -169,10 +170,9 @@ def test_time_histories_say_that_skf_is_left_out() -> None:
 def test_skf_is_told_its_cell_unless_the_configuration_says_otherwise() -> None:
     config, one = configure("schemes=[SKF]"), configure("schemes=[SKF]", "skf.amplitude=3")
     assert not planning.superposes(config, SKF)
-    cell = SKF.told(config, 4.0, 0.7)
-    assert np.sum(cell.known.variance) == pytest.approx(
-        (0.7 / 3.0) ** 2 * np.sum(SKF.told(one, 4.0, 0.7).known.variance)
-    )
+    sensors = measured(config)[1]
+    told, stated = (find_motion(Known(sensors, each, 4.0, 0.7)) for each in (config, one))
+    assert np.sum(told.variance) == pytest.approx((0.7 / 3.0) ** 2 * np.sum(stated.variance))
 
 
 def test_more_bias_walk_or_a_wrong_tilt_changes_the_estimate() -> None:
@@ -181,7 +181,9 @@ def test_more_bias_walk_or_a_wrong_tilt_changes_the_estimate() -> None:
     leaning = replace(sensors, tilt=0.05)
 
     def last(config: HubConfig, sensors: Any) -> Any:
-        return SKF.stream(sensors, config).run_record(data.specific_force, _fixes(data, sensors))
+        return SKF.stream(Known(sensors, config)).run_record(
+            data.specific_force, _fixes(data, sensors)
+        )
 
     own = last(config, leaning)
     assert np.allclose(own.state, last(told("skf.tilt=0.05"), sensors).state, rtol=1e-12)
@@ -202,8 +204,10 @@ def test_on_board_estimates_are_in_the_coordinates_of_the_fixes() -> None:
     config, at = told(), np.array([100.0, -50.0])
     data, sensors = measured(config)
     fixes = _fixes(data, sensors)
-    there = SKF.stream(sensors, config, origin=at).run_record(data.specific_force, fixes + at)
-    here = SKF.stream(sensors, config).run_record(data.specific_force, fixes)
+    there = SKF.stream(Known(sensors, config), origin=at).run_record(
+        data.specific_force, fixes + at
+    )
+    here = SKF.stream(Known(sensors, config)).run_record(data.specific_force, fixes)
     np.testing.assert_allclose(there.state[:, :2], here.state[:, :2] + at, atol=1e-11)
     np.testing.assert_allclose(there.state[:, 2:], here.state[:, 2:], atol=1e-11)
 
@@ -242,14 +246,14 @@ def test_on_board_skf_must_be_told_the_motion_and_the_origin() -> None:
     ):
         online("SKF", ["skf.natural_period=4", "skf.amplitude=0.7", "skf.states=6"])
     with pytest.raises(InputError, match=r"skf.natural_period, skf.amplitude: SKF must be told"):
-        SpectralScheme().start(measured(configure())[1], configure())
+        SKF.start(Known(measured(configure())[1], configure()))
 
 
 @pytest.mark.usefixtures("kernels")
 def test_a_bad_sample_on_board_leaves_the_estimator_as_it_was() -> None:
     config = told()
     data, sensors = measured(config)
-    estimator, other = SKF.stream(sensors, config), SKF.stream(sensors, config)
+    estimator, other = SKF.stream(Known(sensors, config)), SKF.stream(Known(sensors, config))
     bad = [
         ((np.array([np.nan, 0.0]), None), "specific_force: it is not finite at step 3"),
         ((np.zeros(2), np.array([np.nan, 0.0])), "a fix has a component that is missing"),

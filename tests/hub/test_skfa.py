@@ -12,13 +12,14 @@ from owtsweep.motion.tracking import Candidate, SpectrumTracker
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.axis_filters import KalmanAxisFilter
 from owtsweep.studies.hub.growing_gains import GrowingGains
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.scheduled_filter import ScheduledFilter
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.tracked_models import make_candidate
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
-from owtsweep.testing import check_scheme
+from owtsweep.testing.hub_schemes import check_hub_scheme
 
 SKFA: Any = resolve("SKFA")
 BAND = (0.05, 0.6)
@@ -34,8 +35,8 @@ def arrive(data: Any, sensors: Any) -> Any:
 @pytest.mark.usefixtures("kernels")
 def test_skfa_keeps_the_contract_step_by_step_and_online() -> None:
     config = configure()
-    check_scheme(SKFA, tuning=config)
-    check_scheme(Streaming(SKFA), tuning=config)
+    check_hub_scheme(SKFA, config)
+    check_hub_scheme(Streaming(SKFA), config)
 
 
 @pytest.mark.usefixtures("kernels")
@@ -46,12 +47,12 @@ def test_the_compiled_form_gives_what_the_reference_gives_with_fixes_lost() -> N
     for lost in ([], [47, 48, 49]):
         fixes[[number * sensors.fix_interval for number in lost]] = np.nan
         given = data.specific_force, fixes
-        reference = SKFA.start(sensors, config).run_record(*given)
-        compiled = SKFA.stream(sensors, config)
+        reference = SKFA.start(Known(sensors, config)).run_record(*given)
+        compiled = SKFA.stream(Known(sensors, config))
         out = compiled.run_record(*given)
         assert_same(out.state, reference.state, f"fixes {lost} lost")
         np.testing.assert_allclose(out.covariance, reference.covariance, rtol=1e-7, atol=1e-13)
-        single = SKFA.stream(sensors, config)
+        single = SKFA.stream(Known(sensors, config))
         for k in range(len(out.state)):
             estimate = single.update(given[0][k], None if np.isnan(fixes[k, 0]) else fixes[k])
         np.testing.assert_allclose(estimate.position, out.state[-1, :2], rtol=1e-12)
@@ -84,7 +85,7 @@ def run(config: Any, amplitude: float, count: int = 3) -> tuple[Any, Any, float]
     estimators, squares, nees = [], [], []
     for motion, noise in zip(records.motion, records.noise, strict=True):
         seen = observe(motion, records.direction, sensors)
-        estimator = SKFA.stream(sensors, config)
+        estimator = SKFA.stream(Known(sensors, config))
         fixes = np.full((len(seen.specific_force), 2), np.nan)
         fixes[:: sensors.fix_interval] = amplitude * seen.fixes + noise.fixes
         out = estimator.run_record(amplitude * seen.specific_force + noise.specific_force, fixes)

@@ -7,6 +7,7 @@ import pytest
 from tools import configure
 
 from owtsweep.studies.hub import batch, blocks, feed, planning
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from user_schemes import Saturated
@@ -24,7 +25,7 @@ def test_spans_and_company_do_not_show(
     # a window of 255 steps makes longer chunks than its companions have
     config = configure("hme.smoother_window=255", f"sensors.yaw={yaw}", tuning="matched")
     records = make_records(config, 4.0, range(11))
-    chains = [resolve(n).kernel(records.sensors, config, records.steps) for n in SCHEMES]  # type: ignore
+    chains = [resolve(n).kernel(Known(records.sensors, config), records.steps) for n in SCHEMES]
     assert len({batch.chunk_of(chain)[0] for chain in chains}) == 2
 
     def run(some: list) -> list[np.ndarray]:
@@ -53,7 +54,7 @@ def test_noise_in_pieces_is_the_whole_noise() -> None:
 def test_kept_noise_is_drawn_noise(yaw: float) -> None:
     config = configure(f"sensors.yaw={yaw}")
     drawn, kept = make_records(config, 4.0, [0, 1]), make_records(config, 4.0, [0, 1])
-    chain = resolve("MKF").kernel(drawn.sensors, config, drawn.steps)  # type: ignore
+    chain = resolve("MKF").kernel(Known(drawn.sensors, config), drawn.steps)
     one = batch.sum_errors([chain], drawn, 100)[0].products
     other = batch.sum_errors([chain], batch.Lanes(kept).records, 100)[0].products
     assert not drawn.keeps_noise
@@ -80,7 +81,7 @@ def test_a_scheme_without_a_chain_keeps_no_other_from_its_rows(
 ) -> None:
     config = configure("schemes=[MKF,HME1,HME2]")
     broken = resolve("HME1")
-    monkeypatch.setattr(type(broken), "kernel", lambda *_: 1 / 0)
+    monkeypatch.setattr(type(broken), "kernel_for_runs", lambda *_: 1 / 0)
     results = blocks.run(config, planning.plan(config))
     block, rows = next(results)
     assert block.content["scheme"] == "MKF"

@@ -13,10 +13,11 @@ from tools import Array, assert_same, configure
 from owtsweep.compiled import njit
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.chain import Chain, chain_for_runs
+from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels.filtering import PREDICTED
 from owtsweep.studies.hub.kernels.lagging import smooth_chunk
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.vectors.lanes import borrowed
@@ -149,7 +150,7 @@ def _together(k0, count, arrays, X, r, s, u):
 def test_smoothing_side_by_side_is_smoothing_group_by_group(k0: int) -> None:
     config = configure(tuning="matched")
     sensors = sensing.sensors(config.sensors)
-    chain = chain_for_runs(resolve("HME1"), sensors, config, 1000)
+    chain = resolve("HME1").kernel_for_runs(Known(sensors, config), 1000)
     window, count = chain.filter.window, 300
     draw = np.random.default_rng(k0)
     rows = (PREDICTED * (window + count), window + count, window + count, window + 3 * count)
@@ -183,7 +184,7 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
     config = configure(*changes, tuning=tuning)
     records = make_records(config, 4.0, range(2))
     assert records.steps > batch.CHUNK
-    chain = resolve(name).kernel(records.sensors, config, records.steps)  # type: ignore
+    chain = resolve(name).kernel(Known(records.sensors, config), records.steps)
     force, fixes = Lanes(records).at(AMPLITUDE)
     found = estimates.trajectories(chain, records.sensors, force, fixes)
     expected = plain(chain, force, fixes)
@@ -199,7 +200,7 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
 def test_chunks_that_are_shorter_than_the_smoothers_window(steps: int) -> None:
     config = configure("hme.smoother_window=40", tuning="paper")
     records = make_records(config, 4.0, range(1))
-    chain = chain_for_runs(resolve("HME1"), records.sensors, config, records.steps)
+    chain = resolve("HME1").kernel_for_runs(Known(records.sensors, config), records.steps)
     assert chain.filter.window == 40
     force, fixes = Lanes(records).at(AMPLITUDE)
     found = estimates.trajectories(chain, records.sensors, force[:steps], fixes)

@@ -13,6 +13,7 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.expected.engine import rows_of
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.planning import plan
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.switching.boundary import (
@@ -148,12 +149,13 @@ def test_compiled_and_reference_agree_and_hand_out_one_of_the_two() -> None:
     for engine in ("batch", "reference"):
         config = configure(*words, f"engine={engine}", tuning="paper")
         data, sensors = measured(config)
+        known = Known(sensors, config)
         results[engine] = {
-            name: run_estimator(start(config, resolve(name), sensors), *data, sensors.fix_interval)
+            name: run_estimator(start(resolve(name), known), *data, sensors.fix_interval)
             for name in ("HME1", "MKF", "SWITCH")
         }
         if engine == "batch":
-            estimator = start(config, resolve("SWITCH"), sensors)
+            estimator = start(resolve("SWITCH"), known)
             run_estimator(estimator, *data, sensors.fix_interval)
             assert estimator.supervisor.switches >= 2
     fast, slow = (results[engine]["SWITCH"] for engine in ("batch", "reference"))

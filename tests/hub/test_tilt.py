@@ -10,6 +10,7 @@ from experiments.tilt import compare_knowledge
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis
 from owtsweep.studies.hub.error_spectrum import error_spectrum
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
@@ -72,7 +73,7 @@ def test_who_knows_the_tilt_is_at_the_kalman_bound(tilt: float) -> None:
     position, velocity = (2.0 * bound for bound in bound_of_axis(sensors))
     if tilt > 0.0:
         assert position == pytest.approx(3.09e-3, rel=0.01)  # 2.59e-3 on a level IMU
-    chain = resolve("HME1").kernel(sensors, config)  # type: ignore[attr-defined]
+    chain = resolve("HME1").kernel(Known(sensors, config))
     motion = error_spectrum(chain, sensors, np.array([1.0 / 8.01, 1.0 / 3.01]))
     noise, rms = noise_floor(chain, sensors), 3.0 / 3.5
     assert np.all(noise.of("position") + rms**2 * motion.position < 1.05 * position)
@@ -94,7 +95,7 @@ def test_an_unknown_tilt_costs_what_linear_theory_says() -> None:
         *(f"{filter}.model=sigma2" for filter in FILTERS), tuning="matched",
     )  # fmt: skip
     sensors = sensing.sensors(config.sensors)
-    chain = resolve("MKF").kernel(sensors, config)  # type: ignore[attr-defined]
+    chain = resolve("MKF").kernel(Known(sensors, config))
     found = error_spectrum(chain, sensors, np.array([1.0 / period])).position[0]
 
     model = discretise(sigma_2(0.0, sensors.bias_walk**2), sensors.step)

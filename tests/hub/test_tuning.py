@@ -19,6 +19,7 @@ from owtsweep.config import with_values
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis, kalman_bound
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.study import HubStudy
@@ -50,7 +51,7 @@ def test_a_filter_that_assumes_nearly_nothing_meets_the_bound() -> None:
     known = sensing.sensors(config.sensors)
     position, velocity = bound_of_axis(known)
     free = with_values(config, {"hme1.q_a": 1.0})
-    floor = noise_floor(resolve("HME1").kernel(known, free), known)
+    floor = noise_floor(resolve("HME1").kernel(Known(known, free)), known)
     assert 1.0 <= floor.of("position") / (2.0 * position) < 1.01
     assert 1.0 <= floor.of("velocity") / (2.0 * velocity) < 1.01
 

@@ -67,7 +67,7 @@ BROKEN = (
         f"hostile_schemes.{name}"
         for name in (
             "Name", "Linear", "Under", "UnderNothing", "Sections", "NoSections", "TextSections",
-            "OddSections", "Kernel", "Version", "NumberName", "NoStart", "Abstract", "WithMeta",
+            "OddSections", "Batched", "Version", "NumberName", "NoStart", "Abstract", "WithMeta",
         )
     ),
     "hostile_module.Anything", "3", "''", ".x", "x.", "hostile_schemes.", "..",

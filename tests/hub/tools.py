@@ -15,7 +15,8 @@ from owtsweep.studies import compose, from_mapping
 from owtsweep.studies.hub import blocks, estimates, planning
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Scheme, Sensors
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.known import Estimator, Known, Sensors
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.sensors import Measurements, observe
 
@@ -93,7 +94,7 @@ class Run(NamedTuple):
 
 def run_batch(scheme: Scheme, config: HubConfig, data: Measurements, sensors: Sensors) -> Run:
     """The batch engine on one series, with what its filter holds inside."""
-    chain: Chain = scheme.kernel(sensors, config, len(data.specific_force))  # type: ignore
+    chain: Chain = scheme.kernel(Known(sensors, config), len(data.specific_force))
     force, fixes = ned(data, sensors)
     position, velocity, innovation = estimates.trajectories(chain, sensors, force, fixes)
     gains = chain.gains
@@ -111,7 +112,7 @@ def run_batch(scheme: Scheme, config: HubConfig, data: Measurements, sensors: Se
 
 def run_reference(scheme: Scheme, config: HubConfig, data: Measurements, sensors: Sensors) -> Run:
     """A loop over `update` of one of our schemes, looking into its filter."""
-    estimator: Any = scheme.start(sensors, config)
+    estimator: Any = scheme.start(Known(sensors, config))
     kf = (estimator.chain if hasattr(estimator, "chain") else estimator).filter.kf
     steps = len(data.specific_force)
     run = Run(
@@ -168,8 +169,12 @@ def rows_of(config: HubConfig) -> dict[Key, dict[str, Any]]:
     return table
 
 
-class Streaming:
+class Streaming(Scheme):
     """A scheme whose `start` makes its online form."""
 
-    def __init__(self, scheme: Any) -> None:
-        self.name, self.linear, self.start = scheme.name, scheme.linear, scheme.stream
+    def __init__(self, scheme: Scheme) -> None:
+        self.name, self.linear, self.told_motion = scheme.name, scheme.linear, scheme.told_motion
+        self.scheme = scheme
+
+    def start(self, known: Known) -> Estimator:
+        return self.scheme.stream(known)

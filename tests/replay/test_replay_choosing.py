@@ -11,6 +11,7 @@ from replay_tools import config_of, motion, motion_file, sensor_file, write_csv
 import owtsweep
 from owtsweep.motion.modes import find_modes
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import baselines, choosing
 from owtsweep.studies.replay.loading import load_record
@@ -67,7 +68,7 @@ def test_baselines_are_those_of_the_hub_also_with_missing_fixes(tmp_path):
     for (row, _), scheme in zip(
         baselines.BASELINE_ROWS.items(), resolve_all(["NONE", "HOLD", "DELTA"], config), strict=True
     ):
-        estimator, states = scheme.start(sensors, config), []
+        estimator, states = scheme.start(Known(sensors, config)), []
         for k in range(record.steps):
             fix = signals.fixes[k // 100] if k % 100 == 0 else np.full(2, np.nan)
             told = estimator.update(np.zeros(2), fix if np.isfinite(fix[0]) else None)

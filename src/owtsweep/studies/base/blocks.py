@@ -14,9 +14,10 @@ from owtsweep.errors import as_text
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.base.contest import C, Contest, ContestConfig
-from owtsweep.studies.base.contract import NotFinite, Part, Ready, Scheme, Unable
+from owtsweep.studies.base.contract import NotFinite, Part, Ready, Unable
 from owtsweep.studies.base.declaration import Declaration
 from owtsweep.studies.base.tables import Judgement, make_rows
+from owtsweep.studies.base.users import AnyScheme
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 #: and estimates pass from one function of a declaration to the next; nobody here looks inside.
 AnyDeclaration = Declaration[Any, Any, Any, Any, Any, Any]
 AnyPart = Part[Any, Any]
-AnyScheme = Scheme[Any, Any, Any]
 
 
 class Planned(NamedTuple):

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.base.contest import Contest
     from owtsweep.studies.base.declaration import Declaration
+    from owtsweep.studies.base.schemes import SchemeTable
     from owtsweep.sweep.study import Engine
 
 
@@ -98,17 +99,15 @@ class DeclaredStudy(ContestStudy):
         """Return name -> description of each scheme."""
         return self._find("schemes", "SCHEMES").describe()  # type: ignore[no-any-return]
 
-    def describe_code(self, config: Any) -> Any:
-        """Return the names of all schemes: a user's class is not made when a run is read."""
-        from owtsweep.studies.base.schemes import list_names
+    def describe_code(self, config: Any) -> object:
+        """Return what a run stores of its schemes, so that reading it makes no user's class."""
+        table: SchemeTable = self._find("schemes", "SCHEMES")
+        return table.describe_stored(table.resolve_all(config.schemes))
 
-        return list_names(config.schemes)
-
-    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+    def hide_code(self, plain: dict[str, Any], described: object) -> dict[str, Any]:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
-        from owtsweep.studies.base.schemes import stand_in
-
-        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+        table: SchemeTable = self._find("schemes", "SCHEMES")
+        return {**plain, "schemes": table.stand_in(plain.get("schemes"), described)}
 
     def declaration(self) -> Declaration[Any, Any, Any, Any, Any, Any]:
         """Return what is the study's own."""

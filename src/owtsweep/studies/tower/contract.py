@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
-from owtsweep.studies.base.contract import Ready
+from owtsweep.studies.base import contract
 from owtsweep.studies.base.knowledge import Knowledge
 
 if TYPE_CHECKING:
@@ -138,5 +138,7 @@ class Estimates:
     wait: float = 0.0
 
 
-#: A scheme made ready for one setting; measurements have the shape (steps, channels).
-Prepared = Ready[Array, Estimates]
+class Scheme(contract.Scheme[Setting, Array, Estimates]):
+    """A scheme of the tower study; measurements have the shape (steps, channels)."""
+
+    study = "tower"

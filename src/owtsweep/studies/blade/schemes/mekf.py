@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_filter import SWING, filter_fixes
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     Found,
     begin,
@@ -105,7 +105,7 @@ def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array
     return transitions, noises
 
 
-class NavigatorScheme:
+class NavigatorScheme(Scheme):
     """The multiplicative filter with what it is given besides: attributes of `Navigator`."""
 
     def __init__(self, name: str, **given: Any) -> None:

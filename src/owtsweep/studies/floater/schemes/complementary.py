@@ -14,7 +14,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import (
     ANGLES,
     read_inputs,
@@ -69,7 +69,7 @@ def find_crossover(setting: Setting, column: int) -> float:
     return float(max(root.real for root in roots))
 
 
-class ComplementaryScheme:
+class ComplementaryScheme(Scheme):
     """The complementary filter."""
 
     name = "COMPLEMENTARY"

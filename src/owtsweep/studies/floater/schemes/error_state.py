@@ -15,7 +15,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.error_state import ERRORS, STATES, filter_body, find_quaternion
 from owtsweep.estimation.kinematic_filter import snap
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import find_age, find_bias, keep_reports
 
 
@@ -71,7 +71,7 @@ class ErrorState:
         return state, np.diag(sigma**2)
 
 
-class ErrorStateScheme:
+class ErrorStateScheme(Scheme):
     """The error-state filter."""
 
     name = "ERROR_STATE"

@@ -14,7 +14,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.floater.attitude import hold
-from owtsweep.studies.floater.contract import Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import keep_reports
 
 #: The cut-off is at most this part of the sampling frequency: a digital filter ends at a half.
@@ -58,7 +58,7 @@ def balance_lag_and_noise(setting: Setting) -> Array:
     return np.asarray((8.0 * np.sqrt(2.0) / 3.0 * ratio**2 / setting.step) ** 0.2)
 
 
-class LowPassScheme:
+class LowPassScheme(Scheme):
     """Low-pass filter and numerical differentiation."""
 
     name = "LOWPASS"

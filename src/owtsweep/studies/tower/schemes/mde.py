@@ -28,7 +28,7 @@ from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from owtsweep.arrays import Array
 from owtsweep.structures.reduction import reduce_held
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Estimates, Setting
+from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import balance_loads, list_whole_dof, respond_statically, see
 
 #: Where the quasi-static band ends and the upper one begins, over the first natural frequency.
@@ -87,7 +87,7 @@ class Expansion:
         return Estimates(displacement, inputs, wait=self.step * len(measured))
 
 
-class MDE:
+class MDE(Scheme):
     """The scheme MDE."""
 
     name = "MDE"
