@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.mating.config import MatingConfig
 
 
-class MatingEngine(ContestEngine):
+class MatingEngine(ContestEngine["MatingConfig"]):
     """The engine of the mating study (protocol `owtsweep.sweep.study.Engine`)."""
 
     plan = staticmethod(blocks.plan)
