@@ -7,15 +7,13 @@ by default; some four minutes). GNSS of 10 mm, tuning=matched, seed 2018: record
 Earth at rest are those of the maps in docs/blade.md.
 """
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from experiments.command import read_words, show, write
 from owtsweep.io.steps import show_steps, tell_step
-from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.blade.cases import make_world, observe
@@ -146,20 +144,16 @@ def try_earth(records):
     return pd.concat(tables).rename(columns={"changed": "earth"})
 
 
-def main(folder, records):
+def main():
     """Write both tables."""
-    folder.mkdir(parents=True, exist_ok=True)
+    folder, records, _ = read_words("results/blade_left_out", 10)
     for name, collect in (("moving_hook", try_hooks), ("earth", try_earth)):
         tell_step(name)
         table = collect(records)
-        write_table(folder, name, table)
-        print(table.to_string(index=False, float_format="{:.3g}".format))
-        print(folder / f"{name}.csv")
+        show(table)
+        write(folder, {name: table})
 
 
 if __name__ == "__main__":
     with show_steps():
-        main(
-            Path(sys.argv[1] if len(sys.argv) > 1 else "results/blade_left_out"),
-            int(sys.argv[2]) if len(sys.argv) > 2 else 10,
-        )
+        main()

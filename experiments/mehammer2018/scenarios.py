@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
 from owtsweep.studies.base.axes import list_cells
@@ -25,11 +26,7 @@ from owtsweep.studies.floater.truth import Motion, make_truth
 
 #: Sensors and start of the paper's tests with virtual data (section 3.1): accelerations have no
 #: noise, the estimator begins at the truth, and the noise of positions refers to the mean square.
-VIRTUAL = (
-    "sensors.power=square",
-    "sensors.exact_inertial=true",
-    "filters.start=truth",
-)
+VIRTUAL = ("sensors.power=square", "sensors.exact_inertial=true", "filters.start=truth")
 
 
 @dataclass(frozen=True)
@@ -51,35 +48,33 @@ class Scenario:
         integrated (Eqs. 6 to 9), which the printed filters know exactly.
     """
 
-    schemes: tuple[str, ...]
+    schemes: Sequence[str]
     tuning: str = "matched"
     motion: str = "floater"
     snr: float = 20.0
     delay: float = 0.0
     believed: float = 1.0
-    words: tuple[str, ...] = ()
+    words: Sequence[str] = ()
     printed: bool = False
 
     def compose(self, overrides: Sequence[str] = ()) -> FloaterConfig:
         """Return the configuration of the scenario; `overrides` are Hydra's, e.g. of the record."""
-        config = compose(
-            [
-                "study=floater",
-                f"motion={self.motion}",
-                f"tuning={self.tuning}",
-                "axes=[snr,delay]",
-                "grid.bias=[0]",
-                f"grid.snr=[{self.snr}]",
-                f"grid.delay=[{self.delay}]",
-                f"grid.believed=[{self.believed}]",
-                f"schemes=[{','.join(self.schemes)}]",
-                *(VIRTUAL if self.printed else ()),
-                *self.words,
-                *overrides,
-            ]
+        cell = (
+            f"study=floater motion={self.motion} tuning={self.tuning} axes=[snr,delay] "
+            f"grid.bias=[0] grid.snr=[{self.snr}] grid.delay=[{self.delay}] "
+            f"grid.believed=[{self.believed}] schemes=[{','.join(self.schemes)}]"
         )
+        virtual = VIRTUAL if self.printed else ()
+        config = compose([*cell.split(), *virtual, *self.words, *overrides])
         assert isinstance(config, FloaterConfig)
         return config
+
+
+#: The paper's tests, and what the project's own goals are judged by: name -> scenario.
+PAPER, OWN = (
+    {name: Scenario(**fields) for name, fields in part.items()}
+    for part in read_data(__file__).values()
+)
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from looks import LOOKS
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
-from looks import LOOKS
 from owtsweep.figures import style
 from owtsweep.figures.margin import (
     EXPLANATION,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-
 from looks import LOOKS
+
 from owtsweep.errors import InputError
 from owtsweep.figures import palette
 from owtsweep.figures.palette import SchemeStyle, relative_luminance, style_of

@@ -8,12 +8,12 @@ import re
 
 import pandas as pd
 import pytest
+from looks import LOOKS
 from rich.cells import cell_len
 from rich.color import Color, ColorSystem
 from rich.console import Console
 from rich.measure import Measurement
 
-from looks import LOOKS
 from owtsweep.figures import terminal
 from owtsweep.figures.palette import relative_luminance, style_of
 from owtsweep.results.conditions import Condition

@@ -19,9 +19,9 @@ from hub_rows import (
     tabulate,
     values_of,
 )
+from naive_holm import naive_holm
 from scipy import stats
 
-from naive_holm import naive_holm
 from owtsweep.errors import InputError
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise

@@ -7,9 +7,9 @@ import sys
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
+import own_schemes
 import pytest
 
-import own_schemes
 from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.errors import InputError
@@ -26,7 +26,7 @@ SHORT = {
     "floater": ["record.duration=60", "record.rate=10", "record.settling=20"],
     "blade": ["record.duration=60", "record.settling=20", "grid.outage=[0]"],
     "tower": [
-        f"structure={Path(__file__).parents[1] / 'tower/small.yaml'}", "record.duration=20",
+        f"structure={Path(__file__).with_name('tower') / 'small.yaml'}", "record.duration=20",
         "record.rate=20", "record.settling=10", "truth.subdivision=1",
         "sensors.inclinometers=[0,20,80,110]", "sensors.accelerometers=[50,110]",
     ],

@@ -6,7 +6,6 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
 from owtsweep.cli.running import foretell, may_start, print_answer, tell_end
@@ -97,14 +96,19 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
     from owtsweep.studies.replay.running import compose_replay, expand
 
     require(len(files) > 0, "FILE: name the file to describe")
-    columns: dict[str, str] = {}
-    units: dict[str, str] = {}
-    motion: dict[str, Any] = {}
-    if overrides:
-        config = compose_replay(overrides, config_dir)
-        columns, units = config.columns.given(), config.units.given()
-        motion = config.columns.settings()
-    described = [describe(file, columns=columns, units=units, **motion) for file in expand(files)]
+    config = compose_replay(overrides, config_dir)
+    columns = config.columns
+    described = [
+        describe(
+            file,
+            columns=columns.given(),
+            units=config.units.given(),
+            motion=columns.motion,
+            tower_height=columns.tower_height,
+            rotation=columns.rotation,
+        )
+        for file in expand(files)
+    ]
     print("\n\n".join(map(str, described)))
     return DONE
 

@@ -14,7 +14,8 @@ from owtsweep.studies.base.axes import Grid
 if TYPE_CHECKING:
     import pandas as pd
 
-    from owtsweep.config.record import Record
+    from owtsweep.config.common import Record
+
 
 #: The measure of how long a user waits for an estimate, s; only of schemes that look ahead.
 WAIT = "wait"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from owtsweep.config import Config, key
-from owtsweep.config.record import Record
+from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.schemes import SchemeEntries

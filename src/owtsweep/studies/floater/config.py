@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 from pydantic import field_validator
 
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
-from owtsweep.config.record import Record
+from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.schemes import SchemeEntries

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,8 +28,7 @@ from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
-from owtsweep.studies.replay.identification.estimated import use_estimates
-from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise
+from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
 from owtsweep.studies.replay.identification.rows import (
     ESTIMATED,
     NOISE,
@@ -37,8 +36,13 @@ from owtsweep.studies.replay.identification.rows import (
     name_second_run,
 )
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import count_replicates, listen
-from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
+from owtsweep.studies.replay.record import (
+    LONG,
+    ReplayRecord,
+    count_replicates,
+    listen,
+    release_memory,
+)
 from owtsweep.sweep.study import FAILED, OK, Block
 
 if TYPE_CHECKING:
@@ -90,7 +94,7 @@ def plan(config: ReplayConfig) -> list[Block]:
 
 
 def _plan_noise(
-    config: ReplayConfig, label: str, file: str, content: Mapping[str, Any], *, apart: bool
+    config: ReplayConfig, label: str, file: str, content: Mapping[str, object], *, apart: bool
 ) -> Iterator[Block]:
     """Yield a block on a record's noise; if the stated noise is not that, those of a second run.
 
@@ -117,7 +121,7 @@ def _plan_noise(
         yield Block(name if apart else label, name, second, 1, anew=anew)
 
 
-def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
+def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
     whole = as_mapping(config)
     names = ("seed", "engine", "sensors", "band", "gaps", "columns", "units")
     content = {key: whole[key] for key in names}

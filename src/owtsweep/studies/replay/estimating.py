@@ -19,7 +19,7 @@ from owtsweep.studies.hub.public import (
     Sensors,
     chunks,
 )
-from owtsweep.studies.replay.measuring import PIECE, Signals
+from owtsweep.studies.replay.record import PIECE, Signals
 
 
 def estimate_pieces(

@@ -22,7 +22,7 @@ from owtsweep.studies.hub.public import (
 )
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import make_lanes
-from owtsweep.studies.replay.measuring import cut_into_pieces, simulate_true_bias
+from owtsweep.studies.replay.record import cut_into_pieces, simulate_true_bias
 from owtsweep.studies.replay.session import Alike, Session, raise_bound, skip_start
 
 

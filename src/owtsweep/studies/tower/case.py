@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -93,17 +93,6 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
             for direction in motion
         },
     )
-
-
-def place_sensors(config: TowerConfig, case: Case) -> Case:
-    """Return a record with the sensors of a configuration in place of its own."""
-    places = list_places(config.sensors, config.nodes)
-    where = [(place.kind, place.node) for place in places]
-    signals = {
-        direction: take_signals(motion, case.part.strain, where, config.faults)
-        for direction, motion in case.motion.items()
-    }
-    return replace(case, places=places, signals=signals)
 
 
 def list_channels(config: TowerConfig, case: Case, direction: str, noise: float) -> list[Channel]:

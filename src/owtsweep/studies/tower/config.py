@@ -8,7 +8,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import Config, Finite, key
-from owtsweep.config.record import Record
+from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
