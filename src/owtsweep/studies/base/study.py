@@ -11,6 +11,7 @@ from owtsweep.sweep.study import Study
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.config import Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.base.contest import AnyContest, ContestConfig
@@ -104,7 +105,7 @@ class DeclaredStudy(ContestStudy):
         table: SchemeTable = self._find("schemes", "SCHEMES")
         return table.describe_stored(table.resolve_all(config.schemes))
 
-    def hide_code(self, plain: dict[str, Any], described: object) -> dict[str, Any]:
+    def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
         table: SchemeTable = self._find("schemes", "SCHEMES")
         return {**plain, "schemes": table.stand_in(plain.get("schemes"), described)}
