@@ -12,7 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.statistics.inference import t_quantile
 from owtsweep.statistics.sums import mean_and_error
 from owtsweep.studies.hub.public import resolve_all
-from owtsweep.studies.replay import advice, choosing
+from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
@@ -204,6 +204,6 @@ def advise_from_map(
         "criterion": criterion,
         "window": "settled",
         **compared,
-        **choosing.recommend(samples, list(errors), str(compared["best"])),
-        **choosing.relate_to_record(errors, by_record, record["fit_share"]),
+        **advice.choose_simplest(samples, list(errors), str(compared["best"])),
+        **advice.relate_to_record(errors, by_record, record["fit_share"]),
     }

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.motion.modes import LEAST_SHARE, LEVEL
 from owtsweep.studies.hub.public import BASELINES, INSTEAD, believe, make_sensors
-from owtsweep.studies.replay.choosing import LEAST_MARGIN
+from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES
 from owtsweep.studies.replay.identification.rows import ESTIMATED
