@@ -13,14 +13,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.structures.description import Structure
 from owtsweep.structures.sections import Sections, list_bodies
+
+if TYPE_CHECKING:
+    from skfem.assembly.form.form import FormExtraParams
+    from skfem.element import DiscreteField
 
 #: Order up to which polynomials are integrated exactly: tapered walls, and squares of cubics.
 ORDER = 10
@@ -45,7 +50,7 @@ class PlaneBeam:
     heights: Array
     mass: Array
     stiffness: Array
-    free: Any
+    free: NDArray[np.intp]
 
     def find_node(self, height: float, what: str = "height") -> int:
         """Return the number of the node at a height (m above mean sea level).
@@ -204,7 +209,9 @@ def _assemble(
     basis = Basis(MeshLine(nodes), ElementLineHermite(), intorder=ORDER)
     section = Sections(structure, sum(mass for _, mass, _, _ in list_bodies(structure)))
 
-    def form(integrand: Callable[..., Any]) -> Array:
+    def form(
+        integrand: Callable[[DiscreteField, DiscreteField, FormExtraParams], Array],
+    ) -> Array:
         return np.asarray(BilinearForm(integrand).assemble(basis).toarray())
 
     stiffness = form(lambda w, v, p: section.bending(p.x[0]) * dd(w)[0][0] * dd(v)[0][0])

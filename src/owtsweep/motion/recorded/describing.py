@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
 
@@ -201,17 +200,22 @@ def _describe_parts(
     table: ChannelTable,
     mapping: Mapping[str, str],
     loaded: Mapping[str, Array],
-    **settings: Any,
+    *,
+    tower_height: float | None,
+    rigid: bool,
+    rotation: str,
 ) -> str:
     """Say how the hub's motion is composed from the parts in `mapping`, or why it cannot be.
 
-    `settings` are those of `compose`.
+    `tower_height`, `rigid` and `rotation` are those of `compose`.
     """
     names = {role: name for role, name in mapping.items() if role in PARTS}
     try:
         factors, _ = find_factors(table, names, {})
         values = {role: factors[role] * loaded[name] for role, name in names.items()}
-        return compose(table.path, values, names, **settings)[2]
+        return compose(
+            table.path, values, names, tower_height=tower_height, rigid=rigid, rotation=rotation
+        )[2]
     except InputError as error:
         return str(error).removeprefix(f"{table.path}: ")
 

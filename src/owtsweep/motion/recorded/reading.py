@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -141,17 +140,22 @@ def _compose(
     path: Path,
     channels: dict[str, Array],
     chosen: dict[str, str],
-    **settings: Any,
+    *,
+    tower_height: float | None,
+    rigid: bool,
+    rotation: str,
 ) -> str:
     """Put positions composed from the parts of the motion in the place of these parts.
 
     Beside a specific force, the result is the reference. `channels` (role -> values) and `chosen`
-    (role -> channel) are changed, and `settings` are those of `compose`. Return a note for the
-    user.
+    (role -> channel) are changed, and the other arguments are those of `compose`. Return a note for
+    the user.
     """
     values = {role: channels.pop(role) for role in PARTS if role in channels}
     names = {role: chosen.pop(role) for role in PARTS if role in chosen}
-    composed, sources, note = compose(path, values, names, **settings)
+    composed, sources, note = compose(
+        path, values, names, tower_height=tower_height, rigid=rigid, rotation=rotation
+    )
     use = begin_position(chosen)
     channels |= {use + axis: moved for axis, moved in composed.items()}
     chosen |= {use + axis: source for axis, source in sources.items()}

@@ -6,10 +6,10 @@ import math
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,9 +25,12 @@ from owtsweep.motion.recorded.formats.table import (
     shorten,
 )
 
+if TYPE_CHECKING:
+    from pyarrow import parquet
+
 AXES = "xyz"
 #: Version of a .npy header -> its reader. Version 3 is for named fields, which are no channels.
-HEADERS: dict[tuple[int, int], Callable[[Any], tuple[Any, ...]]] = {
+HEADERS = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
 }
@@ -195,7 +198,7 @@ def open_parquet(path: Path) -> ChannelTable:
     return ChannelTable(path, "Parquet", names, tuple(units), load, rows)
 
 
-def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
+def _load_column(path: Path, file: parquet.ParquetFile, place: int, rows: int | None) -> Array:
     """Return the first `rows` numbers of a column; if `rows` is None, the first `MOST_VALUES`.
 
     `file` is the opened Parquet file, and `place` is the number of the column, from 0. The column
@@ -211,7 +214,7 @@ def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
     field = file.schema_arrow.field(place)
     number = file.schema_arrow.names[:place].count(field.name)  # among the columns of the same name
     is_time = pa.types.is_timestamp(field.type)
-    parts: list[Any] = []
+    parts: list[Array] = []
     count, most = 0, MOST_VALUES if rows is None else rows
     for batch in file.iter_batches(batch_size=1 << 20, columns=[field.name], use_threads=False):
         part = batch.column(number)

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,6 +31,9 @@ from owtsweep.motion.recorded.formats.table import (
 )
 
 TIME = "Time"
+if TYPE_CHECKING:
+    import h5py
+
 #: Most bytes of a name or unit. An array whose texts may be longer is not read.
 LONGEST_WORD = 1024
 
@@ -87,7 +90,7 @@ def _reading(path: Path) -> Iterator[None]:
         raise refuse(path, f"is not a whole HDF5 file ({shorten(error)})") from None
 
 
-def _open_data(path: Path, file: Any, block: str) -> Any:
+def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
     """Return the HDF5 dataset `data` of a group: one row per time step, one column per channel.
 
     Raises
@@ -104,7 +107,7 @@ def _open_data(path: Path, file: Any, block: str) -> Any:
     return data
 
 
-def _follow(path: Path, group: Any, name: str) -> Any:
+def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
     """Return the member `name` of an HDF5 group; None if the group has no such member.
 
     Raises
@@ -133,7 +136,7 @@ def _follow(path: Path, group: Any, name: str) -> Any:
     return item
 
 
-def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
+def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
     """Return the names or the units of `count` channels, stripped of blanks.
 
     `file` is the opened file; `key` is the name of the dataset that holds these texts. If there is
@@ -147,7 +150,7 @@ def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
     return [text.strip() for text in texts]
 
 
-def _read_vector(path: Path, group: Any, name: str, count: int) -> Array | None:
+def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array | None:
     """Return the first `count` numbers of the vector `name` in an HDF5 group.
 
     Return None if the group has no member of this name.
@@ -166,7 +169,7 @@ def _read_vector(path: Path, group: Any, name: str, count: int) -> Array | None:
 
 
 def _load(
-    path: Path, file: Any, blocks: list[str], places: Mapping[str, int], rows: int | None
+    path: Path, file: h5py.File, blocks: list[str], places: Mapping[str, int], rows: int | None
 ) -> dict[str, Array]:
     parts: dict[str, list[Array]] = {name: [] for name in places}
     read = 0
