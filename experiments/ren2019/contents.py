@@ -15,10 +15,10 @@ from experiments.ren2019.reasons import reason
 from owtsweep.figures.style import describe_window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.origin import describe_in_a_line
-from owtsweep.verdicts import sections
+from owtsweep.verdicts.inference import JudgedStatement, explain
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
+from owtsweep.verdicts.report import count_verdicts, statement_section
 from owtsweep.verdicts.score_table import Boundary
-from owtsweep.verdicts.statements import JudgedStatement, explain
 
 #: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a position fix).
 FREEDOM = {"nees": 4.0, "nis": 2.0}
@@ -66,7 +66,7 @@ def document(
             "all of them with Holm's correction."
         ),
         *_summary(tables["fidelity"], numbers, judged, along_x),
-        *sections.statement_section(judged, note),
+        *statement_section(judged, note),
         *_x_section(evidence, judged, along_x),
         *_number_section(evidence, numbers, pictures),
         Heading("Boundary between HME1 and HME2"),
@@ -98,9 +98,8 @@ def _summary(
         Heading("In short"),
         Bullets(
             [
-                f"Statements F1-F11: {sections.count_verdicts(judged)}.",
-                f"F1-F5 in x alone: {sections.count_verdicts(along_x)}; "
-                f"{_name_differing(judged, along_x)}.",
+                f"Statements F1-F11: {count_verdicts(judged)}.",
+                f"F1-F5 in x alone: {count_verdicts(along_x)}; {_name_differing(judged, along_x)}.",
                 f"Numbers of tables 6-9: {len(present)} of {len(numbers)} in this run; "
                 f"{inside} lie within the central 95 % of its single records, {missed} are missed "
                 "by more than a factor of 2 in the mean.",

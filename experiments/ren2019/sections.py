@@ -8,9 +8,8 @@ from typing import Any
 import pandas as pd
 
 from experiments.ren2019.numbers import lies_within_records
-from owtsweep.verdicts.inference import MISSING
+from owtsweep.verdicts.inference import MISSING, JudgedStatement
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
-from owtsweep.verdicts.statements import JudgedStatement
 
 NO_VALUE = "–"
 NUMBER_COLUMNS = ("published", "this run", "95 % of records", "quantile", "ratio")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.statistics.sums import mean_and_error, ordered_sum
+from owtsweep.statistics.inference import mean_and_error, ordered_sum
 
 
 def test_a_scheme_that_diverges_has_an_open_interval(recwarn):

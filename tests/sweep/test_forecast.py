@@ -11,7 +11,7 @@ from owtsweep.cli.program import main
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
-from owtsweep.sweep.forecast import forecast
+from owtsweep.sweep.prepare import forecast
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.study import Predicting
 

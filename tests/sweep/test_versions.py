@@ -12,7 +12,7 @@ from owtsweep.api import load
 from owtsweep.cli.program import main
 from owtsweep.config import changed
 from owtsweep.errors import InputError
-from owtsweep.sweep.forecast import forecast
+from owtsweep.sweep.prepare import forecast
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.worker import all_versions, tell_other_versions
 

@@ -7,9 +7,8 @@ import pandas as pd
 from owtsweep.figures import style
 from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.page import Bullets, Heading, Paragraph, Picture, TextTable
-from owtsweep.verdicts.report import write_report, write_verdicts
+from owtsweep.verdicts.report import count_verdicts, write_report, write_verdicts
 from owtsweep.verdicts.score_table import ScoreTable
-from owtsweep.verdicts.sections import count_verdicts
 
 
 def contents(pictures):

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from owtsweep.config import Tree
 from owtsweep.config.composition import quote_home, require_readable
-from owtsweep.config.hydra_errors import hydra_in_one_line
+from owtsweep.config.hints import hydra_in_one_line
 
 
 class Combination(NamedTuple):

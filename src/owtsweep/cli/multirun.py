@@ -22,9 +22,9 @@ from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_in
 from owtsweep.cli.running import foretell, run_one
 from owtsweep.config import Config, Tree, changed, dump_with_units
 from owtsweep.config.composition import compose_hydra, require_readable
-from owtsweep.config.hydra_errors import hydra_in_one_line
+from owtsweep.config.hints import hydra_in_one_line
 from owtsweep.config.option_files import names_file
-from owtsweep.config.tunings import GROUP
+from owtsweep.config.tuned import GROUP
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.files import check_writable, refuse_in_one_line
 from owtsweep.io.reading import refuse_links

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
 from owtsweep.errors import InputError, require
-from owtsweep.sweep.placing import Placing, Question
+from owtsweep.sweep.study import PlaceQuestion, Placing
 
 #: Most heights to choose from that are read.
 MOST_HEIGHTS = 300
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             f"`owtsweep place study={serving.partition(',')[0]}`"
         )
     given = frozenset(word.lstrip("+~").partition("=")[0] for word in options.overrides)
-    question = Question(options.quantity, options.count, _read_heights(options.heights), given)
+    question = PlaceQuestion(options.quantity, options.count, _read_heights(options.heights), given)
     with blame(study):
         defaults = study.list_place_defaults(given)
     config = compose([*defaults, *options.overrides], options.config_dir)

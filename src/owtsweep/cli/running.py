@@ -14,8 +14,8 @@ from owtsweep.errors import InputError, printable
 from owtsweep.freed_memory import keep_freed_memory
 
 if TYPE_CHECKING:
-    from owtsweep.sweep.forecast import Forecast
     from owtsweep.sweep.gather import Results
+    from owtsweep.sweep.prepare import Forecast
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
@@ -190,7 +190,7 @@ def foretell(configs: Sequence[Config], *, fresh: bool = False) -> int:
         If one of the runs would refuse to start.
     """
     from owtsweep.studies import get_study
-    from owtsweep.sweep.forecast import forecast
+    from owtsweep.sweep.prepare import forecast
 
     told = [forecast(get_study(config.study), config, fresh=fresh) for config in configs]
     print("Nothing was computed or written. This command without --dry-run would do:")

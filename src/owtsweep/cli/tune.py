@@ -13,7 +13,7 @@ from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
 from owtsweep.config import Config, dump, require
-from owtsweep.config.tunings import GROUP
+from owtsweep.config.tuned import GROUP
 from owtsweep.errors import InputError
 from owtsweep.io.reading import expand_home
 from owtsweep.sweep.keys import LONGEST_NAME

@@ -13,7 +13,7 @@ from owtsweep.cli.combinations import combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
 from owtsweep.config import Config, dump, dump_with_units
 from owtsweep.config.section import unit_of
-from owtsweep.config.tunings import GROUP
+from owtsweep.config.tuned import GROUP
 from owtsweep.errors import InputError, printable, require
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.studies import compose, get_study, locate

@@ -8,8 +8,8 @@ replaced by their numbers when a configuration is read, so config.yaml stores nu
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, TypeVar, get_args
+from collections.abc import Mapping, Sequence
+from typing import Annotated, TypeVar, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
@@ -22,8 +22,10 @@ MOST_POINTS = 1_000_000
 #: a list of these numbers.
 DIGITS = 12
 
+T = TypeVar("T")
 
-def expand(values: Any) -> Any:
+
+def expand(values: object) -> object:
     """Replace each range in a list, e.g. `{log: [0.05, 10, 5]}`, by its numbers.
 
     If `values` is not a list, return it unchanged.
@@ -35,7 +37,7 @@ def expand(values: Any) -> Any:
     """
     if not isinstance(values, list):
         return values
-    numbers: list[Any] = []
+    numbers: list[object] = []
     for entry in values:
         numbers += _numbers(entry) if isinstance(entry, Mapping) else [entry]
         if len(numbers) > MOST_POINTS:
@@ -43,14 +45,12 @@ def expand(values: Any) -> Any:
     return numbers
 
 
-def require_distinct(values: list[Any]) -> list[Any]:
+def require_distinct(values: list[T]) -> list[T]:
     """Return the list `values` unchanged; raise `ValueError` if the list contains a value twice."""
     if len(set(values)) < len(values):
         raise ValueError("a value stands there twice; list it once")
     return values
 
-
-T = TypeVar("T")
 
 #: The type of an axis: a list that is not empty and contains no value twice.
 Axis = Annotated[
@@ -66,7 +66,7 @@ def is_axis(field: FieldInfo) -> bool:
     return any(getattr(mark, "func", None) is expand for mark in marks)
 
 
-def _numbers(entry: Mapping[Any, Any]) -> list[float]:
+def _numbers(entry: Mapping[str, Sequence[float]]) -> list[float]:
     """Return the numbers of one range, e.g. five numbers for `{log: [0.05, 10, 5]}`.
 
     The first and the last number are returned exactly, the others rounded to `DIGITS` digits.

@@ -1,15 +1,17 @@
-"""The configuration keys that every study has."""
+"""The configuration keys that every study has, and the folder of YAML files that hold them."""
 
 from __future__ import annotations
 
 import os
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar, Literal, Self
 
 from pydantic import field_validator
 
-from owtsweep.config.section import Section, key
+from owtsweep.config.section import NotNegative, Positive, Section, key
 from owtsweep.errors import require
 
 #: The version of the configuration's keys, stored in every run's config.yaml.
@@ -47,7 +49,7 @@ class Config(Section):
         {"study", "experiment", "results", "name", "config_version", "compute"}
     )
     #: The sections that a tuning file sets. With several tunings in one run, each tuning has these
-    #: sections of its own (`owtsweep.config.tunings`). Empty for a study without tunings.
+    #: sections of its own (`owtsweep.config.tuned`). Empty for a study without tunings.
     tuned: ClassVar[tuple[str, ...]] = ()
     #: Dotted keys outside the section `grid` that are axes of the grid. As those of `grid`, they
     #: may change without making another run.
@@ -76,16 +78,10 @@ class Config(Section):
     def by_tuning(self) -> Mapping[str, Self]:
         """Return tuning -> the configuration of a run with this tuning alone.
 
-        A run of one tuning has one entry, with the name "": the configuration itself. A study with
-        tunings holds the sections of several in the key `tunings`, by name.
+        A run of one tuning has one entry, with the name "": the configuration itself. Several
+        tunings are those of a `TunedConfig`.
         """
-        sections: Mapping[str, Section] = getattr(self, "tunings", {})
-        if not sections:
-            return {"": self}
-        return {
-            name: self.model_copy(update={"tuning": name, "tunings": {}, **vars(tuned)})
-            for name, tuned in sections.items()
-        }
+        return {"": self}
 
     def start_of_folder(self) -> str:
         """Return the text with which the name of the run folder begins, before the run's hash."""
@@ -138,3 +134,76 @@ class Config(Section):
             re.fullmatch(r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+", str(scheduler)) is not None,
             f"compute.scheduler: {scheduler!r} is no address; give tcp://host:port",
         )
+
+
+#: Least samples of a record that can be judged.
+LEAST_SAMPLES = 100
+
+
+class Record(Section):
+    """The section `record` of studies whose records have samples of one rate."""
+
+    duration: Positive = key("length", unit="s")
+    rate: Positive = key("samples per second", unit="Hz")
+    settling: NotNegative = key("left out at the beginning of every comparison", unit="s")
+
+    @property
+    def steps(self) -> int:
+        """The number of samples."""
+        return round(self.duration * self.rate)
+
+    @property
+    def settled(self) -> int:
+        """The number of the first sample that is judged."""
+        return round(self.settling * self.rate)
+
+    def check_samples(self, most: int) -> None:
+        """Check that there are not too many samples, and enough of them after the settling.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than 100 in the record or after its settling, or more than `most`.
+        """
+        require(
+            LEAST_SAMPLES <= self.steps <= most,
+            f"record.duration: {self.duration:g} s at {self.rate:g} Hz are {self.steps} samples; "
+            f"give {LEAST_SAMPLES} to {most}",
+        )
+        require(
+            self.steps - self.settled >= LEAST_SAMPLES,
+            f"record.settling: {self.settling:g} s leave {max(self.steps - self.settled, 0)} "
+            f"samples of a record of {self.duration:g} s; at least {LEAST_SAMPLES} must be left",
+        )
+
+
+#: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
+TREES = "studies"
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A folder of YAML files from which Hydra composes a configuration.
+
+    Attributes
+    ----------
+    folder
+        The path of the folder.
+    primary
+        The name, without .yaml, of the file in `folder` with which Hydra begins.
+    model
+        The pydantic model of the configuration, from which error messages take the names of keys.
+    """
+
+    folder: Path
+    primary: str
+    model: type[Config]
+
+    def groups(self) -> list[str]:
+        """Return the sorted names of the config groups, i.e. of the subfolders of `folder`."""
+        folders = (path.name for path in self.folder.iterdir() if path.is_dir())
+        return sorted(name for name in folders if name != TREES)
+
+    def options(self, group: str) -> list[str]:
+        """Return the options of a config group: the sorted names of its files, without .yaml."""
+        return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))

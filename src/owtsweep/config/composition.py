@@ -6,16 +6,18 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from owtsweep.config import tunings
-from owtsweep.config.hints import explain_key_of_list
-from owtsweep.config.hydra_errors import hydra_in_one_line
+from owtsweep.config.common import Tree
+from owtsweep.config.hints import explain_key_of_list, hydra_in_one_line
 from owtsweep.config.option_files import place_files
-from owtsweep.config.section import fields_along
+from owtsweep.config.section import Plain, fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
-from owtsweep.config.tree import Tree
+from owtsweep.config.tuned import GROUP, holds, join, refuse_tuned_keys
 from owtsweep.errors import InputError, require, shorten
+
+if TYPE_CHECKING:
+    from omegaconf import DictConfig
 
 #: Most digits of a number in an override: Python makes no number of more than 4300.
 MOST_DIGITS = 4000
@@ -34,7 +36,7 @@ def admit(tree: Tree, overrides: Sequence[str]) -> list[str]:
         path = override.partition("=")[0].split(".")
         fields = fields_along(tree.model, path)
         has_default = any(not field.is_required() for field in fields)  # or its section has one
-        unlisted = len(fields) == len(path) and has_default and not tunings.holds(listed, path)
+        unlisted = len(fields) == len(path) and has_default and not holds(listed, path)
         admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
     return admitted
 
@@ -84,7 +86,7 @@ def conf_directory() -> Path:
     raise InputError(f"conf: no sweep.yaml in {package / 'conf'}: the installation is incomplete")
 
 
-def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> Any:
+def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> DictConfig:
     """Return the OmegaConf object that Hydra composes from YAML files and overrides.
 
     `tree` is the folder of YAML files. With `settings`, the object also holds Hydra's own settings.
@@ -127,13 +129,11 @@ def find_options(tree: Tree, overrides: Sequence[str], group: str) -> list[str]:
     return [path.removeprefix(f"{group}/") for path in paths if path.startswith(f"{group}/")]
 
 
-def compose_plain(
-    tree: Tree, overrides: Sequence[str], config_dir: str | None = None
-) -> dict[str, Any]:
+def compose_plain(tree: Tree, overrides: Sequence[str], config_dir: str | None = None) -> Plain:
     """Compose a tree and overrides to plain data: dicts, lists and scalars.
 
     If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
-    the results are joined (`owtsweep.config.tunings.join`). A tuning or a section may be a file of
+    the results are joined (`owtsweep.config.tuned.join`). A tuning or a section may be a file of
     the user's (`owtsweep.config.option_files`).
 
     Parameters
@@ -156,7 +156,7 @@ def compose_plain(
         return _compose_tunings(tree, words, overrides)
 
 
-def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str]) -> dict[str, Any]:
+def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str]) -> Plain:
     """Compose a tree once for each tuning of `words`; join the results.
 
     `overrides` are the user's own, for error messages. `words` are the overrides for Hydra: those
@@ -165,10 +165,10 @@ def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str])
     names = _find_tunings(tree, words) if tree.model.tuned else []
     if len(names) < 2:
         return _compose(tree, words)
-    tunings.refuse_tuned_keys(tree.model, overrides, names, _listed_keys(tree))
-    others = [word for word in words if word.lstrip("+").partition("=")[0] != tunings.GROUP]
-    composed = {name: _compose(tree, [*others, f"{tunings.GROUP}={name}"]) for name in names}
-    return tunings.join(composed, tree.model.tuned)
+    refuse_tuned_keys(tree.model, overrides, names, _listed_keys(tree))
+    others = [word for word in words if word.lstrip("+").partition("=")[0] != GROUP]
+    composed = {name: _compose(tree, [*others, f"{GROUP}={name}"]) for name in names}
+    return join(composed, tree.model.tuned)
 
 
 def _search_path(
@@ -194,16 +194,14 @@ def _search_path(
 
 def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:
     """Return the names of the tunings that `words` and the tree choose, in their order."""
-    given = [
-        value for key, _, value in (word.partition("=") for word in words) if key == tunings.GROUP
-    ]
+    given = [value for key, _, value in (word.partition("=") for word in words) if key == GROUP]
     if len(given) == 1 and re.fullmatch(r"[\w.+-]+", given[0]):
         return given  # one name: a pass of Hydra less, a quarter of the time to compose
     with _refusing_no_names(tree, words):
-        return list(dict.fromkeys(find_options(tree, words, tunings.GROUP)))
+        return list(dict.fromkeys(find_options(tree, words, GROUP)))
 
 
-def _compose(tree: Tree, words: Sequence[str]) -> dict[str, Any]:
+def _compose(tree: Tree, words: Sequence[str]) -> Plain:
     with _refusing_no_names(tree, words):
         plain = resolved(compose_hydra(tree, words))
     for name, value in plain.items():
@@ -230,7 +228,7 @@ def _refusing_no_names(tree: Tree, words: Sequence[str]) -> Iterator[None]:
         ) from error
 
 
-def _listed_keys(tree: Tree) -> dict[str, Any]:
+def _listed_keys(tree: Tree) -> Plain:
     """Return the keys that the tree's primary file sets, as nested mappings."""
     return read(tree.folder / f"{tree.primary}.yaml", resolve=False)
 
@@ -245,7 +243,7 @@ def _find_folder(config_dir: str) -> Path:
     return directory
 
 
-def _require_storable(key: str, value: Any, depth: int = 2) -> None:
+def _require_storable(key: str, value: object, depth: int = 2) -> None:
     """Check that a value, once stored in a run's config.yaml, could be read again.
 
     `key` is the key of the value, for the error message. `depth` is the number of lists and

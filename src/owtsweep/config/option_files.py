@@ -16,9 +16,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from owtsweep.config.common import Config
-from owtsweep.config.section import bare_type
+from owtsweep.config.section import bare_type, is_section
 from owtsweep.config.stored import read_stored
-from owtsweep.config.tunings import GROUP
+from owtsweep.config.tuned import GROUP
 from owtsweep.config.typed import typed
 from owtsweep.errors import InputError, require, shorten
 from owtsweep.io.reading import expand_home
@@ -102,8 +102,10 @@ def _checked_text(path: Path, group: str, model: type[Config]) -> str:
     )
     plain, _ = read_stored(path)
     if group != GROUP:
+        section = bare_type(model.model_fields[group].annotation)
+        assert is_section(section), group
         try:
-            typed(bare_type(model.model_fields[group].annotation), plain)
+            typed(section, plain)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
         return str(yaml.safe_dump(plain, sort_keys=False))

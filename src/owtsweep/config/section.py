@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, TypeGuard, Union, get_args, get_origin
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
@@ -36,12 +36,21 @@ Finite = Annotated[float, Field(allow_inf_nan=False), AfterValidator(require_mag
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(require_magnitude)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(require_magnitude)]
 
+#: Plain data: nested dicts, lists and scalars, as pydantic, OmegaConf and JSON give them. What lies
+#: inside is known only once `typed` has made an object of them.
+Plain = dict[str, Any]
+
 #: Attributes that hold the bounds of a number.
 BOUNDS = ("gt", "ge", "lt", "le")
 #: The defaults of those facts that `key` declares besides a type, a default and bounds.
 NO_FACTS = {"unit": "", "form": "", "advice": ""}
 #: How messages and docs/configuration.md name a type.
-TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}
+TYPE_NAMES: dict[object, str] = {
+    bool: "true or false",
+    str: "text",
+    int: "a whole number",
+    float: "a number",
+}
 
 
 class Section(BaseModel):
@@ -56,7 +65,7 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", coerce_numbers_to_str=True)
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
         """Check, when a subclass is defined, that no field puts bounds on a list of numbers.
 
         pydantic would compare such bounds with the list, not with the numbers in the list.
@@ -76,7 +85,7 @@ class Section(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _keep_true_and_false_apart(cls, value: Any, info: ValidationInfo) -> Any:
+    def _keep_true_and_false_apart(cls, value: object, info: ValidationInfo) -> object:
         kind = item_type(cls.model_fields[str(info.field_name)].annotation)
         if kind in TYPE_NAMES:
             for item in value if isinstance(value, list) else [value]:
@@ -88,7 +97,7 @@ class Section(BaseModel):
 def key(
     meaning: str,
     *,
-    default: Any = ...,
+    default: object = ...,
     unit: str = "",
     form: str = "",
     advice: str = "",
@@ -113,21 +122,22 @@ def key(
         Bounds as for `pydantic.Field`: ge, gt, le and lt for a number, min_length and max_length
         for a list.
     """
-    facts: dict[str, Any] = {"unit": unit, "form": form, "advice": advice}
+    facts: Plain = {"unit": unit, "form": form, "advice": advice}
     return Field(default, description=meaning, json_schema_extra=facts, **bounds)
 
 
-def read_facts(field: FieldInfo) -> dict[str, Any]:
+def read_facts(field: FieldInfo) -> dict[str, str]:
     """Return facts about a configuration key: a dict with unit, form and advice.
 
     `field` is the pydantic field of the key, declared by the function `key`. A fact that was not
     declared has its default.
     """
     extra = field.json_schema_extra
-    return NO_FACTS | extra if isinstance(extra, dict) else NO_FACTS
+    given = extra if isinstance(extra, dict) else {}
+    return {fact: str(given.get(fact, none)) for fact, none in NO_FACTS.items()}
 
 
-def bare_type(annotation: Any) -> Any:
+def bare_type(annotation: object) -> object:
     """Return a type without its bounds and without `| None`, e.g. float for `Positive | None`."""
     if get_origin(annotation) is Annotated:
         return bare_type(get_args(annotation)[0])
@@ -136,7 +146,7 @@ def bare_type(annotation: Any) -> Any:
     return annotation
 
 
-def item_type(annotation: Any) -> Any:
+def item_type(annotation: object) -> object:
     """Return the type of a list's items, or the type itself if it is not a list.
 
     `annotation` is a type. Bounds and `| None` are left out of the result.
@@ -145,7 +155,7 @@ def item_type(annotation: Any) -> Any:
     return bare_type(get_args(kind)[0]) if get_origin(kind) is list else kind
 
 
-def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
+def fields_along(model: object, path: Iterable[str | int]) -> list[FieldInfo]:
     """Return the fields of the sections that lead to a key, then the field of the key itself.
 
     The list is shorter than `path` if the path leads into a list or a mapping, or if the key does
@@ -167,13 +177,13 @@ def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
     return fields
 
 
-def unit_of(model: Any, key: str) -> str:
+def unit_of(model: type[Section], key: str) -> str:
     """Return the declared unit of a dotted key of a model; "" if it has none, or does not exist."""
     path = key.split(".")
     fields = fields_along(model, path)
     return str(read_facts(fields[-1])["unit"]) if len(fields) == len(path) else ""
 
 
-def is_section(kind: Any) -> bool:
+def is_section(kind: object) -> TypeGuard[type[Section]]:
     """Return whether a type is a subclass of `Section`."""
     return isinstance(kind, type) and issubclass(kind, Section)

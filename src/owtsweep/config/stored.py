@@ -10,14 +10,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
-from typing import Any, get_args, get_origin
+from typing import TYPE_CHECKING, get_args, get_origin
 
 from owtsweep.config.common import Config
-from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.section import bare_type, is_section, read_facts
+from owtsweep.config.hints import hydra_in_one_line
+from owtsweep.config.section import Plain, Section, bare_type, is_section, read_facts
 from owtsweep.config.typed import as_mapping
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
+
+if TYPE_CHECKING:
+    import yaml
 
 #: Most bytes of a stored configuration. The largest grid needs a hundredth of this.
 MOST_BYTES = 10_000_000
@@ -34,7 +37,7 @@ def dump(config: Config) -> str:
     return OmegaConf.to_yaml(OmegaConf.create(as_mapping(config)))
 
 
-def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
+def read(path: Path, *, resolve: bool = True) -> Plain:
     """Return the content of a trusted YAML file as dicts, lists and scalars.
 
     With `resolve`, interpolations (`${...}`) are replaced by their values; otherwise they stay
@@ -66,7 +69,7 @@ def _naming(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: cannot be read as a configuration ({text})") from error
 
 
-def read_stored(path: Path) -> tuple[dict[str, Any], str]:
+def read_stored(path: Path) -> tuple[Plain, str]:
     """Return the content of a stored config.yaml, as plain data and as text.
 
     Plain data are dicts, lists and scalars.
@@ -120,7 +123,7 @@ def _check_events(text: str) -> None:
         )
 
 
-def _texts(value: Any) -> Iterator[str]:
+def _texts(value: object) -> Iterator[str]:
     """Yield all texts in nested dicts and lists, including the keys of the dicts."""
     if isinstance(value, str):
         yield value
@@ -133,7 +136,7 @@ def _texts(value: Any) -> Iterator[str]:
             yield from _texts(item)
 
 
-def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
+def resolved(mapping: object, *, resolve: bool = True) -> Plain:
     """Return the content of an OmegaConf object as dicts, lists and scalars.
 
     With `resolve`, interpolations (`${...}`) are replaced by their values; otherwise they stay
@@ -169,7 +172,7 @@ def dump_with_units(config: Config) -> str:
     return "\n".join([*lines, ""])
 
 
-def _find_units(node: Any, model: Any) -> Iterator[tuple[int, str]]:
+def _find_units(node: yaml.MappingNode, model: type[Section]) -> Iterator[tuple[int, str]]:
     """Yield the number of the line and the unit, for each key of a YAML node that has a unit.
 
     Parameters

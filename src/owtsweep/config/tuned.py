@@ -1,14 +1,26 @@
-"""A configuration whose tuned sections may be those of one tuning, or of several."""
+"""A configuration whose tuned sections may be those of one tuning, or of several.
+
+A tuning is a file of the config group `tuning`. It sets the tuned sections of a study's
+configuration (`Config.tuned`) and the key `tuning`, which is the tuning's name. All other keys
+belong to the run. Several tunings are composed one by one, then joined to one configuration.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import SerializerFunctionWrapHandler, model_serializer
 
 from owtsweep.config.common import Config
-from owtsweep.errors import require
+from owtsweep.config.hints import list_keys
+from owtsweep.config.section import Section
+from owtsweep.errors import InputError, require
 
+#: The config group of tunings, and the key that names the tunings of a run.
+GROUP = "tuning"
+#: The key that holds the tuned sections of each tuning of a run with several.
+SECTIONS = "tunings"
 #: The value of a key that stands in `tunings.<name>`.
 ABSENT: Any = None
 
@@ -22,13 +34,22 @@ class TunedConfig(Config):
     """
 
     if TYPE_CHECKING:
-        tuning: Any
-        tunings: Any
+        tuning: str | list[str]
+        tunings: Mapping[str, Section]
 
     @model_serializer(mode="wrap")
-    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, object]:
         absent = self.tuned if self.tunings else ("tunings",)
         return {name: value for name, value in dump(self).items() if name not in absent}
+
+    def by_tuning(self) -> Mapping[str, Self]:
+        """Return tuning -> the configuration of a run with this tuning alone."""
+        if not self.tunings:
+            return {"": self}
+        return {
+            name: self.model_copy(update={"tuning": name, "tunings": {}, **vars(tuned)})
+            for name, tuned in self.tunings.items()
+        }
 
     @property
     def tuning_name(self) -> str:
@@ -56,3 +77,97 @@ class TunedConfig(Config):
                 (getattr(self, name) is None) == several,
                 f"{name}: this key has no value; give it one",
             )
+
+
+def refuse_tuned_keys(
+    model: type[Config],
+    overrides: Sequence[str],
+    names: Sequence[str],
+    listed: Mapping[str, object],
+) -> None:
+    """Refuse an override of a key that several tunings set, because it would change them all.
+
+    A key that does not exist is not refused here.
+
+    Parameters
+    ----------
+    model
+        The model of the configuration; its `tuned` are the sections that a tuning sets.
+    overrides
+        The user's overrides.
+    names
+        The tunings of the run.
+    listed
+        The keys of the tree's primary file. A key that stands there belongs to the run, also
+        inside a tuned section.
+
+    Raises
+    ------
+    InputError
+        If an override sets a tuned key.
+    """
+    for override in overrides:
+        key = override.partition("=")[0].lstrip("+~")
+        changed = [k for k in list_keys(model) if f"{k}.".startswith(f"{key}.")]
+        tuned = [k for k in changed if k.split(".")[0] in model.tuned]
+        if not all(holds(listed, k.split(".")) for k in tuned):
+            raise InputError(
+                f"{key}: this would change several tunings ({', '.join(names)}); choose one, e.g. "
+                f"{GROUP}={names[0]}"
+            )
+
+
+def join(composed: Mapping[str, Mapping[str, object]], tuned: Sequence[str]) -> dict[str, object]:
+    """Join the configurations of several tunings to one.
+
+    Parameters
+    ----------
+    composed
+        Name of the tuning's file -> the configuration as plain data, composed with this tuning.
+    tuned
+        The sections that a tuning sets.
+
+    Returns
+    -------
+    dict
+        The keys that do not belong to a tuning; `tuning`, the list of the tunings' names; and
+        `tunings`, the tuned sections by name.
+
+    Raises
+    ------
+    InputError
+        If two tunings have one name, or differ in keys that do not belong to a tuning.
+    """
+    first = next(iter(composed))
+    common = _leave_out(composed[first], tuned)
+    sections: dict[str, object] = {}
+    for file, plain in composed.items():
+        name = str(plain.get(GROUP))
+        require(
+            name not in sections,
+            f"{GROUP}: two of the files {', '.join(composed)} set {GROUP}: {name}; give each its "
+            "own name",
+        )
+        sections[name] = {key: value for key, value in plain.items() if key in tuned}
+        differing = [
+            key for key, value in _leave_out(plain, tuned).items() if common.get(key) != value
+        ]
+        require(
+            not differing,
+            f"{GROUP}: {first} and {file} differ in {', '.join(differing)}, which belongs to the "
+            "run and not to a tuning; run them one at a time",
+        )
+    return {**common, GROUP: list(sections), SECTIONS: sections}
+
+
+def _leave_out(plain: Mapping[str, object], tuned: Sequence[str]) -> dict[str, object]:
+    return {key: value for key, value in plain.items() if key not in (*tuned, GROUP)}
+
+
+def holds(mapping: object, path: Sequence[str]) -> bool:
+    """Return whether nested mappings contain a key; `path` is the key, split at its dots."""
+    for part in path:
+        if not isinstance(mapping, dict) or part not in mapping:
+            return False
+        mapping = mapping[part]
+    return True

@@ -1,25 +1,35 @@
 """Turn plain data into a frozen configuration object, and configuration objects into plain data.
 
-Plain data are dicts, lists and scalars. A configuration object is a pydantic model.
+Plain data are dicts, lists and scalars. A configuration object is a pydantic model. What pydantic
+refuses is told in one line: the key, what is wrong, and mostly what would work.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import TypeVar, get_args
 
 from pydantic import ValidationError
 
 from owtsweep.config.common import Config
-from owtsweep.config.section import Section
-from owtsweep.config.wording import in_one_line
+from owtsweep.config.hints import explain_unknown_key, list_keys
+from owtsweep.config.section import (
+    TYPE_NAMES,
+    Plain,
+    Section,
+    fields_along,
+    is_section,
+    item_type,
+    read_facts,
+)
+from owtsweep.config.tuned import SECTIONS
 from owtsweep.errors import InputError
 
 S = TypeVar("S", bound=Section)
 C = TypeVar("C", bound=Config)
 
 
-def typed(model: type[S], plain: Any) -> S:
+def typed(model: type[S], plain: object) -> S:
     """Turn plain data into a frozen object of a pydantic model, a configuration or a section.
 
     Each key is checked by itself; conditions on several keys are not checked.
@@ -35,7 +45,7 @@ def typed(model: type[S], plain: Any) -> S:
         raise InputError(in_one_line(error, model)) from None
 
 
-def checked(model: type[C], plain: Any) -> C:
+def checked(model: type[C], plain: object) -> C:
     """Turn plain data into a frozen configuration of the class `model`, after `Config.check`.
 
     Raises
@@ -49,7 +59,7 @@ def checked(model: type[C], plain: Any) -> C:
     return config
 
 
-def changed(section: S, **values: Any) -> S:
+def changed(section: S, **values: object) -> S:
     """Return a copy of a section of a configuration, with the keys in `values` replaced.
 
     The new values are not checked.
@@ -57,12 +67,12 @@ def changed(section: S, **values: Any) -> S:
     return section.model_copy(update=values)
 
 
-def as_mapping(section: Section) -> dict[str, Any]:
+def as_mapping(section: Section) -> Plain:
     """Return all keys of a configuration or of a section, as dicts, lists and scalars."""
     return section.model_dump(warnings=False)  # `changed` does not check types, so nor does this
 
 
-def with_values(section: S, values: Mapping[str, Any]) -> S:
+def with_values(section: S, values: Mapping[str, object]) -> S:
     """Return a copy of a configuration or of a section, with some keys set to new values.
 
     `values` maps a dotted key, e.g. "compute.workers", to its new value. Each key is checked by
@@ -83,3 +93,98 @@ def with_values(section: S, values: Mapping[str, Any]) -> S:
             inner = inner[part]
         inner[name] = value
     return typed(type(section), plain)
+
+
+#: First words of pydantic's names of type errors -> the type expected.
+TYPES = {"bool": bool, "string": str, "int": int, "float": float}
+
+
+def in_one_line(error: ValidationError, model: type[Section]) -> str:
+    """Return a one-line message about a configuration that pydantic has refused.
+
+    If `error` reports several faults, the message is about one of them: an unknown key if there is
+    one, else a missing key, else the first wrong value.
+
+    Parameters
+    ----------
+    error
+        The error of pydantic.
+    model
+        The pydantic class of the configuration, from which names, units and bounds are taken.
+    """
+    order = {"extra_forbidden": 0, "missing": 1}
+    first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
+    kind, value, limits, path = first["type"], first["input"], first.get("ctx", {}), first["loc"]
+    if path[:1] == (SECTIONS,):
+        path = path[2:]  # what belongs to one of several tunings is named as in a run of one
+    steps = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    key = "".join(steps).removeprefix(".")
+    if kind == "extra_forbidden":
+        section, _, _ = key.rpartition(".")
+        if section.endswith("]"):  # an entry of a list of sections
+            entry = item_type(fields_along(model, path[:-1])[-1].annotation)
+            keys = list_keys(entry, f"{section}.") if is_section(entry) else []
+            return explain_unknown_key(key, keys)
+        return explain_unknown_key(key, list_keys(model))
+    if kind == "missing":
+        return f"{key}: this key has no value; give it one"
+    if kind == "dict_type":
+        return f"{key}: {value!r} is no mapping of names"
+    if kind == "model_type":
+        prefix = f"{key}." if key else ""
+        return f"{key}: {value!r} is one value where keys are expected; use {prefix}<key>=..."
+    if kind == "list_type":
+        return f"{key}: {value!r} is no list; use e.g. {key}=[{value}]"
+    if kind == "value_error":
+        return f"{key}: {limits['error']}"
+    field = fields_along(model, path)[-1]
+    facts = read_facts(field)
+    unit, form = facts["unit"], facts["form"]
+    if kind == "literal_error":
+        options = get_args(item_type(field.annotation))
+        return f"{key}: {value!r} is none of {', '.join(map(str, options))}"
+    if kind in ("too_short", "too_long"):
+        if form:
+            return f"{key}: {value} must be {form}"
+        return f"{key}: the list is empty; give at least one value" + (f", in {unit}" * bool(unit))
+    if kind.split("_")[0] in TYPES:
+        return f"{key}: {value!r} is not {TYPE_NAMES[TYPES[kind.split('_')[0]]]}"
+    fault = _beyond(kind, limits, value, unit, facts["advice"] or "use 0 or more")
+    return f"{key}: {fault}" + (f"; use {form}" if form else "")
+
+
+def _beyond(kind: str, limits: Mapping[str, object], value: object, unit: str, advice: str) -> str:
+    """Return the part of an error message about a number beyond its bound, after the key.
+
+    For a fault of another kind, return a general text with that kind.
+
+    Parameters
+    ----------
+    kind
+        pydantic's name of the fault, e.g. "greater_than".
+    limits
+        pydantic's name of the bound -> the bound; empty if there is none.
+    value
+        The refused value.
+    unit
+        The unit of the value; "" for none.
+    advice
+        What to do about a negative whole number, e.g. "use 0 or more".
+    """
+    shown = f"{value:g}" if isinstance(value, float) else str(value)  # it may be a text, or huge
+    number = f"{shown} {unit}".strip()
+    if kind == "finite_number":
+        return f"{number} must be a finite number"
+    limit = next(iter(limits.values()), None)
+    if kind == "greater_than":
+        above = "zero" if limit == 0 else f"{limit:g}"
+        return f"{number} must be a finite number above {above}"
+    if kind == "greater_than_equal":
+        if limit == 0:
+            whole = isinstance(limit, int)
+            told = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
+            return f"{number} {told}"
+        return f"{shown} must be at least {f'{limit:g} {unit}'.strip()}"
+    if kind in ("less_than", "less_than_equal"):
+        return f"{value} is more than {limit}; lower it"
+    return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"

@@ -16,7 +16,7 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import sort_lines
 from owtsweep.results.cube import Cube
-from owtsweep.results.unable import tell_in_best_scheme
+from owtsweep.results.status import tell_in_best_scheme
 from owtsweep.statistics.contest import agree, challenge, contest, group_coinciding
 from owtsweep.statistics.inference import holm
 

@@ -12,9 +12,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.results.conditions import Condition, Grid, Value, order_values, require_usable
-from owtsweep.results.status import OK
+from owtsweep.results.status import OK, list_unable, without_unable
 from owtsweep.results.superposition import PRODUCTS, superpose_all
-from owtsweep.results.unable import list_unable, without_unable
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,6 +1,18 @@
-"""The possible outcomes of a case, which are the values of the column `status`."""
+"""The possible outcomes of a case, which are the values of the column `status`.
+
+Tables show where a scheme was unable to work: in which cells, and why. A cell is one combination of
+conditions.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from owtsweep.results.conditions import Condition, Grid
 
 #: The case has a result.
 OK = "ok"
@@ -8,3 +20,76 @@ OK = "ok"
 FAILED = "failed"
 #: The scheme cannot work under these conditions, for the reason given; this is its result.
 UNABLE = "unable"
+
+
+def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid) -> pd.DataFrame:
+    """Return a table of the cells in which a scheme was unable to work.
+
+    A cell is one combination of conditions. The table has one line per scheme and cell, and the
+    columns scheme, conditions, reason. It is empty if no row of `rows` has the status "unable". If
+    the last condition expands (one computed result serves all its values) and is NaN in a row, the
+    row stands for all values that `grid` gives for this condition.
+    """
+    import pandas as pd
+
+    keys = ["scheme", *(condition.name for condition in conditions)]
+    left = rows[rows["status"] == UNABLE]
+    if left.empty:
+        return pd.DataFrame(columns=[*keys, "reason"])
+    left = left[[*keys, "reason"]].astype({"scheme": object, "reason": object})
+    last = conditions[-1]
+    if last.expands:
+        everywhere = left[left[last.name].isna()].drop(columns=last.name)
+        every = everywhere.merge(pd.DataFrame({last.name: list(grid[last.name])}), how="cross")
+        left = pd.concat([left[left[last.name].notna()], every[left.columns]])
+    return left.drop_duplicates(keys, ignore_index=True)
+
+
+def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
+    """Remove schemes from the cells in which they were unable to work; return the other rows.
+
+    A cell is one combination of conditions. If a scheme was unable to work in one replicate of a
+    cell, all rows of this scheme in this cell are removed.
+    """
+    import pandas as pd
+
+    unable = rows["status"] == UNABLE
+    if not unable.any():
+        return rows
+    keys = ["scheme", *(condition.name for condition in conditions)]
+    cells = pd.MultiIndex.from_frame(rows[keys])
+    return rows[~cells.isin(cells[unable.to_numpy()])]
+
+
+def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
+    """Add to a summary the columns `status` and `reason`, and a line for each line of `unable`.
+
+    `table` is the summary. `unable` is the table that `list_unable` returns: one line per scheme
+    and combination of conditions in which the scheme was unable to work. In the added lines the
+    measure is "" and the mean is missing. The result is not sorted.
+    """
+    import pandas as pd
+
+    told = table.assign(status=OK, reason="")
+    lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=told.columns)
+    return pd.concat([told, lines]) if len(told) else lines
+
+
+def tell_in_best_scheme(
+    table: pd.DataFrame, unable: pd.DataFrame, names: Sequence[str]
+) -> pd.DataFrame:
+    """Add `status` and `reason` to a best-scheme table if a scheme was unable to work in any cell.
+
+    A cell is one combination of conditions. `unable` is the table that `list_unable` returns, and
+    `names` are the names of the conditions. In cells in which a scheme was unable to work, the
+    status is "unable" and the reason names the scheme. In other cells, the status is "ok" and the
+    reason is "". If `unable` is empty, `table` is returned as it is.
+    """
+    if unable.empty:
+        return table
+    who = unable["scheme"] + ": " + unable["reason"]
+    reasons = who.groupby([unable[name] for name in names]).agg("; ".join).rename("reason")
+    told = table.merge(reasons, how="left", left_on=list(names), right_index=True)
+    told["reason"] = told["reason"].fillna("")
+    told["status"] = [UNABLE if reason else OK for reason in told["reason"]]
+    return told[[*table.columns, "status", "reason"]]

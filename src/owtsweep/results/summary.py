@@ -9,9 +9,8 @@ import numpy as np
 
 from owtsweep.results.conditions import order_values, sort_lines
 from owtsweep.results.cube import Cube, join_lines
-from owtsweep.results.unable import tell_in_summary
-from owtsweep.statistics.inference import t_quantile
-from owtsweep.statistics.sums import mean_and_error
+from owtsweep.results.status import tell_in_summary
+from owtsweep.statistics.inference import mean_and_error, t_quantile
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.inference import p_value, t_quantile
-from owtsweep.statistics.sums import mean_and_error, ordered_sum
+from owtsweep.statistics.inference import mean_and_error, ordered_sum, p_value, t_quantile
 
 #: Schemes coincide if the relative difference of their values is at most this.
 COINCIDENCE = 1e-9

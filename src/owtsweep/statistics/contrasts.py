@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.statistics.inference import p_value, t_quantile
-from owtsweep.statistics.sums import mean_and_error
+from owtsweep.statistics.inference import mean_and_error, p_value, t_quantile
 
 
 class Contrast(NamedTuple):

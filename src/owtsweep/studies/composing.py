@@ -118,7 +118,7 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
 def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
     name = study or str(plain.get("study", registry.DEFAULT))
     chosen = registry.get_study(name)
-    config = checked(chosen.config_type(), chosen.complete({**plain, "study": name}))
+    config: Config = checked(chosen.config_type(), chosen.complete({**plain, "study": name}))
     chosen.check(config)
     chosen.check_outside(config)
     return config

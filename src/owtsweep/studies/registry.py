@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config, Tree, conf_directory, require
+from owtsweep.config.common import TREES
 from owtsweep.config.hints import suggest_name
-from owtsweep.config.tree import TREES
 from owtsweep.errors import InputError, as_text
 from owtsweep.sweep.study import Study, broken_study
 

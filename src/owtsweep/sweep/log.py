@@ -1,7 +1,8 @@
 """Writes run.log in the run folder: the messages that a sweep and its workers log, with times.
 
 The file has the messages of `owtsweep` from level INFO up. From other loggers (of a user's scheme
-or a library) the file has messages from level WARNING up. Python's warnings are logged too.
+or a library) the file has messages from level WARNING up. Python's warnings are logged too. Schemes
+and libraries may log any characters; what is written is printable.
 """
 
 from __future__ import annotations
@@ -14,13 +15,18 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from owtsweep.errors import as_text, printable
 from owtsweep.io.files import unwritable
-from owtsweep.io.log_lines import Lines, read_message
 
 #: Most log entries of a task that its worker sends back; a scheme may warn at every step.
 MOST_ENTRIES = 50
 
-_here = threading.local()
+
+class _Here(threading.local):
+    label = ""
+
+
+_here = _Here()
 _capturing = threading.Lock()
 _captures = 0
 
@@ -159,14 +165,40 @@ def _wanted(record: logging.LogRecord) -> bool:
 
 
 def _text(record: logging.LogRecord) -> str:
-    label, text = getattr(_here, "label", ""), read_message(record)
+    label, text = _here.label, read_message(record)
     if record.name == "py.warnings":
         text = " ".join(text.split())
     return f"{label}: {text}" if label else text
+
+
+def read_message(record: logging.LogRecord) -> str:
+    """Return the message of a log record, or a text saying that the message cannot be formatted."""
+    try:
+        return record.getMessage()
+    except Exception as error:  # the text and its arguments are a scheme's or a library's
+        return f"{record.msg!r} cannot be formatted ({as_text(error)})"
+
+
+class Lines(logging.Formatter):
+    """A logging formatter that turns a log record into printable lines.
+
+    The first line of a message is not indented. All further lines are, so that none of them looks
+    like a new message.
+    """
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the record's lines, joined by line breaks; a traceback's lines are included."""
+        plain = logging.makeLogRecord({**vars(record), "msg": self.text(record), "args": None})
+        first, *more = super().format(plain).splitlines()
+        return "\n".join([printable(first), *(f"  {printable(line)}" for line in more)])
+
+    def text(self, record: logging.LogRecord) -> str:
+        """Return the text to write as the record's message; a subclass may override this method."""
+        return read_message(record)
 
 
 class _Labelled(Lines):
     """The formatter of run.log, which adds to a message the label that `working_on` has set."""
 
     def text(self, record: logging.LogRecord) -> str:
-        return read_message(record) if hasattr(record, "from_worker") else _text(record)
+        return read_message(record) if "from_worker" in vars(record) else _text(record)

@@ -7,12 +7,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Any, Generic, Protocol, runtime_checkable
+
+from typing_extensions import TypeVar
 
 from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, OK, UNABLE
@@ -21,19 +23,23 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-    from owtsweep.config import Config
+    from owtsweep.config import Config, Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
-    from owtsweep.results.conditions import Condition
+    from owtsweep.results.conditions import Condition, Value
     from owtsweep.sweep.gather import Results
 
-    C = TypeVar("C", bound=Config)
-    from owtsweep.results.conditions import Value
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "Predicting", "Spectral",
-    "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "PlaceQuestion", "Placed",
+    "Placing", "Predicting", "Spectral", "Square", "Study", "Tunable", "Tuned", "WarmsUp",
+    "add_versions", "blame", "broken_study",
 ]  # fmt: skip
+
+#: The class of a study's configurations, and what an engine or a protocol takes of them. Where only
+#: the name says which study it is, it may be any.
+C = TypeVar("C", bound="Config", default=Any)
+Given = TypeVar("Given", bound="Config", contravariant=True, default=Any)
 
 
 @dataclass(frozen=True)
@@ -65,7 +71,7 @@ class Block:
 
     group: str
     label: str
-    content: Mapping[str, Any]
+    content: Plain
     cases: int
     cases_per_row: int = 1
     anew: str = ""
@@ -93,19 +99,19 @@ def add_versions(base: int, *rooms: ModuleType) -> int:
     return base + sum(int(room.NUMERICS_VERSION) for room in rooms)
 
 
-class Engine(Protocol):
+class Engine(Protocol[Given]):
     """The interface of an engine: one way to answer a study's question, from plan to figures."""
 
     #: Whether rows are samples (e.g. of records), so that means of rows have confidence intervals.
     samples: bool
 
-    def plan(self, config: Any) -> list[Block]:
+    def plan(self, config: Given) -> list[Block]:
         """Return all blocks (units of work) of the configuration, always in the same order."""
 
-    def backend(self, config: Any) -> str:
+    def backend(self, config: Given) -> str:
         """Return the joblib backend that suits the blocks: "threading" or "loky" (processes)."""
 
-    def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    def run(self, config: Given, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each block with its rows as soon as the block is done.
 
         A group is all blocks (units of work) with the same `Block.group`, which share inputs.
@@ -116,14 +122,14 @@ class Engine(Protocol):
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row; rows are sorted by these columns before sums."""
 
-    def tables(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    def tables(self, config: Given, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables from all stored rows of the plan; return them by name.
 
         Each table is written as `<name>.csv`. Text columns of `rows` may be categorical, as in
         `owtsweep.sweep.runs.Run.stored`.
         """
 
-    def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+    def terminal(self, config: Given, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the main result in a few lines, to be shown on the terminal after a sweep.
 
         `tables` are the tables by name, as `tables` returns them.
@@ -131,7 +137,7 @@ class Engine(Protocol):
 
     def drawings(
         self,
-        config: Any,
+        config: Given,
         tables: Mapping[str, pd.DataFrame],
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
@@ -142,22 +148,22 @@ class Engine(Protocol):
         `metadata` holds texts by name to store in the figures' files.
         """
 
-    def overview(self, config: Any) -> str:
+    def overview(self, config: Given) -> str:
         """Return the name of the figure that shows the main result, drawn at the end of a sweep."""
 
 
 @runtime_checkable
-class WarmsUp(Protocol):
+class WarmsUp(Protocol[Given]):
     """The interface of an engine that has work to do once, before the first block is computed."""
 
-    def warm_up(self, config: Any, workers: int) -> None:
+    def warm_up(self, config: Given, workers: int) -> None:
         """Do this work, e.g. compile kernels, in up to `workers` processes side by side.
 
         It is called in the process of the sweep, once per tuning, and only if blocks are missing.
         """
 
 
-class Study(ABC):
+class Study(ABC, Generic[C]):
     """The base class of a study: a family of experiments that share one type of configuration."""
 
     name: str
@@ -167,25 +173,25 @@ class Study(ABC):
     numerics_version: int
 
     @abstractmethod
-    def config_type(self) -> type[Config]:
+    def config_type(self) -> type[C]:
         """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""
 
     @abstractmethod
-    def conditions(self, config: Any) -> tuple[Condition, ...]:
+    def conditions(self, config: C) -> tuple[Condition, ...]:
         """Return the axes of the study's grid, in the order of the tables' columns."""
 
     @abstractmethod
-    def engine(self, config: Any) -> Engine:
+    def engine(self, config: C) -> Engine[C]:
         """Return an engine that plans, runs and draws this configuration."""
 
-    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+    def complete(self, plain: Plain) -> Plain:
         """Return composed keys with the values that follow from other keys filled in.
 
         This happens before the keys are typed, so that config.yaml stores the values.
         """
         return plain
 
-    def check(self, config: Any) -> None:  # noqa: B027 - a study need not check more
+    def check(self, config: C) -> None:
         """Check that the study can run a configuration, after `Config.check` of its keys.
 
         Raises
@@ -194,7 +200,7 @@ class Study(ABC):
             If keys, schemes and motion do not fit together, or a value is refused.
         """
 
-    def check_outside(self, config: Any) -> None:  # noqa: B027
+    def check_outside(self, config: C) -> None:
         """Check what lies outside of the configuration: files, and keys of other studies.
 
         This happens when a configuration is composed, after `check`. It never happens when a run is
@@ -206,14 +212,14 @@ class Study(ABC):
             If a file cannot be used, or another study refuses its keys.
         """
 
-    def describe_origin(self, config: Any) -> str:
+    def describe_origin(self, config: C) -> str:
         """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
 
         The line is empty if the study does not say.
         """
         return ""
 
-    def describe_code(self, config: Any) -> Any:
+    def describe_code(self, config: C) -> object:
         """Return a description of the user's own code that the keys of a configuration name.
 
         The description is JSON data and is stored with the run, since the code itself is not
@@ -221,7 +227,7 @@ class Study(ABC):
         """
         return None
 
-    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+    def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run without names of code, so that no code is executed.
 
         Parameters
@@ -240,10 +246,10 @@ class Study(ABC):
 
 
 @runtime_checkable
-class Estimating(Protocol):
+class Estimating(Protocol[Given]):
     """The interface of a study that can show one record with all that schemes make of it."""
 
-    def estimate(self, config: Any, replicate: int) -> EstimatedRecord:
+    def estimate(self, config: Given, replicate: int) -> EstimatedRecord:
         """Make the record with the number `replicate`, and run all schemes on it.
 
         The record and its measurements are those of a sweep. The configuration has one tuning.
@@ -272,11 +278,11 @@ class Joint(Protocol):
 
 
 @runtime_checkable
-class Predicting(Protocol):
+class Predicting(Protocol[Given]):
     """The interface of an engine that can say roughly what blocks take before any has been run."""
 
     def predict(
-        self, config: Any, blocks: Sequence[Block], workers: int
+        self, config: Given, blocks: Sequence[Block], workers: int
     ) -> tuple[float, float] | None:
         """Return the computing time of the blocks in s, and the memory of the sweep in bytes.
 
@@ -324,14 +330,14 @@ def broken_study(name: str, package: str, reason: str) -> InputError:
 
 
 @runtime_checkable
-class Spectral(Protocol):
+class Spectral(Protocol[Given]):
     """The interface of a study that can compute error spectra of its estimation schemes.
 
     An error spectrum is the error due to motion at each frequency. It needs no simulated record.
     """
 
     def write_spectrum(
-        self, config: Any, folder: Path, *, metadata: Mapping[str, str]
+        self, config: Given, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
         """Write figures and tables of the schemes' error spectra into `folder`, which is created.
 
@@ -359,19 +365,19 @@ class Tuned(Protocol):
 
 
 @runtime_checkable
-class Tunable(Protocol):
+class Tunable(Protocol[Given]):
     """The interface of a study that can search the numbers of its schemes (the command `tune`)."""
 
-    def count_trials(self, config: Any) -> int:
+    def count_trials(self, config: Given) -> int:
         """Return how many trials the search will make.
 
         Raise `InputError` if there is nothing to search.
         """
 
-    def prepare_tuning(self, config: Any) -> None:
+    def prepare_tuning(self, config: Given) -> None:
         """Do work once before the search, e.g. compile kernels."""
 
-    def tune(self, config: Any, advance: Callable[[str], None]) -> Tuned:
+    def tune(self, config: Given, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers; call `advance` with the scheme's name after each trial."""
 
 
@@ -389,7 +395,7 @@ class Varied(Protocol):
 
 
 @runtime_checkable
-class Varying(Protocol):
+class Varying(Protocol[Given]):
     """The interface of a study that can show its errors over the values of one key."""
 
     def list_vary_defaults(self) -> Sequence[str]:
@@ -398,7 +404,7 @@ class Varying(Protocol):
         The command leaves out an override whose key the user sets, or whose section.
         """
 
-    def check_vary(self, along: Condition, configs: Mapping[Value, Any]) -> None:
+    def check_vary(self, along: Condition, configs: Mapping[Value, Given]) -> None:
         """Check that the errors can be computed with these configurations, and shown together.
 
         The arguments are those of `vary`.
@@ -409,7 +415,7 @@ class Varying(Protocol):
             If they cannot be computed or shown together.
         """
 
-    def vary(self, along: Condition, configs: Mapping[Value, Any]) -> Varied:
+    def vary(self, along: Condition, configs: Mapping[Value, Given]) -> Varied:
         """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
 
         Parameters
@@ -423,4 +429,63 @@ class Varying(Protocol):
         ------
         InputError
             If a scheme cannot be computed.
+        """
+
+
+@dataclass(frozen=True)
+class PlaceQuestion:
+    """What `place` is asked, besides the configuration.
+
+    Attributes
+    ----------
+    quantity
+        Name of the quantity whose error the sensors shall lower; None: the study's first.
+    count
+        Most sensors to choose; None leaves it to the study.
+    heights
+        Heights to choose from, in m; None leaves them to the study.
+    given
+        The keys that the user sets by overrides.
+    """
+
+    quantity: str | None
+    count: int | None
+    heights: tuple[float, ...] | None
+    given: frozenset[str]
+
+
+class Placed(Protocol):
+    """How many sensors are enough, and where they go."""
+
+    @property
+    def config(self) -> Config:
+        """The configuration, with the sensors that are there already."""
+
+    def table(self) -> pd.DataFrame:
+        """Return a row for each number of sensors, with their heights and the predicted error."""
+
+    def answer(self) -> RenderableType:
+        """Return what the terminal shows: the answer, a short table, and what it rests on."""
+
+
+@runtime_checkable
+class Placing(Protocol[Given]):
+    """The interface of a study that can choose where sensors go."""
+
+    def list_place_defaults(self, given: Collection[str]) -> Sequence[str]:
+        """Return the overrides that `place` puts before those of the user, who sets `given`.
+
+        Raises
+        ------
+        InputError
+            If a key that the user sets has no part in the choice.
+        """
+
+    def place(self, config: Given, question: PlaceQuestion) -> Placed:
+        """Choose sensors one by one, and predict their errors without running a scheme.
+
+        Raises
+        ------
+        InputError
+            If the configuration or the question cannot be answered; the message says what could.
         """

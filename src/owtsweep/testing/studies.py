@@ -11,19 +11,23 @@ names the broken part.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from io import StringIO
 from tempfile import TemporaryDirectory
+from typing import Literal, get_args, get_origin
 
 import pandas as pd
+from pydantic.fields import FieldInfo
 from rich.console import Console
 
-from owtsweep.config import Config
+from owtsweep.config import Config, Plain, Section, as_mapping, with_values
+from owtsweep.config.section import bare_type
+from owtsweep.errors import InputError
 from owtsweep.studies import compose
 from owtsweep.sweep.plan import count_cases, make_plan, make_tasks
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, Study
-from owtsweep.testing.variations import one_case, reversed_grids, variations
 
 #: Columns of the tables `summary` and `best_scheme`: those before and after the conditions.
 SUMMARY = (("scheme",), ("measure", "window", "mean", "ci_low", "ci_high", "n"))
@@ -36,6 +40,8 @@ BEST_SCHEME = (
 )  # fmt: skip
 #: Further columns of both tables, present if a scheme has no value in some cells of the grid.
 SETBACK = ("status", "reason")
+#: Keys that are not varied: `grid` and `schemes` only select blocks; the others have one value.
+NOT_VARIED = frozenset({"grid", "schemes", "study", "config_version"})
 
 
 def check_study(
@@ -253,3 +259,112 @@ def check_failures(study: Study, config: Config) -> None:
 
 def _keys(study: Study, config: Config) -> list[str]:
     return list(make_plan(study, config))
+
+
+def variations(study: Study, config: Config) -> Iterator[tuple[str, bool, Config | None]]:
+    """Yield the configuration with one key changed, for each key in turn.
+
+    Keys in `NOT_VARIED` are left out.
+
+    Yields
+    ------
+    tuple
+        Three items: the dotted key; False if the key is declared to change no number (inert), else
+        True; the changed configuration, or None if the study accepts none of the values tried.
+    """
+    for name, field, value in _leaves(config):
+        sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
+        if not {name, *sections} & NOT_VARIED:
+            inert = bool({name, *sections} & config.inert)
+            yield name, not inert, _vary(study, config, name, field, value)
+
+
+def reversed_grids(config: Config) -> Iterator[tuple[str, Config]]:
+    """Yield for each axis of the grid its name, and the configuration with the axis reversed."""
+    for name, values in as_mapping(config)["grid"].items():
+        if isinstance(values, list):
+            yield name, with_values(config, {f"grid.{name}": values[::-1]})
+
+
+def one_case(config: Config) -> Config:
+    """Return the configuration of a run with a single case; the run is named "one-case".
+
+    The case has the first value of each axis of the grid, one replicate and the first scheme.
+    """
+    plain = as_mapping(config)
+    values: Plain = {"name": "one-case"}
+    for name, item in plain["grid"].items():
+        if item is not None:  # an axis that may be left out, and is
+            values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
+    if "schemes" in plain:
+        values["schemes"] = plain["schemes"][:1]
+    return with_values(config, values)
+
+
+def _leaves(section: Section, prefix: str = "") -> Iterator[tuple[str, FieldInfo, object]]:
+    """Yield the dotted key, pydantic field and value of each key in a section and its subsections.
+
+    `prefix` is the text before each key, e.g. "grid.". Keys whose value is a section are left out.
+    """
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if isinstance(value, Section):
+            yield from _leaves(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", field, value
+
+
+def _vary(
+    study: Study, config: Config, name: str, field: FieldInfo, value: object
+) -> Config | None:
+    """Return the configuration with another value of the key `name`: the first that is accepted.
+
+    Returns None if no tried value is accepted.
+
+    Parameters
+    ----------
+    study, config
+        The study, and the configuration, which is not changed.
+    name, field, value
+        Dotted key, its pydantic field and its value in `config`.
+    """
+    for candidate in _candidates(field.annotation, value):
+        if candidate == value:
+            continue
+        try:
+            other = with_values(config, {name: candidate})
+            other.check()
+            study.check(other)
+            study.check_outside(other)
+        except InputError:
+            continue
+        return other
+    return None
+
+
+def _candidates(annotation: object, value: object) -> list[object]:
+    """Return values to try for a key; an empty list if none are known for its type.
+
+    Parameters
+    ----------
+    annotation
+        The type annotation of the key.
+    value
+        The present value of the key, which may be among the values returned.
+    """
+    kind = bare_type(annotation)
+    if get_origin(kind) is Literal:
+        return list(get_args(kind))
+    if value is None:
+        options: dict[object, list[object]] = {str: ["other"], float: [1.0, 10.0], int: [1, 10]}
+        return options.get(kind, [])
+    if isinstance(value, bool):
+        return [not value]
+    if isinstance(value, int | float):
+        more = [value + 1, value - 1, 2 * value, value / 2, 1.1 * value, 0.9 * value]
+        return [int(item) if kind is int else item for item in more]
+    if isinstance(value, str):
+        return [f"{value}-other"]
+    if isinstance(value, list) and value and all(isinstance(item, float) for item in value):
+        return [[1.1 * item for item in value], [item + 0.1 for item in value]]
+    return []

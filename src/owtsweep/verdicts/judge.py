@@ -16,9 +16,15 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, find_least
 from owtsweep.statistics.contrasts import gap
 from owtsweep.verdicts.claims_file import ClaimsFile, Part, StatedClaim, Statement
-from owtsweep.verdicts.inference import Decision, Estimate, JudgedClaim, Side, mean_ratio
+from owtsweep.verdicts.inference import (
+    Decision,
+    Estimate,
+    JudgedClaim,
+    JudgedStatement,
+    Side,
+    mean_ratio,
+)
 from owtsweep.verdicts.score_table import Cell, ScoreTable, Value
-from owtsweep.verdicts.statements import JudgedStatement
 
 #: What can be made of values, as `claims_file.OF` lists it.
 OF: dict[str, Callable[[Array], Array]] = {

@@ -12,8 +12,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import show_value
-from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.origin import describe_draws
+from owtsweep.studies.base.contest import WAIT, describe_draws
 from owtsweep.studies.mating.contest import CONTEST
 
 if TYPE_CHECKING:

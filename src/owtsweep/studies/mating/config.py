@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
-from owtsweep.config.record import Record
+from owtsweep.config.common import Record
+from owtsweep.studies.base.contest import ContestConfig
 
 
 def _refuse_classes(value: object) -> object:
@@ -43,7 +44,7 @@ class Limits(Section):
     speed: Positive = key("largest relative speed", unit="m/s")
 
 
-class MatingConfig(Config):
+class MatingConfig(ContestConfig):
     """The configuration of the mating study, with all its keys."""
 
     inert = Config.inert | {"axes", "criterion"}

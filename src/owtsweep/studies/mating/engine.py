@@ -13,7 +13,7 @@ from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.blocks import Planned, plan_blocks
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.engine import ContestEngine
-from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.base.tables import Judgement, make_rows
 from owtsweep.studies.mating.contest import AXES, CONTEST
 from owtsweep.studies.mating.joining import (
     configure_blade,
@@ -79,7 +79,8 @@ class MatingEngine(ContestEngine):
                     found[WAIT] = of_blade.waits[scheme]
                 judged[scheme].append(Judgement(found))
         for block in blocks:
-            rows = make_rows(block.content, AXES, replicates, judged[block.content["scheme"]])
+            scheme = block.content["scheme"]
+            rows = make_rows(scheme, block.content, AXES, replicates, judged[scheme])
             yield block, rows
 
     def drawings(

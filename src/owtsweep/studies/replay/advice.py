@@ -21,8 +21,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, rank
-from owtsweep.statistics.inference import t_quantile
-from owtsweep.statistics.sums import mean_and_error
+from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES, INSTEAD
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.identification.rows import ESTIMATED

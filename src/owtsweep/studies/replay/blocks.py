@@ -13,12 +13,12 @@ import numpy as np
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.public import (
+    SCHEMES,
     WIDTH,
     Scheme,
     Sensors,
     backend,
     compile_kernels,
-    explain_anew,
     make_sensors,
     resolve_all,
     scheme_content,
@@ -85,8 +85,8 @@ def plan(config: ReplayConfig) -> list[Block]:
             "estimator": contents[facts.choose_describer(config)],
         }
         blocks.append(Block(label, f"{label}, the record", first, 1))
-        for scheme, entry, part in zip(schemes, config.schemes, contents, strict=True):
-            name, anew = f"{label}, {scheme.name}", explain_anew(entry, scheme)
+        for scheme, part in zip(schemes, contents, strict=True):
+            name, anew = f"{label}, {scheme.name}", SCHEMES.explain_anew(scheme)
             group = name if apart else label
             blocks.append(Block(group, name, {**content, **part}, 1, anew=anew))
         blocks += _plan_noise(config, label, file, content, apart=apart)
@@ -116,7 +116,7 @@ def _plan_noise(
     shared = {**content, **_collect_shared_content(other), "noise": ESTIMATED}
     yield Block(label, f"{label}, its baselines again", {**shared, "scheme": RECORD}, 1)
     for scheme, entry in zip(resolve_all(other.schemes, other), other.schemes, strict=True):
-        name, anew = f"{label}, {name_second_run(scheme.name)}", explain_anew(entry, scheme)
+        name, anew = f"{label}, {name_second_run(scheme.name)}", SCHEMES.explain_anew(scheme)
         second = {**shared, **scheme_content(other, entry, scheme)}
         yield Block(name if apart else label, name, second, 1, anew=anew)
 
@@ -282,7 +282,7 @@ def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int
         Number of steps of the longest piece of the record. One piece of each replicate is in
         memory.
     """
-    if config.engine != "batch" or not hasattr(scheme, "kernel"):
+    if config.engine != "batch" or scheme.batched != "chain":
         return 1
     return max(1, min(WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
 

@@ -19,6 +19,7 @@ from owtsweep.studies.hub.public import (
     Chain,
     ErrorSpectrum,
     HubConfig,
+    Known,
     NoiseFloor,
     Sensors,
     error_spectrum,
@@ -87,7 +88,7 @@ def expect_errors(
     InputError
         If the scheme's errors do not settle.
     """
-    chain = scheme.kernel(sensors, config, steps)
+    chain = scheme.kernel(Known(sensors, config), steps)
     return _compute(chain, sensors, *band)
 
 
@@ -259,7 +260,7 @@ def list_left_out(config: ReplayConfig) -> list[str]:
     These are the schemes without a chain (`kernel`): their errors depend on more than sensors and
     tuning, e.g. on what SKFA has tracked.
     """
-    return [s.name for s in resolve_all(config.schemes, config) if not hasattr(s, "kernel")]
+    return [s.name for s in resolve_all(config.schemes, config) if s.batched != "chain"]
 
 
 def _expect_all(

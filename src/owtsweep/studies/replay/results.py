@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.statistics.inference import t_quantile
-from owtsweep.statistics.sums import mean_and_error
+from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.baselines import BASELINE_ROWS

@@ -12,9 +12,9 @@ from owtsweep.arrays import Array
 from owtsweep.figures.lines import POINTS, Envelope
 from owtsweep.studies.hub.public import (
     Chain,
+    Known,
     OnePassSeries,
     bias_of,
-    chain_for_runs,
     has_acceleration,
     lag_of,
     resolve_all,
@@ -118,10 +118,11 @@ def collect_filter_states(config: ReplayConfig, session: Session) -> FilterState
 def _make_chains(config: ReplayConfig, session: Session) -> dict[str, Chain]:
     if not np.all(np.isfinite(session.signals.fixes)):
         return {}
+    known = Known(session.sensors, config)
     return {
-        scheme.name: chain_for_runs(scheme, session.sensors, config, session.record.steps)
+        scheme.name: scheme.kernel_for_runs(known, session.record.steps)
         for scheme in resolve_all(config.schemes, config)
-        if scheme.name in session.names and hasattr(scheme, "kernel")
+        if scheme.name in session.names and scheme.batched == "chain"
     }
 
 

@@ -14,7 +14,7 @@ from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.config import TowerConfig
-    from owtsweep.sweep.placing import Placed, Question
+    from owtsweep.sweep.study import Placed, PlaceQuestion
 
 __all__ = ["TowerStudy"]
 
@@ -45,7 +45,7 @@ class TowerStudy(DeclaredStudy):
 
         return list_defaults(given)
 
-    def place(self, config: TowerConfig, question: Question) -> Placed:
+    def place(self, config: TowerConfig, question: PlaceQuestion) -> Placed:
         """Choose inclinometers one by one by the error that the AKF's covariance predicts."""
         from owtsweep.studies.tower.placing import place
 

@@ -11,13 +11,13 @@ from owtsweep.config.hints import suggest_name
 from owtsweep.errors import require
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.origin import describe_errors
+from owtsweep.studies.tower.contest import describe_errors
 from owtsweep.studies.tower.placed import QUANTITIES, PlacedSensors
 from owtsweep.studies.tower.placement import choose_greedily, extend, predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
 
 if TYPE_CHECKING:
-    from owtsweep.sweep.placing import Question
+    from owtsweep.sweep.study import PlaceQuestion
 
 #: Most sensors that are chosen if the user does not say.
 COUNT = 8
@@ -57,7 +57,7 @@ def list_defaults(given: Collection[str]) -> list[str]:
     return start
 
 
-def place(config: TowerConfig, question: Question) -> PlacedSensors:
+def place(config: TowerConfig, question: PlaceQuestion) -> PlacedSensors:
     """Choose inclinometers one by one, and predict the AKF's error with each number of them.
 
     Raises
@@ -103,7 +103,7 @@ def _name_sensors(given: Collection[str]) -> bool:
     return any(key.partition(".")[0] == "sensors" for key in given)
 
 
-def _check(config: TowerConfig, question: Question) -> None:
+def _check(config: TowerConfig, question: PlaceQuestion) -> None:
     require(
         "" in config.by_tuning(),
         f"tuning: `place` takes one tuning; name one, e.g. tuning={next(iter(config.tunings), '')}",
