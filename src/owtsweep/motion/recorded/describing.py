@@ -17,10 +17,9 @@ from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import LONGEST_GAP, describe_gaps, find_gaps
 from owtsweep.motion.recorded.choosing import add_motion
 from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, assign_roles
-from owtsweep.motion.recorded.composing import compose
+from owtsweep.motion.recorded.composing import compose, imply_unit
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import MOST_STEPS, MOST_VALUES, ChannelTable
-from owtsweep.motion.recorded.parts import imply_unit
 from owtsweep.motion.recorded.reading import find_factors
 from owtsweep.motion.recorded.timing import count_steps, fit_comb
 from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit

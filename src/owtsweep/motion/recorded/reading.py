@@ -13,11 +13,10 @@ from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
 from owtsweep.motion.recorded.choosing import add_motion, begin_position
 from owtsweep.motion.recorded.columns import PARTS, ROLES, assign_roles
-from owtsweep.motion.recorded.composing import compose
+from owtsweep.motion.recorded.composing import TILT, compose, find_angles, imply_unit
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
-from owtsweep.motion.recorded.parts import TILT, find_angles, imply_unit
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
 

@@ -24,7 +24,7 @@ from owtsweep.statistics.contest import find_alike, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES, INSTEAD
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
-from owtsweep.studies.replay.identification.rows import ESTIMATED
+from owtsweep.studies.replay.identification.words import ESTIMATED
 
 if TYPE_CHECKING:
     import pandas as pd

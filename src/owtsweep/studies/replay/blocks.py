@@ -29,7 +29,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
-from owtsweep.studies.replay.identification.rows import (
+from owtsweep.studies.replay.identification.words import (
     ESTIMATED,
     NOISE,
     list_values,

@@ -17,7 +17,7 @@ from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
-from owtsweep.studies.replay.identification.rows import (
+from owtsweep.studies.replay.identification.words import (
     ESTIMATED,
     STATED,
     pick_second_run,
