@@ -23,7 +23,7 @@ relative to the tower base, which moves with the platform.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -74,6 +74,8 @@ ROWS = 1 << 18
 Rotation = Literal["zyx", "small"]
 Vector = tuple[Array, ...]
 Composed = tuple[dict[str, Array], dict[str, str], str]
+#: `compose` with its settings given: file, values and names of channels -> motion.
+Composer = Callable[[Path, Mapping[str, Array], Mapping[str, str]], Composed]
 
 
 def find_parts(

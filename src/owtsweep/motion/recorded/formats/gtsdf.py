@@ -12,28 +12,31 @@ format.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
 from owtsweep.motion.recorded.formats.table import (
     MOST_CHANNELS,
     MOST_VALUES,
     ChannelTable,
     number_repeats,
     refuse,
-    shorten,
+    refuse_damaged,
 )
 
-TIME = "Time"
 if TYPE_CHECKING:
     import h5py
 
+TIME = "Time"
+#: What is said of a damaged file, and the errors that h5py raises on one.
+DAMAGED = (
+    "is not a whole HDF5 file", OSError, RuntimeError, KeyError, ValueError, TypeError,
+    AttributeError, MemoryError,
+)  # fmt: skip
 #: Most bytes of a name or unit. An array whose texts may be longer is not read.
 LONGEST_WORD = 1024
 
@@ -51,7 +54,7 @@ def open_gtsdf(path: Path) -> ChannelTable:
         import h5py
     except ImportError:
         raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
-    with _reading(path), h5py.File(path, "r") as file:
+    with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
         blocks = sorted(name for name in file if name.startswith("block"))
         shapes = [_open_data(path, file, block).shape for block in blocks]
         if not blocks:
@@ -67,27 +70,11 @@ def open_gtsdf(path: Path) -> ChannelTable:
     units = ["s", *("" if unit == "-" else unit for unit in units)]
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        with _reading(path), h5py.File(path, "r") as file:
+        with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
             return _load(path, file, blocks, {name: names.index(name) for name in wanted}, rows)
 
     rows = sum(shape[0] for shape in shapes)
     return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load, rows)
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Turn h5py's errors about a damaged file into an `InputError` that names the file.
-
-    The errors are those raised inside the context; `path` is the file.
-    """
-    try:
-        yield
-    except InputError:
-        raise
-    except (
-        OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError,
-    ) as error:  # fmt: skip
-        raise refuse(path, f"is not a whole HDF5 file ({shorten(error)})") from None
 
 
 def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:

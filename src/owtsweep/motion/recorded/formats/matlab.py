@@ -13,8 +13,7 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,7 +21,12 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.arrays import name_columns
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse, require_room, shorten
+from owtsweep.motion.recorded.formats.table import (
+    ChannelTable,
+    refuse,
+    refuse_damaged,
+    require_room,
+)
 
 #: Types of data elements that hold numbers, and those that hold a compressed element or an array.
 TYPES = {
@@ -211,7 +215,7 @@ def open_mat(path: Path) -> ChannelTable:
     _refuse_hdf5(path)
     places: dict[str, tuple[Variable, int]] = {}  # channel -> variable, column
     left_out = []
-    with _reading(path):
+    with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
         variables = list_variables(path)
     for variable in variables:
         shape = variable.shape
@@ -235,7 +239,7 @@ def open_mat(path: Path) -> ChannelTable:
             raise refuse(path, f"channels differ in length ({told}): save them equally long")
         result: dict[str, Array] = {}
         for variable in dict.fromkeys(places[name][0] for name in names):
-            with _reading(path):
+            with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
                 array = load_variable(path, variable)
             table = array if array.shape[0] >= array.shape[1] else array.T
             for name in names:
@@ -258,12 +262,3 @@ def _refuse_hdf5(path: Path) -> None:
             "is of MATLAB's version 7.3 (HDF5), which is not read: save it again with "
             "save('NAME.mat', 'time', 'x', ..., '-v7'), or convert it to CSV",
         )
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Turn what is wrong with a file into an `InputError` that names it."""
-    try:
-        yield
-    except Damaged as error:
-        raise refuse(path, f"is not a whole MATLAB file ({shorten(error)})") from None
