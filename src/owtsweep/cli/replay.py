@@ -6,11 +6,10 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
 from owtsweep.cli.running import foretell, may_start, print_answer, tell_end
-from owtsweep.config import dump_with_units, require
+from owtsweep.config import Plain, dump_with_units, require
 from owtsweep.errors import InputError
 from owtsweep.io.files import refuse_in_one_line
 
@@ -99,7 +98,7 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
     require(len(files) > 0, "FILE: name the file to describe")
     columns: dict[str, str] = {}
     units: dict[str, str] = {}
-    motion: dict[str, Any] = {}
+    motion: Plain = {}
     if overrides:
         config = compose_replay(overrides, config_dir)
         columns, units = config.columns.given(), config.units.given()
