@@ -14,6 +14,9 @@ INSTALLED_BENCH := $(VENV)/.installed-bench
 # Small matrices only: BLAS threads would fight the workers for the cores.
 export OPENBLAS_NUM_THREADS := 1
 
+# Every process would compile all modules that it imports; tests start some hundreds.
+export PYTHONDONTWRITEBYTECODE :=
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:

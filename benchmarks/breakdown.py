@@ -17,8 +17,9 @@ from benchmarks import STUDY
 from benchmarks.timing import REPEATS, median_time, samples
 from owtsweep.studies import compose
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.chain import Chain, chain_for_runs
+from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.feed import Feed
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.resolving import resolve
 
@@ -36,7 +37,9 @@ def measure(repeats: int = REPEATS, duration: float = 2000.0) -> list[dict[str, 
     replicates = list(range(BLOCK))
     records = make_records(config, 4.0, replicates)
     settled = round(config.measures.settling_time / records.sensors.step)
-    chains = [chain_for_runs(resolve(s), records.sensors, config, records.steps) for s in SCHEMES]
+    chains = [
+        resolve(s).kernel_for_runs(Known(records.sensors, config), records.steps) for s in SCHEMES
+    ]
     motion = median_time(
         samples(lambda: make_records(config, 4.0, replicates).motion, repeats=repeats)
     )

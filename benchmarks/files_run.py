@@ -1,6 +1,7 @@
 """Count the files of the package whose functions run in one case of the hub study, and list them.
 
     python -m benchmarks.files_run [OVERRIDE...]
+    python -m benchmarks.files_run --page         also write them into docs/architecture.md
 
 The case is one scheme in one record under one condition (`CASE`); overrides come after it. The
 command `sweep` runs it in this process and in one thread, without a bar and without figures; the
@@ -8,26 +9,29 @@ kernels were compiled before, by another process. A file counts if Python code o
 functions ran, at its import or later; what numba has compiled leaves no trace. The last line counts
 the files of a second case in this process, when all is imported and what is kept in memory serves.
 
-First come the files from configuration to score: those of `ROOMS`. Then come the others.
+The files are listed in the order in which their functions are first called.
 """
 
 from __future__ import annotations
 
+import ast
 import inspect
+import os
 import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
-from types import FrameType
-from typing import Any
+from types import CodeType, FrameType
 
 import owtsweep
+from benchmarks import page
 
 PACKAGE = Path(owtsweep.__file__).resolve().parent
+OURS = f"{PACKAGE}{os.sep}"
 #: Rooms from configuration to score.
 ROOMS = ("studies", "estimation", "motion", "sensing", "vectors")
 CASE = (
@@ -37,17 +41,21 @@ CASE = (
 )  # fmt: skip
 
 
-def trace(function: Callable[[], object]) -> set[str]:
+def trace(function: Callable[[], object]) -> list[str]:
     """Return the package's files whose functions run while `function` runs, in any thread.
 
-    Names are relative to the package, e.g. "studies/hub/batch.py". Bodies of modules and classes
-    are no functions.
+    Names are relative to the package, e.g. "studies/hub/batch.py". They are in the order in which
+    functions of the files are first called; those that only an import calls come last. Bodies of
+    modules and classes are no functions.
     """
-    seen: set[Any] = set()
+    called: dict[CodeType, None] = {}
+    at_import: dict[CodeType, None] = {}
 
     def note(frame: FrameType, event: str, _: object) -> None:
-        if event == "call":
-            seen.add(frame.f_code)
+        code = frame.f_code
+        is_function = event == "call" and bool(code.co_flags & inspect.CO_OPTIMIZED)
+        if is_function and code.co_filename.startswith(OURS) and code not in called:
+            (at_import if is_importing(frame) else called)[code] = None
 
     threading.setprofile(note)
     sys.setprofile(note)
@@ -56,9 +64,18 @@ def trace(function: Callable[[], object]) -> set[str]:
     finally:
         sys.setprofile(None)
         threading.setprofile(None)  # type: ignore[arg-type]  # None takes the function away
-    functions = (code for code in seen if code.co_flags & inspect.CO_OPTIMIZED)
-    paths = {Path(code.co_filename) for code in functions}
-    return {path.relative_to(PACKAGE).as_posix() for path in paths if path.is_relative_to(PACKAGE)}
+    paths = dict.fromkeys(Path(code.co_filename) for code in [*called, *at_import])
+    return [path.relative_to(PACKAGE).as_posix() for path in paths]
+
+
+def is_importing(frame: FrameType | None) -> bool:
+    """Return whether a frame is called, directly or not, by the body of a module of the package."""
+    while frame is not None:
+        code = frame.f_code
+        if code.co_name == "<module>" and code.co_filename.startswith(OURS):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def run_case(overrides: Sequence[str] = ()) -> None:
@@ -79,22 +96,38 @@ def is_on_the_way(file: str) -> bool:
     return file.split("/")[0] in ROOMS
 
 
-def count(files: Iterable[str]) -> str:
+def count(files: Sequence[str]) -> str:
     """Say how many files are on the way from configuration to score, and how many in all."""
-    files = list(files)
     return f"from configuration to score {sum(map(is_on_the_way, files))}, in all {len(files)}"
 
 
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["--compile"]:
-        run_case(sys.argv[2:])
-        sys.exit()
-    compiling = [sys.executable, "-m", "benchmarks.files_run", "--compile", *sys.argv[1:]]
-    subprocess.run(compiling, check=True)
-    first, again = (trace(lambda: run_case(sys.argv[1:])) for _ in range(2))
-    way = sorted(filter(is_on_the_way, first))
-    print(f"from configuration to score ({', '.join(ROOMS)}): {len(way)} files", *way, sep="\n  ")
-    others = sorted(first.difference(way))
-    print(f"others: {len(others)} files", *others, sep="\n  ")
+def make_table(files: Sequence[str]) -> str:
+    """Return the files in order, each with the first line of its docstring, as Markdown."""
+    from owtsweep.io.markdown import table
+
+    rows = [[f"`{file}`", read_docstring(PACKAGE / file)] for file in files]
+    listed = table(["file", "what it says of itself"], rows)
+    return f"Files of one case: {count(files)}.\n\n{listed}\n"
+
+
+def read_docstring(path: Path) -> str:
+    """Return the first line of a module's docstring."""
+    return (ast.get_docstring(ast.parse(path.read_text("utf-8"))) or "").partition("\n")[0]
+
+
+def main() -> None:
+    """Compile, run the case twice, and print the files or write the page."""
+    words = [word for word in sys.argv[1:] if word != "--page"]
+    compiling = f"from benchmarks.files_run import run_case; run_case({words})"
+    subprocess.run([sys.executable, "-c", compiling], check=True)
+    first = trace(lambda: run_case(words))
+    if "--page" in sys.argv:
+        page.put("files of one case", make_table(first), page.DOCS / "architecture.md")
+    print(*first, sep="\n")
     print(f"files of one case: {count(first)}")
+    again = trace(lambda: run_case(words))
     print(f"files of a second case in this process: {count(again)}")
+
+
+if __name__ == "__main__":
+    main()

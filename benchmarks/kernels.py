@@ -94,12 +94,13 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     from owtsweep.studies import compose
     from owtsweep.studies.hub import sensors as sensing
     from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
+    from owtsweep.studies.hub.known import Known
     from owtsweep.studies.hub.resolving import resolve
     from owtsweep.vectors import uses_vectors
 
     config: Any = compose([STUDY[0], f"tuning={tuning}", f"compute.vectors={uses_vectors()}"])
     sensors = sensing.sensors(config.sensors)
-    chain = resolve(scheme).kernel(sensors, config, 200_000)  # type: ignore[attr-defined]
+    chain = resolve(scheme).kernel(Known(sensors, config), 200_000)
     lead = chunk_of(chain)[1]
     fixes = -(-steps // sensors.fix_interval)
     tiles = series // 8

@@ -1,16 +1,16 @@
-"""Replace the measured parts of docs/scaling.md, which stand between marks that name them."""
+"""Replace the measured parts of pages, which stand between marks that name them."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "scaling.md"
+DOCS = Path(__file__).resolve().parents[1] / "docs"
 
 
-def put(name: str, text: str) -> None:
-    """Replace the part called `name` by `text`."""
+def put(name: str, text: str, path: Path = DOCS / "scaling.md") -> None:
+    """Replace the part called `name` of the page `path` by `text`, of whole lines."""
     begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->\n"
-    page = PAGE.read_text(encoding="utf-8")
+    page = path.read_text(encoding="utf-8")
     before, rest = page.split(begin)
     _, after = rest.split(end)
-    PAGE.write_text(f"{before}{begin}{text}{end}{after}", encoding="utf-8")
+    path.write_text(f"{before}{begin}{text}{end}{after}", encoding="utf-8")

@@ -18,7 +18,7 @@ from benchmarks.timing import REPEATS, seconds
 from owtsweep.studies import compose
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.known import Known, Sensors
 from owtsweep.studies.hub.models import FORCE, POSITION
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes.mkf import SCHEME
@@ -49,7 +49,7 @@ def make_job(seconds_of_record: float) -> Job:
     """Make the job from the first record of the default study, for MKF with tuning=matched."""
     config: Any = compose([STUDY[0], "tuning=matched", f"record.duration={seconds_of_record}"])
     records = make_records(config, 4.0, [0])
-    chain = SCHEME.kernel(records.sensors, config, records.steps)
+    chain = SCHEME.kernel(Known(records.sensors, config), records.steps)
     force, fixes = batch.Lanes(records).at(0.5)
     return Job(chain, records.sensors, force, fixes)
 

@@ -75,13 +75,14 @@ def _kernels(results: dict[str, Any]) -> Any:
 def _breakdown(results: dict[str, Any]) -> Any:
     """Draw core-milliseconds per replicate, one bar per part."""
     from owtsweep.figures.style import new_figure
-    from owtsweep.studies.hub.looks import LOOKS
+    from owtsweep.studies.hub.names import LISTED
 
     rows = results["breakdown"]
     figure = new_figure(9.0, 2.9)
     ax = figure.subplots()
     colors = [
-        LOOKS[name].color if (name := row["part"].split(":")[0]) in LOOKS else "0.6" for row in rows
+        look.color if scheme is not None and (look := scheme.look) is not None else "0.6"
+        for scheme in (LISTED.get(row["part"].split(":")[0]) for row in rows)
     ]
     values = [row["ms"] for row in rows]
     bars = ax.barh([row["part"] for row in rows], values, color=colors)

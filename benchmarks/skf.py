@@ -15,6 +15,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels import spectral
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 
@@ -33,10 +34,9 @@ def main(seconds: float = 2000.0, repeats: int = 5) -> None:
                       f"record.duration={seconds}"])  # fmt: skip
     sensors = sensing.sensors(config.sensors)
     records = make_records(config, PERIOD, range(8))
-    scheme: Any = resolve("SKF")
-    scheme = scheme.told(config, PERIOD, AMPLITUDE)
+    known = Known(sensors, config, PERIOD, AMPLITUDE)
     begun = time.perf_counter()
-    kernel = scheme.own_kernel(sensors, config, records.steps)
+    kernel = resolve("SKF").own_kernel(known, records.steps)
     made = time.perf_counter() - begun
     inside = 0.0
     run = spectral.advance

@@ -28,7 +28,6 @@ from benchmarks.timing import seconds, timed
 from owtsweep.estimation.augmented import augment_walks
 from owtsweep.structures.fatigue import compute_damage
 from owtsweep.studies import compose
-from owtsweep.studies.tower.believed import make_believed
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.contract import DIRECTIONS, Setting
 from owtsweep.studies.tower.models import Model
@@ -39,7 +38,7 @@ from owtsweep.studies.tower.schemes.filtered import (
     noise_of_states,
     prior,
 )
-from owtsweep.studies.tower.setting import make_setting
+from owtsweep.studies.tower.setting import make_believed, make_setting
 
 #: Greatest times: of a filter over a record in one direction (gains at hand), of the damage of all
 #: welds in both directions, and of the default study on two cores, s; greatest memory of the study,

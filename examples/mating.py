@@ -27,24 +27,16 @@ SHOWN = 100.0  # s
 
 
 def main(arguments: list[str]) -> int:
+    outage, number = (*arguments, *("20", "0")[len(arguments) :])
+    words = {
+        "blade": f"study=blade experiment=held grid.sigma=[0.01] grid.outage=[{outage}] "
+        "schemes=[HOLD,UKF,PENDULUM]",
+        "hub": "study=hub tuning=matched grid.natural_period=[4] grid.amplitude=[0.1] "
+        "sensors.gnss.sigma=0.01 sensors.gnss.rate=5 record.duration=300 baselines=[] "
+        f"schemes=[{HUB_SCHEME}]",
+    }
     try:
-        outage = read_number(arguments, 0, 20.0, "OUTAGE")
-        number = int(read_number(arguments, 1, 0, "RECORD"))
-        blade = owtsweep.estimate(
-            [
-                "study=blade", "experiment=held", "grid.sigma=[0.01]", f"grid.outage=[{outage:g}]",
-                "schemes=[HOLD,UKF,PENDULUM]",
-            ],
-            number,
-        )  # fmt: skip
-        hub = owtsweep.estimate(
-            [
-                "study=hub", "tuning=matched", "grid.natural_period=[4]", "grid.amplitude=[0.1]",
-                "sensors.gnss.sigma=0.01", "sensors.gnss.rate=5", "record.duration=300",
-                f"schemes=[{HUB_SCHEME}]", "baselines=[]",
-            ],
-            number,
-        )  # fmt: skip
+        blade, hub = (owtsweep.estimate(each.split(), int(number)) for each in words.values())
     except owtsweep.InputError as error:
         print(f"mating.py: {error}", file=sys.stderr)
         return 2
@@ -66,7 +58,7 @@ def main(arguments: list[str]) -> int:
         for name, (position, velocity) in motions.items()
     }
     print(
-        f"Record {number}, outage {outage:g} s: root and hub can mate (within {DISTANCE:g} m and "
+        f"Record {number}, outage {outage} s: root and hub can mate (within {DISTANCE:g} m and "
         f"{SPEED:g} m/s for {HOLD:g} s) at {100 * chances['truth'].mean():.0f} % of all moments."
     )
     print("scheme     error of position   missed   imagined")
@@ -75,24 +67,9 @@ def main(arguments: list[str]) -> int:
         rms = np.sqrt(np.mean(np.sum(error**2, axis=1)))
         found = compare_chances(chances["truth"], chances[name])
         print(f"{name:10s} {rms:14.3f} m {100 * found.missed:11.0f} % {100 * found.false:8.0f} %")
-    draw(blade.time[judged], motions, chances, judged, f"record {number}, outage {outage:g} s")
+    draw(blade.time[judged], motions, chances, judged, f"record {number}, outage {outage} s")
     print("mating.png: the last 100 s")
     return 0
-
-
-def read_number(arguments, place, default, name):
-    """Return an argument as a number that is not negative."""
-    if len(arguments) <= place:
-        return default
-    try:
-        value = float(arguments[place])
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value < 1e6:
-        raise owtsweep.InputError(
-            f"{name}: {arguments[place]!r} is no such number; give one from 0 on, e.g. {default:g}"
-        )
-    return value
 
 
 def draw(time, motions, chances, judged, what):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import zip_longest
 from pathlib import Path
 
@@ -41,16 +41,7 @@ def compare_folders(made: Path, kept: Path) -> dict[str, str]:
     The result is empty if the folders agree. Configurations agree if they make equal runs, even if
     one has keys that the other lacks because they were added to the program later.
     """
-    differences = {}
-    for name in sorted({path.name for folder in (made, kept) for path in folder.glob("*")}):
-        if name in PROVENANCE:
-            continue
-        if not (made / name).is_file():
-            differences[name] = "was not made again"
-        elif not (kept / name).is_file():
-            differences[name] = "is new"
-        elif text := _compare(made / name, kept / name):
-            differences[name] = text
+    differences = _compare_files(made, kept, "*", _compare)
     if (made / "config.yaml").is_file() and _identity(made) != _identity(kept):
         differences["config.yaml"] = "is another run's"
     return differences
@@ -71,13 +62,21 @@ def compare_numbers(made: Path, kept: Path) -> dict[str, str]:
     winners are equal unless the gap between the two is below that. On another machine some numbers
     differ by more (1e-2 in the tower's ill-conditioned claims); `compare_folders` tells how far.
     """
+    return _compare_files(made, kept, "*.csv", _find_difference)
+
+
+def _compare_files(
+    made: Path, kept: Path, pattern: str, compare: Callable[[Path, Path], str]
+) -> dict[str, str]:
+    """Return how each file that differs does so; `compare` says how two files of a name differ."""
     differences = {}
-    for name in sorted({path.name for folder in (made, kept) for path in folder.glob("*.csv")}):
+    names = {path.name for folder in (made, kept) for path in folder.glob(pattern)}
+    for name in sorted(names.difference(PROVENANCE)):
         if not (made / name).is_file():
             differences[name] = "was not made again"
         elif not (kept / name).is_file():
             differences[name] = "is new"
-        elif text := _find_difference(_read(made / name), _read(kept / name)):
+        elif text := compare(made / name, kept / name):
             differences[name] = text
     return differences
 
@@ -131,8 +130,9 @@ def _read(file: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(lines))
 
 
-def _find_difference(made: list[dict[str, str]], kept: list[dict[str, str]]) -> str:
+def _find_difference(made_file: Path, kept_file: Path) -> str:
     """Return where two tables differ by more than `NEAR`; "" if they agree."""
+    made, kept = _read(made_file), _read(kept_file)
     if len(made) != len(kept):
         return f"has {len(made)} lines instead of {len(kept)}"
     for line, (one, other) in enumerate(zip(made, kept, strict=True), 2):
@@ -156,11 +156,12 @@ def _find_difference(made: list[dict[str, str]], kept: list[dict[str, str]]) -> 
 
 def _find_size(row: Mapping[str, str]) -> float:
     """Return the largest error in a row, or if it has none, its largest difference."""
-    sizes = [abs(_number(row[name])) for name in ERRORS if name in row]
-    finite = [size for size in sizes if math.isfinite(size)]
-    if not finite:
-        finite = [abs(_number(row[name])) for name in DIFFERENCES if name in row]
-    return max((size for size in finite if math.isfinite(size)), default=0.0)
+    for names in (ERRORS, DIFFERENCES):
+        sizes = [abs(_number(row[name])) for name in names if name in row]
+        finite = [size for size in sizes if math.isfinite(size)]
+        if finite:
+            return max(finite)
+    return 0.0
 
 
 def _number(text: str) -> float:

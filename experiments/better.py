@@ -16,24 +16,22 @@ writes into FOLDER (default: results/better):
 Further arguments are overrides of the run, e.g. grid.amplitude=[0.1,1].
 """
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from scipy.linalg import cholesky, solve_triangular
 
 import owtsweep
+from experiments.command import read_words, write
 from owtsweep.arrays import Array
 from owtsweep.figures import style
-from owtsweep.io.tables import write_table
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.cells import BOUNDED, WINDOW, compute_bounds, find_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.bounds.shape import find_shape
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.figures import efficiency
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.origin import describe_origin
 
@@ -177,27 +175,23 @@ class _Covariances:
         return np.asarray(np.sign(lag) * self.odd[first, second][np.abs(lag)])
 
 
-def main(folder, replicates, overrides):
-    words = ["experiment=better", f"grid.replicates={replicates}", *overrides]
-    run = owtsweep.run(words)
+def main():
+    """Run the schemes, compute the bounds, and write both."""
+    folder, replicates, overrides = read_words("results/better", 100)
+    run = owtsweep.run(["experiment=better", f"grid.replicates={replicates}", *overrides])
     bounds = compute_bounds(run.config)
     checked = check_bounds(run.config, bounds)
-    folder.mkdir(parents=True, exist_ok=True)
-    print(write_table(folder, "efficiency", make_table(run, bounds)))
-    print(write_table(folder, "bounds", checked))
-    with style.context():
+
+    def draw():
         figure = efficiency.draw(run.config, run.summary())
         style.add_origin(figure, describe_origin(run.config))
-        for file in style.save(figure, folder, "efficiency", run.metadata()):
-            print(file)
+        return figure
+
+    tables = {"efficiency": make_table(run, bounds), "bounds": checked}
+    write(folder, tables, {"efficiency": draw}, run.metadata())
     apart = np.abs(checked["recursion"] / checked["window"] - 1.0).max()
     print(f"The two ways to bound (b) differ by at most {100.0 * apart:.2f} %.")
 
 
 if __name__ == "__main__":
-    given = [word for word in sys.argv[1:] if "=" not in word]
-    main(
-        Path(given[0] if given else "results/better"),
-        int(given[1]) if len(given) > 1 else 100,
-        [word for word in sys.argv[1:] if "=" in word],
-    )
+    main()

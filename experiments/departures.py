@@ -14,35 +14,17 @@ freedom), efficiency (bound (b) over mse; with seeds alone). Further arguments a
 runs.
 """
 
-import sys
-from pathlib import Path
-
 import pandas as pd
 
 import owtsweep
-from owtsweep.io.tables import write_table
+from experiments.command import read_data, read_words, write
 
 #: States that NEES counts: position and velocity, x and y.
 STATES = 4.0
 SHORT = ["measures.efficiency=false", "record.duration=600", "hme1.fix_rule=gate"]
 SCHEMES = ["schemes=[MKF,HME1,SKFA]", "baselines=[NONE]"]
-FOUR = ["grid.natural_period=[4]", "grid.amplitude=[0.1,1]"]
-GNSS = "sensors.gnss"
 #: Name -> what is changed.
-DEPARTURES = {
-    "none": FOUR,
-    "outliers 1 %": [*FOUR, f"{GNSS}.outliers.rate=0.01"],
-    "outliers 5 %": [*FOUR, f"{GNSS}.outliers.rate=0.05"],
-    "bursts of 5, 5 %": [*FOUR, f"{GNSS}.outliers.rate=0.05", f"{GNSS}.outliers.length=5"],
-    "red noise .1 m, 300 s": [
-        *FOUR, f"{GNSS}.correlation.sigma=0.1", f"{GNSS}.correlation.time=300",
-    ],
-    "unknown tilt": [
-        "grid.natural_period=[8]", "grid.amplitude=[0.1,2]", "sensors.imu.tilt=0.0137",
-        "skf.tilt=0", "mkf.tilt=0", "hme1.tilt=0",
-    ],
-}  # fmt: skip
-SEAS = ["motion=plant", "motion.hs=[1,2,3]", "motion.tp=[4,6,8]", "record.duration=1000"]
+DEPARTURES = read_data(__file__)
 SEEDS = (1, 2)
 COLUMNS = [
     "departure", "natural_period", "amplitude", "hs", "tp", "scheme", "mse", "nees", "efficiency",
@@ -55,35 +37,25 @@ def run(name, words):
     kept = summary[summary["window"] == "settled"]
     cell = [each for each in ("natural_period", "amplitude", "hs", "tp") if each in kept]
     place = [*cell, "scheme"]
-    parts = {
-        "mse": kept[kept["measure"] == "position"].set_index(place)["mean"],
-        "nees": kept[kept["measure"] == "nees"].set_index(place)["mean"] / STATES,
-    }
+    settled = {measure: part.set_index(place) for measure, part in kept.groupby("measure")}
+    parts = {"mse": settled["position"]["mean"], "nees": settled["nees"]["mean"] / STATES}
     if "efficiency_b" in kept:
-        parts["efficiency"] = kept[kept["measure"] == "position"].set_index(place)["efficiency_b"]
+        parts["efficiency"] = settled["position"]["efficiency_b"]
     table = pd.concat(parts, axis=1).reset_index().assign(departure=name)
     print(f"{name}: {len(table)} rows", flush=True)
     return table.reindex(columns=COLUMNS)
 
 
-def main(folder, records, overrides):
-    folder.mkdir(parents=True, exist_ok=True)
+def main():
+    """Run all departures; write the table."""
+    folder, records, overrides = read_words("results/better", 8)
     common = ["experiment=better", f"grid.replicates={records}"]
-    tables = [
-        run(name, [*common, *SHORT, *SCHEMES, *words, *overrides])
-        for name, words in DEPARTURES.items()
-    ]
-    tables.append(run("plant", [*common, *SHORT, *SCHEMES, *SEAS, *overrides]))
+    runs = {name: [*SHORT, *SCHEMES, *words] for name, words in DEPARTURES.items()}
     for seed in SEEDS:
-        words = [f"seed={seed}", "schemes=[HME1,SKF,SKFA]", "baselines=[]"]
-        tables.append(run(f"seed {seed}", [*common, *words, *overrides]))
-    print(write_table(folder, "departures", pd.concat(tables, ignore_index=True)))
+        runs[f"seed {seed}"] = [f"seed={seed}", "schemes=[HME1,SKF,SKFA]", "baselines=[]"]
+    tables = [run(name, [*common, *words, *overrides]) for name, words in runs.items()]
+    write(folder, {"departures": pd.concat(tables, ignore_index=True)})
 
 
 if __name__ == "__main__":
-    given = [word for word in sys.argv[1:] if "=" not in word]
-    main(
-        Path(given[0] if given else "results/better"),
-        int(given[1]) if len(given) > 1 else 8,
-        [word for word in sys.argv[1:] if "=" in word],
-    )
+    main()

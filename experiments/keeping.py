@@ -16,69 +16,16 @@ from experiments.agreement import (
     compare_rows,
     largest_difference,
 )
+from experiments.command import read_data
 
 REFERENCE = Path("results/reference")
 #: Colours of a kept picture, and how many of them at most are taken from its flat areas.
 COLOURS, FLAT_COLOURS = 256, 192
 #: A colour is that of a flat area if it fills this many squares of 2 x 2 pixels.
 LEAST_SQUARES = 20
-#: What is kept of every run that has it.
-TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
-ALL = (
-    *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png",
-    "figures/distributions.png", "figures/*.csv", "figures/*.md",
-    "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
-)  # fmt: skip
-#: Folder below results/ -> patterns of the files that are kept of it.
-KEPT = {
-    "readings": ("config.yaml", "manifest.json", "*.csv", "figures/*.png"),
-    "default": (*TABLES, "figures/figure_18*.png"),
-    "paper": ALL,
-    "matched": ALL,
-    "matched_on_paper": (*TABLES, "figures/figure_18*.png"),
-    "rivals": ("config.yaml", "manifest.json", "*.csv"),
-    "plant": ("*.csv", "*.png", "*.md"),
-    "better": ("*.csv", "*.png"),
-    "tower": (
-        "summary_*.csv",
-        "best_scheme_*.csv",
-        "crossover.csv",
-        "choices.csv",
-        "checked.csv",
-        "model_errors.csv",
-        "declared_noise.csv",
-        "wave_yaw.csv",
-        "fidelity_claims.csv",
-        "table_3.csv",
-        "*.md",
-        "*.png",
-        "figures/*.png",
-    ),
-    "floater": (
-        "summary_*.csv",
-        "best_scheme_*.csv",
-        "delay_margin.csv",
-        "fidelity_claims.csv",
-        "stored_tests.csv",
-        "*.md",
-        "*.png",
-        "figures/*.png",
-    ),
-    "blade": (
-        "summary_*.csv",
-        "best_scheme_*.csv",
-        "fidelity_claims.csv",
-        "moving_hook.csv",
-        "earth.csv",
-        "*.md",
-        "*.png",
-    ),
-    "mating": ("summary_*.csv", "best_scheme_*.csv", "*.png"),
-    **dict.fromkeys(
-        ("paper_all_inputs", "paper_same_variance"),
-        (*TABLES, "summary.csv", "figures/figure_18*.png"),
-    ),
-}
+#: The parts of reproduce.toml; each names the files that are kept of it.
+PARTS = read_data(str(Path(__file__).with_name("reproduce")))
+KEPT = {name: part["keep"] for name, part in PARTS.items() if "keep" in part}
 
 
 class Keeper:

@@ -14,42 +14,37 @@ Writes into FOLDER (default: results/better) moving_sea.csv: sea, amplitude (m),
 position, m^2), nees (per degree of freedom).
 """
 
-import sys
-from pathlib import Path
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
+from experiments.command import read_words, write
 from owtsweep.evaluation.loop import run_estimator
-from owtsweep.io.tables import write_table
 from owtsweep.motion.modulation import Modulation, modulate
-from owtsweep.motion.source import Motion
 from owtsweep.studies import compose
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 AMPLITUDES = [0.05, 0.2, 1.0, 10.0]
+#: The series of a motion.
+SERIES = ("position", "velocity", "acceleration", "before")
 DURATION, SETTLED, CHANGE = 600.0, 120.0, (150.0, 450.0)
 
 
 def scale(motion, factor):
-    return Motion(
-        step=motion.step,
-        position=factor * motion.position,
-        velocity=factor * motion.velocity,
-        acceleration=factor * motion.acceleration,
-        before=factor * motion.before,
-    )
+    return replace(motion, felt=None, **{name: factor * getattr(motion, name) for name in SERIES})
 
 
 def add(first, second):
     """Add two motions of equal standard deviation; the sum's largest displacement is 1 m."""
     parts = [scale(motion, 1.0 / np.std(motion.position)) for motion in (first, second)]
-    names = ("position", "velocity", "acceleration", "before")
-    total = {name: sum(getattr(part, name) for part in parts) for name in names}
-    whole = Motion(step=first.step, **total)
+    sums = {name: sum(getattr(part, name) for part in parts) for name in SERIES}
+    whole = replace(first, felt=None, **sums)
     return scale(whole, 1.0 / np.abs(whole.position).max())
 
 
@@ -66,11 +61,7 @@ def quicken(motion, share):
     warped = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]))]) * motion.step
     series = (motion.position, motion.velocity, motion.acceleration)
     p, v, a = (CubicSpline(time, values)(warped) for values in series)
-    acceleration = a * rate**2 + v * slope
-    return Motion(
-        step=motion.step, position=p, velocity=v * rate, acceleration=acceleration,
-        before=motion.before,
-    )  # fmt: skip
+    return replace(motion, position=p, velocity=v * rate, acceleration=a * rate**2 + v * slope)
 
 
 def make_seas(config, count):
@@ -95,7 +86,7 @@ def judge(scheme, config, records, motion, noise, amplitude):
     whole = Measurements(
         amplitude * seen.specific_force + noise.specific_force, amplitude * seen.fixes + noise.fixes
     )
-    estimate = run_estimator(scheme.stream(sensors, config), *whole, sensors.fix_interval)
+    estimate = run_estimator(scheme.stream(Known(sensors, config)), *whole, sensors.fix_interval)
     along = (motion.position, motion.velocity)
     truth = np.concatenate([np.outer(each, records.direction) for each in along], axis=1)
     first = round(SETTLED / sensors.step)
@@ -105,28 +96,23 @@ def judge(scheme, config, records, motion, noise, amplitude):
     return mse, np.mean(np.sum(error * weighted, axis=1)) / 4.0
 
 
-def main(folder, count):
-    words = ["experiment=better", "schemes=[HME1,SKFA]", f"record.duration={DURATION}"]
-    config = compose(words)
+def main():
+    """Judge both schemes in all seas; write the table."""
+    folder, count, _ = read_words("results/better", 8)
+    config = compose(["experiment=better", "schemes=[HME1,SKFA]", f"record.duration={DURATION}"])
     seas, records = make_seas(config, count)
     rows = []
-    for sea, motions in seas.items():
-        for amplitude in AMPLITUDES:
-            for name in ("HME1", "SKFA"):
-                judged = [
-                    judge(resolve(name), config, records, motion, noise, amplitude)
-                    for motion, noise in zip(motions, records.noise, strict=True)
-                ]
-                mse, nees = np.mean(judged, axis=0)
-                rows.append((sea, amplitude, name, mse, nees))
-                print(f"{sea}, {amplitude:g} m, {name}: {mse:.3g} m^2, NEES {nees:.2f}")
-    folder.mkdir(parents=True, exist_ok=True)
+    for (sea, motions), amplitude, name in product(seas.items(), AMPLITUDES, ("HME1", "SKFA")):
+        judged = [
+            judge(resolve(name), config, records, motion, noise, amplitude)
+            for motion, noise in zip(motions, records.noise, strict=True)
+        ]
+        mse, nees = np.mean(judged, axis=0)
+        rows.append((sea, amplitude, name, mse, nees))
+        print(f"{sea}, {amplitude:g} m, {name}: {mse:.3g} m^2, NEES {nees:.2f}")
     table = pd.DataFrame(rows, columns=["sea", "amplitude", "scheme", "mse", "nees"])
-    print(write_table(folder, "moving_sea", table))
+    write(folder, {"moving_sea": table})
 
 
 if __name__ == "__main__":
-    main(
-        Path(sys.argv[1] if len(sys.argv) > 1 else "results/better"),
-        int(sys.argv[2]) if len(sys.argv) > 2 else 8,
-    )
+    main()

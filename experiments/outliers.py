@@ -9,18 +9,18 @@ of one. Every way runs on the same records at natural period 4 s, with the bias 
 sensors=strong_bias and tuning=matched. Criterion: settled MSE of the position, x + y.
 """
 
-import sys
+from functools import partial
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from experiments.command import read_data, read_words, write
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import style
-from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
@@ -28,22 +28,8 @@ from owtsweep.studies.hub.sensors import Measurements, observe
 PERIOD = 4.0  # s
 RECORDS = 10
 AMPLITUDES = (0.05, 0.2, 1.0, 3.0)  # m
-TRUTHS = {
-    "no fault": [],
-    "outliers 1 %": ["outliers.rate=0.01"],
-    "outliers 5 %": ["outliers.rate=0.05"],
-    "outliers 20 %": ["outliers.rate=0.2"],
-    "bursts of 5, 5 %": ["outliers.rate=0.05", "outliers.length=5"],
-    "outages of 10, 9 %": ["loss.probability=0.0094", "loss.length=10"],
-    "red noise 2.5 m, 300 s": ["correlation.sigma=2.5", "correlation.time=300"],
-}
-RULES = {"MKF": ("plain", "gate", "huber"), "HME1": ("plain", "gate", "huber"),
-         "HME2": ("plain", "huber")}  # fmt: skip
-WAYS = {
-    **{f"{name} {rule}": (name, [f"{name.lower()}.fix_rule={rule}"])
-       for name, rules in RULES.items() for rule in rules},
-    "HME1 gate 5": ("HME1", ["hme1.fix_rule=gate", "hme1.gate_patience=5"]),
-}  # fmt: skip
+#: The truths, and the ways: name -> overrides.
+TRUTHS, WAYS = read_data(__file__).values()
 BASE = [
     "tuning=matched", "sensors=strong_bias", "record.duration=240", "measures.settling_time=60",
     f"grid.natural_period=[{PERIOD}]",
@@ -53,7 +39,7 @@ BASE = [
 def run_ways(truth, faults):
     """Return the settled MSE of every way, amplitude and record under one truth, as rows."""
     faults = [f"sensors.gnss.{fault}" for fault in faults]
-    configs = {way: compose([*BASE, *faults, *keys]) for way, (_, keys) in WAYS.items()}
+    configs = {way: compose([*BASE, *faults, *keys]) for way, keys in WAYS.items()}
     first = next(iter(configs.values()))
     records = make_records(first, PERIOD, list(range(RECORDS)))
     known, settled = records.sensors, round(first.measures.settling_time / records.sensors.step)
@@ -66,8 +52,8 @@ def run_ways(truth, faults):
             amplitude * seen.fixes + noise.fixes,  # NaN where a fix is lost
         )
         position = amplitude * np.outer(motion.position, records.direction)
-        for way, (name, _) in WAYS.items():
-            estimator = resolve(name).stream(known, configs[way])
+        for way in WAYS:
+            estimator = resolve(way.split()[0]).stream(Known(known, configs[way]))
             state = run_estimator(estimator, *data, known.fix_interval).state
             squares = np.sum((state[settled:, :2] - position[settled:]) ** 2, axis=1)
             rows.append((truth, amplitude, way, record, float(np.mean(squares))))
@@ -130,18 +116,14 @@ def draw(table):
 
 
 def main():
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/outliers")
-    folder.mkdir(parents=True, exist_ok=True)
+    """Run all ways under all truths; write the table and the figure."""
+    folder, _, _ = read_words("results/outliers")
     rows = []
     for truth, faults in TRUTHS.items():
         rows.append(run_ways(truth, faults))
         print(truth, flush=True)
     table = summarise(pd.concat(rows, ignore_index=True))
-    write_table(folder, "outliers", table)
-    print(folder / "outliers.csv")
-    with style.context():
-        for file in style.save(draw(table), folder, "outliers", None):
-            print(file)
+    write(folder, {"outliers": table}, {"outliers": partial(draw, table)})
 
 
 if __name__ == "__main__":

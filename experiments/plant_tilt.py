@@ -30,6 +30,7 @@ from owtsweep.config import changed
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import Records, make_records_at
 from owtsweep.studies.hub.resolving import resolve
 
@@ -55,7 +56,7 @@ def run_hme1(records: Records, tilt: float) -> dict[str, float]:
     config = records.config
     config = changed(config, hme1=changed(config.hme1, tilt=tilt))
     settled = round(config.measures.settling_time / records.sensors.step)
-    chain = resolve("HME1").kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
+    chain = resolve("HME1").kernel(Known(records.sensors, config), records.steps)
     (sums,) = sum_errors([chain], records, settled, consistency=False)
     motion, cross, noise = sums.products[1, :2].sum(axis=0).mean(axis=1) / sums.steps[1]
     mse = float(motion + 2.0 * cross + noise)

@@ -16,15 +16,14 @@ results/better):
 Further arguments are overrides of all runs, e.g. results=elsewhere.
 """
 
-import sys
-from pathlib import Path
+from functools import partial
 
 import pandas as pd
 
 import owtsweep
+from experiments.command import read_data, read_words, write
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
-from owtsweep.io.tables import write_table
 from owtsweep.statistics.contrasts import gap
 from owtsweep.studies import compose
 from owtsweep.studies.hub.conditions import make_cube
@@ -34,27 +33,11 @@ BASE = [
     "baselines=[]", "sensors=strong_bias", "seed=7", "record.duration=2000",
     "measures.settling_time=120", "measures.window=settled", "grid.replicates=4",
 ]  # fmt: skip
-#: Tuning -> its overrides, and the scheme below the boundary.
-TUNINGS = {
-    "paper": (["tuning=paper", "schemes=[HME1,HME2,SWITCH]"], "HME2"),
-    "matched": (["tuning=matched", "schemes=[HME1,MKF,SWITCH]", "switch.below=MKF"], "MKF"),
-}
-GROWS = [
-    "grid.natural_period=[4]", "grid.amplitude=[1]",
-    "motion.envelope=[[0,0.1],[1000,10],[2000,0.1]]",
-]  # fmt: skip
+#: Tuning -> its overrides, and run -> its tuning and overrides.
+TUNINGS, RUNS = read_data(__file__).values()
+#: Tuning -> the scheme below the boundary.
+BELOW = {"paper": "HME2", "matched": "MKF"}
 PERIODS = (3.0, 4.0, 6.0, 8.0)
-STEADY = f"grid.natural_period={[*PERIODS]}".replace(" ", "")
-AT_BOUNDARY = ["grid.natural_period=[4]", "grid.amplitude=[3]"]
-#: Run -> its tuning and overrides.
-RUNS = {
-    "growing": ("paper", GROWS),
-    "steady": ("paper", [STEADY, "grid.amplitude=[0.1,0.5,1,3]"]),
-    "memory_15": ("paper", [*AT_BOUNDARY, "switch.memory=15"]),
-    "hysteresis_1.5": ("paper", [*AT_BOUNDARY, "switch.hysteresis=1.5"]),
-    "growing_matched": ("matched", GROWS),
-    "steady_matched": ("matched", [STEADY, "grid.amplitude=[0.1,0.5]"]),
-}
 KEYS = ["run", "tuning", "natural_period", "amplitude", "scheme", "measure"]
 
 
@@ -66,8 +49,8 @@ def average(values):
 
 def run_one(name, overrides):
     """Run one sweep; return rows of switching.csv."""
-    tuning, words = RUNS[name]
-    run = owtsweep.run([*BASE, *TUNINGS[tuning][0], *words, f"name=switching_{name}", *overrides])
+    tuning, words = RUNS[name].values()
+    run = owtsweep.run([*BASE, *TUNINGS[tuning], *words, f"name=switching_{name}", *overrides])
     cases = run.cases()
     table = make_cube(run.config, cases[cases["window"] == "settled"]).to_table()
     table = table[table["measure"].isin(["position", "velocity"])]
@@ -86,8 +69,8 @@ def run_one(name, overrides):
 def tabulate_boundaries():
     """Return the boundaries that SWITCH computes for itself, without records."""
     rows = []
-    for tuning, (words, below) in TUNINGS.items():
-        config = compose([*BASE, *words])
+    for tuning, below in BELOW.items():
+        config = compose([*BASE, *TUNINGS[tuning]])
         edge = compute_boundary(config, below, "HME1", config.switch.crest)
         rows += [(tuning, below, "HME1", period, edge.amplitude(period)) for period in PERIODS]
     columns = ["tuning", "below", "above", "natural_period", "boundary"]
@@ -114,7 +97,7 @@ def draw(table):
     left.set_title("4 s, growing from .1 to 10 m and back", loc="left")
     for run, line in (("steady", "-"), ("steady_matched", "--")):
         ratio = find_ratio(position[position["run"] == run])
-        tuning = RUNS[run][0]
+        tuning = RUNS[run]["tuning"]
         for number, (period, part) in enumerate(ratio.groupby(level="natural_period")):
             at = part.droplevel("natural_period")
             right.plot(
@@ -143,20 +126,14 @@ def find_ratio(rows):
     return wide["SWITCH"] / others.min(axis=1)
 
 
-def main(folder, overrides):
-    folder.mkdir(parents=True, exist_ok=True)
+def main():
+    """Run all sweeps; write both tables and the figure."""
+    folder, _, overrides = read_words("results/better")
     rows = [row for name in RUNS for row in run_one(name, overrides)]
     table = pd.DataFrame(rows, columns=[*KEYS, "mse", "ci_low", "ci_high", "records"])
-    print(write_table(folder, "switching", table))
-    print(write_table(folder, "switching_boundary", tabulate_boundaries()))
-    with style.context():
-        for file in style.save(draw(table), folder, "switching", None):
-            print(file)
+    tables = {"switching": table, "switching_boundary": tabulate_boundaries()}
+    write(folder, tables, {"switching": partial(draw, table)})
 
 
 if __name__ == "__main__":
-    given = [word for word in sys.argv[1:] if "=" not in word]
-    main(
-        Path(given[0] if given else "results/better"),
-        [word for word in sys.argv[1:] if "=" in word],
-    )
+    main()

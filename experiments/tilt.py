@@ -10,10 +10,9 @@ No record is drawn: the errors are settled means, motion's part by the error spe
 by the noise floor. So they are those of engine=expected in the window "settled".
 """
 
-import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -21,20 +20,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import owtsweep
-from owtsweep.config import changed, conf_directory
+from experiments.command import read_words, write
+from owtsweep.config import changed
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
-from owtsweep.io.tables import write_table
 from owtsweep.motion.spectra import spectrum
-from owtsweep.structures import compute_modes, read_structure
+from owtsweep.structures import compute_modes, find_structure
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.error_spectrum import (
-    error_spectrum,
-    expected_mse,
-    look_constant,
-)
+from owtsweep.studies.hub.error_spectrum import error_spectrum, expected_mse, look_constant
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.tuning_rules import believe
@@ -101,7 +97,7 @@ def compare_knowledge(
         frequency = frequency[~look_constant(frequency * sensors.fix_step)]
         bound = 2.0 * bound_of_axis(sensors)[0]
         for scheme in resolve_all(believing.schemes, believing):
-            chain = scheme.kernel(sensors, believing)  # type: ignore[attr-defined]
+            chain = scheme.kernel(Known(sensors, believing))
             errors, noise = error_spectrum(chain, sensors, frequency), noise_floor(chain, sensors)
             band = (float(frequency[0]), float(frequency[-1]))
             for amplitude, period in product(amplitudes, periods):
@@ -169,15 +165,13 @@ def _draw_panel(axes: Axes, part: pd.DataFrame) -> None:
     )  # fmt: skip
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """Write the table, and draw the figure."""
-    modes = compute_modes(read_structure(conf_directory() / "structure" / "ren2019.yaml"), 1)
+    folder, _, _ = read_words("results/tilt")
+    modes = compute_modes(find_structure("ren2019"), 1)
     tilt = float(modes.slope[0])
     config = owtsweep.studies.compose(["tuning=matched"])
     costs = compare_knowledge(config, tilt, PERIODS, AMPLITUDES)
-    folder.mkdir(parents=True, exist_ok=True)
-    write_table(folder, "tilt_cost", costs)
-    print(folder / "tilt_cost.csv")
     title = f"What a tilt of the IMU of {tilt:.4f} rad/m costs, and what knowing it gives back"
     origin = (
         f"Tuning {config.tuning_name}, default sensors. Settled errors by linear theory, so there "
@@ -185,12 +179,9 @@ def main(folder: Path) -> None:
         "small and 20 % too large. "
         "The bound is of the Kalman filter that assumes nothing about the motion."
     )
-    with style.context():
-        for file in style.save(
-            draw_costs(costs, title=title, origin=origin), folder, "tilt_cost", None
-        ):
-            print(file)
+    draw = partial(draw_costs, costs, title=title, origin=origin)
+    write(folder, {"tilt_cost": costs}, {"tilt_cost": draw})
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "results/tilt"))
+    main()

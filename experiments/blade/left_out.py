@@ -7,18 +7,17 @@ by default; some four minutes). GNSS of 10 mm, tuning=matched, seed 2018: record
 Earth at rest are those of the maps in docs/blade.md.
 """
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from experiments.command import read_words, show, write
 from owtsweep.io.steps import show_steps, tell_step
-from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
-from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.blade.cases import make_world, observe
+from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.doubts import EARTH_RATE, TAKEN_FOR_BIAS
 from owtsweep.studies.blade.measures import Judged, compare
 from owtsweep.studies.blade.measuring import find_last_outage
@@ -90,22 +89,22 @@ def judge(config, changes, schemes, records):
     `changes` is name -> what changes a case, and the configuration that schemes are told.
     """
     rows = []
-    for conditions in list_cases(config):
-        worlds = [make_world(config, conditions, number) for number in range(records)]
-        cases = [observe(config, conditions, world) for world in worlds]
-        window = Judged(config.record.settled, find_last_outage(config, conditions.outage))
+    for cell in list_cells(CONTEST.axes, config.grid):
+        worlds = [make_world(config, cell, number) for number in range(records)]
+        cases = [observe(config, cell, world) for world in worlds]
+        window = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
         for name, (change, told) in changes.items():
             changed = [change(case) for case in cases]
             for scheme in SCHEMES.resolve_all(schemes):
                 found = pd.DataFrame([
                     compare(
                         case.truth,
-                        scheme.prepare(case.tell(told, conditions)).run(case.measured),
+                        scheme.prepare(case.tell(told, cell)).run(case.measured),
                         window,
                     )
                     for case in changed
                 ]).mean()  # fmt: skip
-                where = {"changed": name, "outage": conditions.outage, "scheme": scheme.name}
+                where = {"changed": name, "outage": cell["outage"], "scheme": scheme.name}
                 rows.append(where | {measure: found.get(measure) for measure in MEASURES})
     return rows
 
@@ -145,20 +144,16 @@ def try_earth(records):
     return pd.concat(tables).rename(columns={"changed": "earth"})
 
 
-def main(folder, records):
+def main():
     """Write both tables."""
-    folder.mkdir(parents=True, exist_ok=True)
+    folder, records, _ = read_words("results/blade_left_out", 10)
     for name, collect in (("moving_hook", try_hooks), ("earth", try_earth)):
         tell_step(name)
         table = collect(records)
-        write_table(folder, name, table)
-        print(table.to_string(index=False, float_format="{:.3g}".format))
-        print(folder / f"{name}.csv")
+        show(table)
+        write(folder, {name: table})
 
 
 if __name__ == "__main__":
     with show_steps():
-        main(
-            Path(sys.argv[1] if len(sys.argv) > 1 else "results/blade_left_out"),
-            int(sys.argv[2]) if len(sys.argv) > 2 else 10,
-        )
+        main()

@@ -34,11 +34,12 @@ from scipy.linalg import expm
 from owtsweep.arrays import Array
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies import compose
+from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import list_cases
 from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF, Measured, Setting
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
 
@@ -116,7 +117,7 @@ def find_margins(config: FloaterConfig) -> dict[str, float | str]:
         fixed to the body.
     """
     motion = make_truth(config, 0)
-    cell = replace(list_cases(config)[0], delay=0.0)
+    cell = {**list_cells(CONTEST.axes, config.grid)[0], "delay": 0.0}
     setting = make_setting(config, motion, cell)
     section = config.motion.freedoms["x"].resonance
     loop = Loop(2.0 * np.pi / section.period, section.damping, setting.step)

@@ -10,24 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
-
-#: Fewest samples of the sparser record that must lie within the other at all offsets searched.
-FEWEST = 10
 
 
 def find_offset(
-    first_times: Array,
-    first_signal: Array,
-    second_times: Array,
-    second_signal: Array,
-    most: float,
+    dense_times: Array, dense_signal: Array, times: Array, values: Array, most: float
 ) -> float:
-    """Return by how much the second clock is ahead of the first, s.
+    """Return by how much the clock of the sparser record is ahead of the denser record's, s.
 
-    What the first record stamps t, the second stamps t + offset; subtracting the offset from the
-    second's time stamps brings them to the first's clock. It is negative if the second's stamps are
-    early.
+    What the denser record stamps t, the sparser stamps t + offset; subtracting the offset from the
+    sparser's time stamps brings them to the denser's clock. It is negative if they are early.
 
     The denser record is smoothed over 1 interval of the sparser to both sides and interpolated at
     the sparser's times, shifted. Without smoothing, its noise makes the correlation rough from one
@@ -37,45 +28,19 @@ def find_offset(
 
     Parameters
     ----------
-    first_times, second_times
+    dense_times, times
         Time stamps, s, increasing, not necessarily regular, shapes (n,) and (m,).
-    first_signal, second_signal
-        The same motion seen by both, shapes (n,) and (m,). Samples of NaN are left out.
+    dense_signal, values
+        The same motion seen by both, shapes (n,) and (m,).
     most
         Largest offset searched to both sides, s. What comes out at this limit is no optimum: the
         true offset may be beyond it.
-
-    Raises
-    ------
-    InputError
-        If time stamps go back, a signal does not move, or the records have too little in common.
     """
-    require(
-        bool(np.isfinite(most)) and most > 0.0,
-        f"most: {most:g} s leaves nothing to search; a positive offset would work",
-    )
-    first = keep_known("first", first_times, first_signal)
-    second = keep_known("second", second_times, second_signal)
-    intervals = [float(np.median(np.diff(times))) for times, _ in (first, second)]
-    is_second_dense = intervals[1] <= intervals[0]
-    (times, values), dense = (first, second) if is_second_dense else (second, first)
-    step, window = min(intervals), max(intervals)
-
-    grid, smoothed = smooth(*dense, step, window)
+    step, window = (float(np.median(np.diff(stamps))) for stamps in (dense_times, times))
+    grid, smoothed = smooth(dense_times, dense_signal, step, window)
     # The same samples at all offsets: otherwise coefficients of different motions are compared.
     both = (times - most >= grid[0]) & (times + most <= grid[-1])
-    require(
-        int(both.sum()) >= FEWEST,
-        f"most: only {int(both.sum())} samples of the sparser record lie in the other at all "
-        f"offsets of {most:g} s to both sides; longer records or fewer seconds would work",
-    )
-    require(
-        float(np.ptp(values[both])) > 0.0,
-        "signal: the sparser record does not move where both records are; "
-        "a part with motion would work",
-    )
-    shift = find_shift(times[both], values[both], grid, smoothed, step, most)
-    return shift if is_second_dense else -shift
+    return -find_shift(times[both], values[both], grid, smoothed, step, most)
 
 
 def find_shift(
@@ -112,39 +77,5 @@ def smooth(times: Array, values: Array, step: float, window: float) -> tuple[Arr
     grid = times[0] + step * np.arange(int((times[-1] - times[0]) / step) + 1)
     half = max(int(window / step), 1)
     weights = np.hanning(2 * half + 3)[1:-1]
-    require(
-        len(grid) >= len(weights) + 3,
-        f"times: the denser record lasts {times[-1] - times[0]:g} s, too little to smooth; "
-        f"more than {4.0 * window:.3g} s would work",
-    )
     smoothed = np.convolve(np.interp(grid, times, values), weights / weights.sum(), mode="valid")
     return grid[half:-half], smoothed
-
-
-def keep_known(name: str, times: Array, signal: Array) -> tuple[Array, Array]:
-    """Return the times and values of samples that are not NaN.
-
-    Raises
-    ------
-    InputError
-        As of `find_offset`.
-    """
-    require(
-        times.ndim == 1 and signal.shape == times.shape,
-        f"{name}_signal: has shape {signal.shape} at times of {times.shape}; one value for each "
-        "time would work",
-    )
-    require(
-        bool(np.isfinite(times).all()) and bool(np.all(np.diff(times) > 0.0)),
-        f"{name}_times: go back, repeat or have a NaN; increasing numbers would work",
-    )
-    known = np.isfinite(signal)
-    if int(known.sum()) < FEWEST:
-        raise InputError(
-            f"{name}_signal: has {int(known.sum())} known samples; {FEWEST} and more would work"
-        )
-    require(
-        float(np.ptp(signal[known])) > 0.0,
-        f"{name}_signal: does not move, so nothing correlates; a part with motion would work",
-    )
-    return times[known], signal[known]

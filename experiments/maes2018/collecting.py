@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import pandas as pd
+from joblib import delayed
 
 from experiments.maes2018 import scores
 from experiments.maes2018.scenarios import COASTING, REFERENCE, Record, compose_cell, simulate
-from owtsweep.io.steps import tell_step
-
-if TYPE_CHECKING:
-    import pandas as pd
+from experiments.parallel import compute
 
 
 class Scenario(NamedTuple):
@@ -39,18 +39,8 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
     Records have the numbers `replicates`. Scenarios run side by side, in as many processes as there
     are cores.
     """
-    import pandas as pd
-    from joblib import Parallel, delayed
-
-    tables = Parallel(n_jobs=-1, return_as="generator")(
-        delayed(score)(name, replicates, overrides) for name in SCENARIOS
-    )
-    found = []
-    for name, table in zip(SCENARIOS, tables, strict=True):
-        tell_step(f"{name}: judged")
-        found.append(table)
-    joined: pd.DataFrame = pd.concat(found, ignore_index=True)
-    return joined
+    jobs = {f"{name}: judged": delayed(score)(name, replicates, overrides) for name in SCENARIOS}
+    return pd.concat(compute(jobs), ignore_index=True)
 
 
 def score(name: str, replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.DataFrame:
@@ -58,8 +48,6 @@ def score(name: str, replicates: Sequence[int], overrides: Sequence[str] = ()) -
 
     Columns: scenario, scheme ("none" where none runs), measure, replicate, value.
     """
-    import pandas as pd
-
     words, schemes, measure = SCENARIOS[name]
     config = compose_cell([*words, *overrides])  # once, not per record: it takes .1 s
     rows = []

@@ -8,11 +8,11 @@ fidelity_claims.csv; RECORDS is 100 by default.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pandas as pd
 
+from experiments.command import read_words
 from experiments.maes2018.collecting import collect
 from experiments.maes2018.processing import COLUMNS
 from experiments.maes2018.scenarios import REFERENCE
@@ -75,9 +75,7 @@ def _show(column: str, value: float | None) -> str:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1] if len(sys.argv) > 1 else "results/blade_paper")
-    records = int(sys.argv[2]) if len(sys.argv) > 2 else 100
+    target, records, _ = read_words("results/blade_paper", 100)
     with show_steps():
         files = write_report(collect(range(records)), target)
-    for file in files:
-        print(file)
+    print(*files, sep="\n")

@@ -1,8 +1,9 @@
 """Figures 9 to 13 of Maes et al. (2018) in our truth, and a picture of the blade itself.
 
-    python -m experiments.maes2018.figures [FOLDER]
+    python -m experiments.maes2018.figures [FOLDER] [FIGURE ...]
 
-FOLDER (default: results/blade_paper) gets a PNG and an SVG of each, of one record.
+FOLDER (default: results/blade_paper) gets a PNG and an SVG of each FIGURE (default: of all), of one
+record. FIGURE is figure_9 to figure_13, or blade.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from experiments.drawing import draw_into
+from experiments.command import draw_named
 from experiments.maes2018.picture import draw_picture
 from experiments.maes2018.processing import COLUMNS, Motions, process
 from experiments.maes2018.scenarios import REFERENCE, make_record
@@ -152,8 +153,11 @@ FIGURES: dict[str, Callable[[Shown], Figure]] = {
 }
 
 
+def draw_chosen(names: Sequence[str], folder: Path) -> list[Path]:
+    """Draw figures by name, with the picture of the blade among them."""
+    files = draw_figures([name for name in names if name in FIGURES], folder)
+    return [*files, *draw_picture(folder)] if "blade" in names else files
+
+
 if __name__ == "__main__":
-    draw_into(
-        "results/blade_paper",
-        lambda folder: [*draw_figures(list(FIGURES), folder), *draw_picture(folder)],
-    )
+    draw_named("results/blade_paper", [*FIGURES, "blade"], draw_chosen)

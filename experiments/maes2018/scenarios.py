@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from owtsweep.studies.blade.believed import make_setting
-from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.base.axes import list_cells
+from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.config import BladeConfig
+from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Truth
 from owtsweep.studies.blade.measures import Judged
-from owtsweep.studies.blade.measuring import find_last_outage, measure
+from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.schemes import SCHEMES
-from owtsweep.studies.blade.truth import make_truth
 from owtsweep.studies.composing import compose
 
 #: The paper's system: fibre-optic gyroscopes, fixes of 6 mm, no outage; all told the truth.
@@ -69,9 +69,7 @@ def compose_cell(words: Sequence[str]) -> BladeConfig:
 
 def simulate(config: BladeConfig, replicate: int) -> Record:
     """Make the record with a number of the only cell of a configuration."""
-    (conditions,) = list_cases(config)
-    motion = make_truth(config, replicate, conditions)
-    measured = measure(config, motion, conditions, replicate)
-    setting = make_setting(config, motion, conditions, replicate)
-    judged = Judged(config.record.settled, find_last_outage(config, conditions.outage))
-    return Record(replicate, config, motion.truth, measured, setting, judged)
+    (cell,) = list_cells(CONTEST.axes, config.grid)
+    case = observe(config, cell, make_world(config, cell, replicate))
+    judged = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
+    return Record(replicate, config, case.truth, case.measured, case.tell(config, cell), judged)

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.composing import compose
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import Conditions, list_cases
 from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.contest import CONTEST
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
@@ -22,9 +23,9 @@ CONSISTENT, RIVALS = "KF_CONSISTENT", ("PASSIVE_OBSERVER", "LOWPASS")
 RECORDS = 4
 
 
-def name_cell(config: FloaterConfig, cell: Conditions) -> str:
+def name_cell(config: FloaterConfig, cell: Cell) -> str:
     """Return the name of a cell, e.g. "delay 2, bias 0.1"."""
-    return ", ".join(f"{axis} {getattr(cell, axis):g}" for axis in config.axes)
+    return ", ".join(f"{axis} {cell[axis]:g}" for axis in config.axes)
 
 
 def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
@@ -36,7 +37,7 @@ def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
     assert isinstance(config, FloaterConfig)
     motions = [make_truth(config, replicate) for replicate in range(RECORDS)]
     rows = []
-    for cell in list_cases(config):
+    for cell in list_cells(CONTEST.axes, config.grid):
         name = name_cell(config, cell)
         for replicate, motion in enumerate(motions):
             measured = measure(config, motion, cell, replicate)

@@ -11,16 +11,16 @@ of losses, and the statements compare several on the same records.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pandas as pd
 
+from experiments.command import read_words
 from experiments.mehammer2018.cells import list_lost_cells
-from experiments.mehammer2018.collecting import MOST, OWN, collect
+from experiments.mehammer2018.collecting import MOST, collect
 from experiments.mehammer2018.figures import FIGURES, draw_figures
-from experiments.mehammer2018.published import read_author_record
-from experiments.mehammer2018.stored import compare_stored, show_stored
+from experiments.mehammer2018.published import compare_stored, read_author_record, show_stored
+from experiments.mehammer2018.scenarios import OWN
 from owtsweep.io.steps import show_steps
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.verdicts.claims_file import read_claims
@@ -86,10 +86,8 @@ def list_tables(scores: pd.DataFrame, cells: pd.DataFrame) -> list[ScoreTable]:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1] if len(sys.argv) > 1 else "results/floater_paper")
-    records = int(sys.argv[2]) if len(sys.argv) > 2 else 100
+    target, records, _ = read_words("results/floater_paper", 100)
     with show_steps():
         files = write_report(*collect(range(records)), OWN["20 dB"].compose(), target)
         files += draw_figures(list(FIGURES), target / "figures")
-    for file in files:
-        print(file)
+    print(*files, sep="\n")

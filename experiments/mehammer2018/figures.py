@@ -1,17 +1,22 @@
-"""The paper's figures 3 to 8, drawn of one record of the study's truth."""
+"""Figures 3 to 8 of Mehammer et al. (2018), drawn of one record of the study's truth.
+
+    python -m experiments.mehammer2018.figures [FOLDER] [FIGURE ...]
+
+FOLDER (default: results/floater_paper) gets a PNG and an SVG of each FIGURE (default: of all), of
+one record. FIGURE is figure_3 to figure_8.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.drawing import draw_into
-from experiments.mehammer2018.collecting import PAPER
-from experiments.mehammer2018.scenarios import Outcome, run_scenario
+from experiments.command import draw_named, read_data
+from experiments.mehammer2018.scenarios import PAPER, Outcome, run_scenario
 from experiments.mehammer2018.scores import X, find_relative
 from owtsweep.arrays import Array
 from owtsweep.figures import style
@@ -132,55 +137,8 @@ def _finish(figure: Figure, axes: Axes, title: str, outcomes: Outcomes) -> None:
     )
 
 
-#: Figure -> what draws it, and what it shows: scenarios of `collecting.PAPER`, and schemes.
-FIGURES: dict[str, tuple[Callable[[Outcomes], Figure], tuple[tuple[str, str], ...]]] = {
-    "figure_3": (
-        partial(
-            draw_surge, title="Measurement noise of 10 dB (Fig. 3 of Mehammer et al. 2018)",
-            limit=0.15, view=(250.0, 300.0),
-        ),
-        (("noise 10 dB", "KF"),),
-    ),
-    "figure_4": (
-        partial(
-            draw_surge,
-            title="Believed R ten times too large, 20 dB, a plant that wanders (Fig. 4)",
-            limit=4.5, view=(420.0, 500.0),
-        ),
-        (("disturbed, R x 10", "KF"),),
-    ),
-    "figure_5": (
-        partial(
-            draw_surge, title="Delay of one step, 50 ms (Fig. 5)", limit=0.5,
-            view=(200.0, 205.0),
-        ),
-        (("delay of a step", "KF"),),
-    ),
-    "figure_6": (
-        partial(
-            draw_surge, title="Four losses of .5 s, reported as zeros, 20 dB (Fig. 6)",
-            limit=0.5, view=(195.0, 215.0),
-        ),
-        (("losses as zeros", "KF"), ("losses as zeros", "KF_STEADY")),
-    ),
-    "figure_7": (
-        partial(
-            draw_surge, title="Decay of a buoy: steady-state and time-varying (Fig. 7)",
-            limit=2.0, view=(20.0, 24.0),
-        ),
-        (("decay, R next to nothing", "KF"), ("decay, R next to nothing", "KF_STEADY")),
-    ),
-    "figure_8": (
-        partial(
-            draw_velocity, title="Decay of a buoy: velocities beside the passive observer (Fig. 8)",
-            view=(20.0, 26.0),
-        ),
-        (
-            ("decay", "PASSIVE_OBSERVER"), ("decay, R next to nothing", "KF_STEADY"),
-            ("decay, R next to nothing", "KF"),
-        ),
-    ),
-}  # fmt: skip
+#: Figure -> what it shows, as figures.toml says.
+FIGURES = read_data(__file__)
 
 
 def draw_figures(
@@ -201,13 +159,14 @@ def draw_figures(
     """
     files = []
     for number in names:
-        draw, needed = FIGURES[number]
+        figure = dict(FIGURES[number])
+        needed = figure.pop("shown")
         run = {name: run_scenario(PAPER[name], replicate, overrides) for name in dict(needed)}
         outcomes = {f"{name}, {scheme}": run[name][scheme] for name, scheme in needed}
-        files += save_figure(partial(draw, outcomes), None)(folder, number)
+        draw = draw_surge if "limit" in figure else draw_velocity
+        files += save_figure(partial(draw, outcomes, **figure), None)(folder, number)
     return files
 
 
-def main(*names: str) -> None:
-    """Draw figures into the folder that the command line names, and print their files."""
-    draw_into("results/floater_paper", partial(draw_figures, names))
+if __name__ == "__main__":
+    draw_named("results/floater_paper", FIGURES, draw_figures)

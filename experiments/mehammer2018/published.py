@@ -1,4 +1,7 @@
-"""Reads the numbers in the author's files. What the paper says stands in claims.toml."""
+"""The numbers in the author's files, and beside them those of the same tests in our truth.
+
+What the paper says stands in claims.toml.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,18 @@ from pathlib import Path
 
 import pandas as pd
 
+from owtsweep.verdicts.page import TextTable
+
 HERE = Path(__file__).parent
+#: A test of the author's files -> the scenario that is like it, and the figure that it is behind.
+#: The scheme is KF.
+LIKE = {
+    "2_10%": ("noise 10 dB", "3"),
+    "4_1%each": ("disturbed, R x 10", "4"),
+    "10": ("delay of a step", "5"),
+    "13_10": ("losses as zeros", "6"),
+}
+STATES = ("x", "y", "z")
 
 
 def read_stored_tests() -> pd.DataFrame:
@@ -25,3 +39,35 @@ def read_author_record() -> pd.DataFrame:
     drift, m; velocity_rms and high, m/s; lag, ms), estimate, value.
     """
     return pd.read_csv(HERE / "author_record.csv")
+
+
+def compare_stored(scores: pd.DataFrame) -> pd.DataFrame:
+    """Return stored rms errors with the study's.
+
+    Returns
+    -------
+    DataFrame
+        One row per test and translation. Columns: test, figure, state, stored (m), scenario, mean
+        over the records (m).
+    """
+    stored = read_stored_tests().set_index(["test", "measure", "state"])["value"]
+    of_kf = scores[scores["scheme"] == "KF"]
+    means = of_kf.groupby(["scenario", "measure"])["value"].mean()
+    return pd.DataFrame(
+        {
+            "test": test, "figure": figure, "state": state,
+            "stored": stored[test, "rms_error", state], "scenario": scenario,
+            "mean": means.get((scenario, f"rms_{state}"), float("nan")),
+        }
+        for test, (scenario, figure) in LIKE.items()
+        for state in STATES
+    )  # fmt: skip
+
+
+def show_stored(table: pd.DataFrame) -> TextTable:
+    """Return the comparison as a table of texts: "stored / mean" in m."""
+    rows = []
+    for (test, figure, scenario), part in table.groupby(["test", "figure", "scenario"], sort=False):
+        cells = [f"{s:.3g} / {m:.3g}" for s, m in zip(part["stored"], part["mean"], strict=True)]
+        rows.append([str(test), str(figure), str(scenario), *cells])
+    return TextTable(["author's test", "figure", "here", *STATES], rows, list(STATES))

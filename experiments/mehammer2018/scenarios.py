@@ -11,24 +11,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
+from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.composing import compose
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import list_cases
 from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import Estimates, Measured, Prepared, Setting, Truth
+from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
 
 #: Sensors and start of the paper's tests with virtual data (section 3.1): accelerations have no
 #: noise, the estimator begins at the truth, and the noise of positions refers to the mean square.
-VIRTUAL = (
-    "sensors.power=square",
-    "sensors.exact_inertial=true",
-    "filters.start=truth",
-)
+VIRTUAL = ("sensors.power=square", "sensors.exact_inertial=true", "filters.start=truth")
 
 
 @dataclass(frozen=True)
@@ -50,35 +48,33 @@ class Scenario:
         integrated (Eqs. 6 to 9), which the printed filters know exactly.
     """
 
-    schemes: tuple[str, ...]
+    schemes: Sequence[str]
     tuning: str = "matched"
     motion: str = "floater"
     snr: float = 20.0
     delay: float = 0.0
     believed: float = 1.0
-    words: tuple[str, ...] = ()
+    words: Sequence[str] = ()
     printed: bool = False
 
     def compose(self, overrides: Sequence[str] = ()) -> FloaterConfig:
         """Return the configuration of the scenario; `overrides` are Hydra's, e.g. of the record."""
-        config = compose(
-            [
-                "study=floater",
-                f"motion={self.motion}",
-                f"tuning={self.tuning}",
-                "axes=[snr,delay]",
-                "grid.bias=[0]",
-                f"grid.snr=[{self.snr}]",
-                f"grid.delay=[{self.delay}]",
-                f"grid.believed=[{self.believed}]",
-                f"schemes=[{','.join(self.schemes)}]",
-                *(VIRTUAL if self.printed else ()),
-                *self.words,
-                *overrides,
-            ]
+        cell = (
+            f"study=floater motion={self.motion} tuning={self.tuning} axes=[snr,delay] "
+            f"grid.bias=[0] grid.snr=[{self.snr}] grid.delay=[{self.delay}] "
+            f"grid.believed=[{self.believed}] schemes=[{','.join(self.schemes)}]"
         )
+        virtual = VIRTUAL if self.printed else ()
+        config = compose([*cell.split(), *virtual, *self.words, *overrides])
         assert isinstance(config, FloaterConfig)
         return config
+
+
+#: The paper's tests, and what the project's own goals are judged by: name -> scenario.
+PAPER, OWN = (
+    {name: Scenario(**fields) for name, fields in part.items()}
+    for part in read_data(__file__).values()
+)
 
 
 @dataclass(frozen=True)
@@ -114,8 +110,8 @@ def run_scenario(
 
 def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> dict[str, Outcome]:
     """Run a scenario, of which `config` is the configuration, on the record with a number."""
-    (cell,) = list_cases(config)
-    motion = make_truth(config, replicate, cell.roll)
+    (cell,) = list_cells(CONTEST.axes, config.grid)
+    motion = make_truth(config, replicate, cell.get("roll"))
     if scenario.printed:
         motion = integrate_as_printed(motion)
     measured = measure(config, motion, cell, replicate)

@@ -28,6 +28,7 @@ from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.readings.published import published_numbers
@@ -160,7 +161,7 @@ def predict_leak(table, records, corner, zeta):
 def correlation(config):
     """Return how far motion's and noise's errors of our EKF correlate in a record: its std."""
     records = make_records(config, PERIOD, range(40))
-    chain = resolve("EKF").kernel(records.sensors, config, records.steps)
+    chain = resolve("EKF").kernel(Known(records.sensors, config), records.steps)
     (sums,) = sum_errors([chain], records, 0, consistency=False)
     motion, cross, noise = sums.products[1, :2].sum(axis=0)
     return float(np.std(cross / np.sqrt(motion * noise)))

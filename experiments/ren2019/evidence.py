@@ -10,9 +10,10 @@ import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.results.status import OK
-from owtsweep.studies.hub.conditions import BOUNDARY
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.resolving import scheme_names
+from owtsweep.studies.hub.spectrum import BOUNDARY
+from owtsweep.studies.readings.published import BOUNDARIES
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.scores import collect_scores
 from owtsweep.verdicts.inference import Estimate
@@ -37,6 +38,19 @@ class Cell(NamedTuple):
 
 #: Conditions of tables 6-9.
 TABLE_CELLS = {6: Cell(4.0, 0.2), 7: Cell(8.0, 0.2), 8: Cell(8.0, 1.0), 9: Cell(3.0, 2.0)}
+
+
+#: A published boundary is known to a factor of 2, because it is read off a logarithmic axis: the
+#: paper's amplitudes on either side of the boundary are 0.2 and 0.5 m at 4 s, 0.7 and 2 m at 6 s.
+TOLERANCE = 2.0
+
+
+def tolerated(period: float) -> tuple[float, float]:
+    """Return the least and greatest amplitude (m) that agree with the published boundary.
+
+    `period` is a natural period at which a boundary is published: 4 or 6 s.
+    """
+    return BOUNDARIES[period] / TOLERANCE, BOUNDARIES[period] * TOLERANCE
 
 
 @dataclass(frozen=True, kw_only=True)

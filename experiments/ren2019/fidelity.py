@@ -32,7 +32,7 @@ from owtsweep.errors import InputError
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.origin import describe_in_a_line
-from owtsweep.studies.hub.plant import is_plant
+from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import report
 from owtsweep.verdicts.claims_file import Statement, read_claims
@@ -49,10 +49,7 @@ OF_HISTORIES = tuple(s for s in CLAIMS.statements if s.name in ("F9", "F11"))
 #: Measure of the paper's tables -> its label in figures.
 MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
 #: Title of a panel -> its measures.
-PANELS = {
-    "MSE of x and y (m²)": ("x", "y"),
-    "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy"),
-}
+PANELS = {"MSE of x and y (m²)": ("x", "y"), "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy")}
 
 
 def judge_all(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
@@ -84,7 +81,7 @@ def write_report(run: Run, folder: Path) -> list[Path]:
     config, name = cast(HubConfig, run.config), run.metadata()["folder"]
     tell_step("time histories of HME1 and HME2")
     histories = measure_histories(config)
-    if is_plant(config):
+    if not find_world(config).has_spectrum:
         return _write_report_of_plant(run, folder, histories)
     tell_step("published numbers and statements")
     evidence = Evidence.of_run(run)

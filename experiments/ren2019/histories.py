@@ -21,14 +21,14 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.conditions import describe_values
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.histories import choose_sea
-from owtsweep.studies.hub.plant import is_plant
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import simulate_bias
+from owtsweep.studies.hub.worlds import find_world
 
 #: Natural period of the case of section 5.2, s.
 NATURAL_PERIOD = 3.8
@@ -76,7 +76,8 @@ def measure_histories(config: HubConfig) -> pd.DataFrame | None:
             measured = list(pool.map(partial(_measure_record, config, schemes), replicates))
     except InputError:
         return None
-    history = describe_values(config, choose_sea(config)) if is_plant(config) else WHERE
+    world = find_world(config)
+    history = WHERE if world.has_spectrum else world.describe_values(choose_sea(config))
     rows = [
         (history, scheme, quantity, measure, replicate, value)
         for replicate, errors in zip(replicates, measured, strict=True)
@@ -89,16 +90,16 @@ def _measure_record(
     config: HubConfig, schemes: Mapping[str, Any], replicate: int
 ) -> dict[tuple[str, str, str], float]:
     """Simulate one record; return (scheme, quantity, measure) -> value for each of `SCHEMES`."""
-    if is_plant(config):
-        records, amplitude = make_records_at(config, choose_sea(config), [replicate]), 1.0
-    else:
+    if find_world(config).has_spectrum:
         records, amplitude = make_records(config, NATURAL_PERIOD, [replicate]), AMPLITUDE
+    else:
+        records, amplitude = make_records_at(config, choose_sea(config), [replicate]), 1.0
     sensors = records.sensors
     bias = next(simulate_bias(config.sensors, sensors, records.steps, records.stream(0)))
     settled = round(config.measures.settling_time / sensors.step)
     result = {}
     for name in SCHEMES:
-        chain = schemes[name].kernel(sensors, config, records.steps)
+        chain = schemes[name].kernel(Known(sensors, config), records.steps)
         errors = absolute_errors(chain, records, bias, amplitude)
         inside = np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND)
         result[name, "velocity", "share_inside"] = float(inside)

@@ -22,6 +22,7 @@ from owtsweep.config import with_values
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.readings import score as scoring
@@ -44,7 +45,9 @@ def run_schemes(config, schemes, count):
 def run_period(config, schemes, count, period):
     """Return the products of each scheme at one natural period (s), shape (4, 3, records) each."""
     records = make_records(config, period, range(count))
-    chains = [resolve(name).kernel(records.sensors, config, records.steps) for name in schemes]
+    chains = [
+        resolve(name).kernel(Known(records.sensors, config), records.steps) for name in schemes
+    ]
     sums = sum_errors(chains, records, 0, consistency=False)
     return [one.products[:, :4].sum(axis=0) / records.steps for one in sums]
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from experiments.drawing import open_run
+from experiments.command import open_run
 from experiments.ren2019.sections import format_ratio
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically

@@ -31,18 +31,20 @@ from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
-from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make_cube
+from owtsweep.studies.hub.conditions import CRITERIA, make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.resolving import scheme_names
+from owtsweep.studies.hub.spectrum import BOUNDARY, CONDITIONS
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
 from owtsweep.sweep.runs import Run
 
 LOWER, UPPER = BOUNDARY
+CRITERION = "position"
 
 
-def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
+def draw(paper: Run, matched: Run) -> Figure:
     """Draw the best-scheme maps of two runs side by side, and the error spectra below the maps.
 
     Usually one run has tuning=paper and the other run has tuning=matched.
@@ -51,18 +53,12 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     ----------
     paper, matched
         Finished runs of the hub study, drawn left and right; the titles name their tunings.
-    criterion
-        The measure by which the schemes are compared, "position" or "velocity".
 
     Raises
     ------
     InputError
-        If a run is of another study, has no results for the criterion, or has no scheme with an
-        error spectrum; or if the criterion is neither "position" nor "velocity".
+        If a run is of another study, has no results, or has no scheme with an error spectrum.
     """
-    if criterion not in error_spectra.UNITS:
-        usable = " or ".join(error_spectra.UNITS)
-        raise InputError(f"criterion: {criterion!r} has no error spectrum; use {usable}")
     for argument, run in (("paper", paper), ("matched", matched)):
         if run.study.name != "hub":
             raise InputError(
@@ -83,9 +79,9 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         panels = figure.subplots(2, 2, height_ratios=[1.15, 1.0])
         notes: list[str] = []
         for run, config, axes in zip(runs, configs, panels[0], strict=True):
-            notes += _map(axes, run, config, criterion)
+            notes += _map(axes, run, config)
         for config, spectra, axes in zip(configs, errors, panels[1], strict=True):
-            error_spectra.panel(axes, spectra, config, criterion)
+            error_spectra.panel(axes, spectra, config, CRITERION)
             notes += error_spectra.unsettled(config, spectra)
             title = "Settled error from a motion of 1 m rms by its frequency, tuning: "
             axes.set_title(f"{title}{config.tuning_name}", loc="left", fontsize=10)
@@ -108,27 +104,27 @@ _LINE: dict[str, Any] = {
 }  # fmt: skip
 
 
-def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
+def _map(axes: Axes, run: Run, config: HubConfig) -> list[str]:
     """Draw one run's map with the HME1/HME2 boundary; return the sentences for the footnote.
 
     Raises
     ------
     InputError
-        If the run has no cell that is judged by the criterion.
+        If the run has no cell that is judged by position.
     """
     window, tuning = config.measures.window, config.tuning_name
-    shown, names, notes = find_winners(config, run.best_scheme(), criterion, window)
+    shown, names, notes = find_winners(config, run.best_scheme(), CRITERION, window)
     if shown.empty:
         raise InputError(
-            f"criterion: the run {run.folder} has no {criterion} MSE in the window {window!r}; "
+            f"criterion: the run {run.folder} has no {CRITERION} MSE in the window {window!r}; "
             "use a run with results"
         )
     plane, rows = Plane.of(shown, CONDITIONS), run.cases()
-    boundaries = _find_boundaries(rows, criterion, window)
+    boundaries = _find_boundaries(rows, window)
     crossing = None if boundaries is None else _place_boundary(boundaries, plane)
     draw_cells(axes, shown.to_dict("records"), names, plane, labels="best", crossing=crossing)
     axes.set_title(
-        f"Best scheme by {criterion} MSE, tuning: {config.tuning_name}\n"
+        f"Best scheme by {CRITERION} MSE, tuning: {config.tuning_name}\n"
         f"{style.describe_window(window)}, {describe_draws(config)}\n{describe_truth(config)}",
         loc="left",
         fontsize=10,
@@ -144,10 +140,10 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     return notes + _explain_absence(boundaries, tuning)
 
 
-def _find_boundaries(rows: pd.DataFrame, criterion: str, window: str) -> pd.DataFrame | None:
+def _find_boundaries(rows: pd.DataFrame, window: str) -> pd.DataFrame | None:
     """Find the boundary; None if a scheme is not in the run, or amplitudes were run one by one."""
     try:
-        return find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
+        return find_boundary(rows, CONDITIONS, BOUNDARY, CRITERION, window)
     except InputError:
         return None
 

@@ -11,11 +11,11 @@ sea and one gravity, and the statements compare several on the same records.
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pandas as pd
 
+from experiments.command import read_words
 from experiments.simpson2025.figures import FIGURES, draw_figures
 from experiments.simpson2025.scenarios import Scenario
 from experiments.simpson2025.scores import collect
@@ -76,8 +76,7 @@ def write_report(scores: pd.DataFrame, config: TowerConfig, folder: Path) -> lis
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_paper")
-    records = int(sys.argv[2]) if len(sys.argv) > 2 else 10
+    folder, records, _ = read_words("results/tower_paper", 10)
     with show_steps():
         files = write_report(collect(range(records)), Scenario().compose(), folder)
         files += draw_figures(list(FIGURES), folder / "figures")

@@ -1,4 +1,10 @@
-"""The figures of Simpson et al. (2025) that the study draws, by name, and how to make them."""
+"""The figures of Simpson et al. (2025) that the study draws.
+
+    python -m experiments.simpson2025.figures [FOLDER] [FIGURE ...]
+
+FOLDER (default: results/tower_paper) gets a PNG and an SVG of each FIGURE (default: of all), of one
+record. FIGURE is figure_04 to figure_10, figure_12, figure_13_yaw_0 or figure_13_yaw_30.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +15,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
-from experiments.drawing import draw_into
+from experiments.command import draw_named
 from experiments.simpson2025 import damage_figures, input_figures, state_figures
 from experiments.simpson2025.scenarios import (
     WAVES,
@@ -75,6 +81,5 @@ def draw_figures(
     return files
 
 
-def main(*names: str) -> None:
-    """Draw figures into the folder that the command line names, and print their files."""
-    draw_into("results/tower_paper", partial(draw_figures, names))
+if __name__ == "__main__":
+    draw_named("results/tower_paper", FIGURES, draw_figures)

@@ -8,14 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.simpson2025.damage_figures import INPUT_VECTORS
-from experiments.simpson2025.panels import (
-    LOOKS,
-    Row,
-    describe,
-    draw_excerpt,
-    draw_rows,
-    finish,
-)
+from experiments.simpson2025.panels import LOOKS, Row, describe, draw_excerpt, draw_rows, finish
 from experiments.simpson2025.scenarios import (
     SETUPS,
     WAVES,

@@ -19,29 +19,19 @@ from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.observability import find_unobservable
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.case import (
-    Case,
-    list_channels,
-    make_case,
-    measure,
-    place_sensors,
-)
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting
+from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import Filtered, FilterScheme
-from owtsweep.studies.tower.setting import make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion
 
 #: Noise of all sensors but GNSS, % of each signal's standard deviation (section 5.1.1).
 NOISE = 1.0
 #: Set-ups of Table 2 -> their names in figures.
-SETUPS = {
-    "dense_x_a": "Dense: x-a",
-    "dense_theta_a": "Dense: θ-a",
-    "sparse_theta_a": "Sparse: θ-a",
-}
+SETUPS = {"dense_x_a": "Dense: x-a", "dense_theta_a": "Dense: θ-a", "sparse_theta_a": "Sparse: θ-a"}
 
 
 @dataclass(frozen=True)
@@ -69,21 +59,12 @@ class Scenario:
 
     def compose(self, overrides: Sequence[str] = ()) -> TowerConfig:
         """Return the configuration of the scenario; `overrides` are Hydra's, e.g. of the record."""
-        config = compose(
-            [
-                "study=tower",
-                f"sensors={self.sensors}",
-                f"sea={self.sea}",
-                f"tuning={self.tuning}",
-                f"truth.gravity={str(self.gravity).lower()}",
-                f"model.gravity={str(self.weight).lower()}",
-                "fatigue.curve=paper",
-                f"grid.noise=[{NOISE}]",
-                "grid.soil_factor=[1.0]",
-                f"schemes=[{self.scheme}]",
-                *overrides,
-            ]
+        words = (
+            f"study=tower sensors={self.sensors} sea={self.sea} tuning={self.tuning} "
+            f"truth.gravity={self.gravity} model.gravity={self.weight} fatigue.curve=paper "
+            f"grid.noise=[{NOISE}] grid.soil_factor=[1.0] schemes=[{self.scheme}]"
         )
+        config = compose([*words.split(), *overrides])
         assert isinstance(config, TowerConfig)
         return config
 
@@ -207,13 +188,19 @@ def run_scenarios(
                 record = make_case(config, replicate)
             tell_step(f"record {replicate}: {scenario.scheme}, {scenario.sensors}, {sea}")
             placed = replace(place_sensors(config, record), part=model_substructure(config))
-            yield (
-                scenario,
-                {
-                    direction: _estimate(scenario, config, placed, direction)
-                    for direction in DIRECTIONS
-                },
-            )
+            estimated = {way: _estimate(scenario, config, placed, way) for way in DIRECTIONS}
+            yield scenario, estimated
+
+
+def place_sensors(config: TowerConfig, case: Case) -> Case:
+    """Return a record with the sensors of a configuration in place of its own."""
+    places = list_places(config.sensors, config.nodes)
+    where = [(place.kind, place.node) for place in places]
+    signals = {
+        direction: take_signals(motion, case.part.strain, where, config.faults)
+        for direction, motion in case.motion.items()
+    }
+    return replace(case, places=places, signals=signals)
 
 
 def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: str) -> Outcome:
@@ -234,14 +221,6 @@ def _estimate(scenario: Scenario, config: TowerConfig, record: Case, direction: 
     seconds = (perf_counter() - begin) / len(measured)
     seen = find_unobservable(*augment(model.discrete, np.eye(len(model.inputs))))
     return Outcome(
-        scenario=scenario,
-        direction=direction,
-        replicate=record.replicate,
-        config=config,
-        setting=setting,
-        truth=truth,
-        estimates=estimates,
-        stress=part.stress,
-        seconds_per_step=seconds,
-        unseen=seen.states - seen.rank,
-    )
+        scenario, direction, record.replicate, config, setting, truth, estimates, part.stress,
+        seconds_per_step=seconds, unseen=seen.states - seen.rank,
+    )  # fmt: skip

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import pandas as pd
-from joblib import Parallel, cpu_count, delayed
+from joblib import delayed
 
+from experiments.parallel import compute
 from experiments.simpson2025.scenarios import ALL, Outcome, run_scenarios
 from owtsweep.arrays import Array
 from owtsweep.evaluation.signals import (
@@ -18,7 +19,6 @@ from owtsweep.evaluation.signals import (
     divide_by_deviation,
     find_lag,
 )
-from owtsweep.io.steps import tell_step
 from owtsweep.structures.fatigue import compute_damage
 from owtsweep.studies.tower.contract import INPUTS
 
@@ -40,27 +40,17 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
     They are those of `tabulate` and `judged_damage_ratio` (see `add_judged_welds`). Records run
     side by side, in as many processes as there are cores; each needs up to 1 GB.
     """
-    workers = min(cpu_count(), len(replicates))
-    tables = Parallel(n_jobs=workers, return_as="generator")(
-        delayed(_score)(replicate, overrides) for replicate in replicates
-    )
-    found = []
-    for replicate, table in zip(replicates, tables, strict=True):
-        tell_step(f"record {replicate}: judged")
-        found.append(table)
-    return add_judged_welds(pd.concat(found, ignore_index=True))
+    jobs = {f"record {n}: judged": delayed(_score)(n, overrides) for n in replicates}
+    return add_judged_welds(pd.concat(compute(jobs), ignore_index=True))
 
 
 def _score(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
     """Return the scores of one record; estimates of one scenario at a time are in memory."""
-    tables = [
-        tabulate(list(outcomes.values()))
-        for _, outcomes in run_scenarios(ALL, replicate, overrides)
-    ]
-    return pd.concat(tables, ignore_index=True)
+    runs = run_scenarios(ALL, replicate, overrides)
+    return pd.concat([tabulate(outcomes.values()) for _, outcomes in runs], ignore_index=True)
 
 
-def tabulate(outcomes: list[Outcome]) -> pd.DataFrame:
+def tabulate(outcomes: Iterable[Outcome]) -> pd.DataFrame:
     """Return the numbers of outcomes in a table.
 
     Columns: sensors, sea, gravity, weight, scheme, tuning, direction, replicate, quantity, measure,

@@ -7,14 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.simpson2025.panels import (
-    LOOKS,
-    TRUTH,
-    Row,
-    describe,
-    draw_rows,
-    finish,
-)
+from experiments.simpson2025.panels import LOOKS, TRUTH, Row, describe, draw_rows, finish
 from experiments.simpson2025.scenarios import SETUPS, WIND, Outcomes, Scenario
 from experiments.simpson2025.scores import STATE_HEIGHTS
 from owtsweep.figures import style

@@ -86,6 +86,6 @@ if __name__ == "__main__":
     tables = []
     for replicate in range(int(sys.argv[1]) if len(sys.argv) > 1 else 2):
         for _, outcomes in run_scenarios(WIND.values(), replicate):
-            tables.append(tabulate(list(outcomes.values())))
+            tables.append(tabulate(outcomes.values()))
     shown = show_table(compare_table(pd.concat(tables)))
     print(markdown.table(shown.columns, shown.rows, numbers=shown.numbers))

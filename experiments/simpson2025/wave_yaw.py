@@ -8,22 +8,22 @@ FOLDER (default: results/tower_wave_yaw) gets wave_yaw.csv and wave_yaw.png. REC
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 
 import pandas as pd
-from joblib import Parallel, cpu_count, delayed
+from joblib import delayed
 from matplotlib.figure import Figure
 
+from experiments.command import read_words, write
+from experiments.parallel import compute
 from experiments.simpson2025.scenarios import NOISE, Scenario, run_scenarios
 from experiments.simpson2025.scores import damages_of
 from owtsweep.figures import style
-from owtsweep.figures.drawings import save_figure
-from owtsweep.io.steps import show_steps, tell_step
-from owtsweep.io.tables import write_table
-from owtsweep.studies.tower.origin import describe_origin
+from owtsweep.io.steps import show_steps
+from owtsweep.studies.base.contest import describe_draws
+from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contest import describe_errors, describe_truth
 
 #: Angle between waves and wind, degrees.
 YAWS = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
@@ -41,15 +41,12 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
         Columns yaw (degrees), inputs, direction, replicate, ratio: estimated over true damage at
         the ground, S-N curve as printed.
     """
-    cases = [(yaw, replicate) for yaw in YAWS for replicate in replicates]
-    rows = Parallel(n_jobs=min(cpu_count(), len(cases)), return_as="generator")(
-        delayed(_compare)(yaw, replicate, overrides) for yaw, replicate in cases
-    )
-    found = []
-    for (yaw, replicate), of_case in zip(cases, rows, strict=True):
-        tell_step(f"yaw {yaw:g}, record {replicate}")
-        found += of_case
-    return pd.DataFrame(found)
+    jobs = {
+        f"yaw {yaw:g}, record {replicate}": delayed(_compare)(yaw, replicate, overrides)
+        for yaw in YAWS
+        for replicate in replicates
+    }
+    return pd.DataFrame([row for rows in compute(jobs) for row in rows])
 
 
 def draw_yaws(table: pd.DataFrame, note: str) -> Figure:
@@ -71,6 +68,19 @@ def draw_yaws(table: pd.DataFrame, note: str) -> Figure:
     return figure
 
 
+def describe_origin(config: TowerConfig) -> str:
+    """Return in one line the tuning, the truth, the sensors, the records and their seed."""
+    wrong = describe_errors(config)
+    parts = [
+        f"Tuning {config.tuning_name}",
+        f"truth: {describe_truth(config)}",
+        f"sensors {config.sensors.name}",
+        *([f"wrong: {wrong}"] if wrong else []),
+        describe_draws(config),
+    ]
+    return "; ".join(parts)
+
+
 def _compare(yaw: float, replicate: int, overrides: Sequence[str]) -> list[dict[str, object]]:
     """Return the rows of one angle and record."""
     scenarios = {Scenario(sea="waves", scheme=scheme): words for words, scheme in INPUTS.items()}
@@ -78,27 +88,21 @@ def _compare(yaw: float, replicate: int, overrides: Sequence[str]) -> list[dict[
     for scenario, outcomes in run_scenarios(scenarios, replicate, [*overrides, f"waves.yaw={yaw}"]):
         for direction, outcome in outcomes.items():
             true, estimated = damages_of(outcome)
-            rows.append(
-                {
-                    "yaw": yaw, "inputs": scenarios[scenario], "direction": direction,
-                    "replicate": replicate, "ratio": float(estimated[0] / true[0]),
-                }
-            )  # fmt: skip
+            rows.append({
+                "yaw": yaw, "inputs": scenarios[scenario], "direction": direction,
+                "replicate": replicate, "ratio": float(estimated[0] / true[0]),
+            })  # fmt: skip
     return rows
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_wave_yaw")
-    records = int(sys.argv[2]) if len(sys.argv) > 2 else 3
+    folder, records, _ = read_words("results/tower_wave_yaw", 3)
     with show_steps():
         table = collect(range(records))
-    folder.mkdir(parents=True, exist_ok=True)
-    write_table(folder, "wave_yaw", table)
     config = Scenario(sea="waves").compose([f"grid.replicates={records}"])
     note = (
         f"{describe_origin(config)}, {NOISE:g} % noise; yaw as on the axis. S-N curve as printed. "
         "Lines: means; dots: records; grey: within 25 %. Across the waves there is little to "
         "estimate: side-side at 0 deg, wind alone moves the structure."
     )
-    for file in save_figure(partial(draw_yaws, table, note), None)(folder, "wave_yaw"):
-        print(file)
+    write(folder, {"wave_yaw": table}, {"wave_yaw": partial(draw_yaws, table, note)})

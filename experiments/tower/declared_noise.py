@@ -8,15 +8,12 @@ judges), ci_low, ci_high, records. Case study 1 with tuning=paper, and the same 
 changed. RECORDS is 10 by default (some ten minutes on one core).
 """
 
-import sys
-from pathlib import Path
-
 import pandas as pd
 
+from experiments.command import read_words, write
 from experiments.simpson2025.scenarios import WIND, run_scenarios
 from experiments.simpson2025.scores import tabulate
 from owtsweep.io.steps import show_steps
-from owtsweep.io.tables import write_table
 from owtsweep.verdicts.inference import mean_ratio
 
 #: What is changed of tuning=paper -> overrides.
@@ -35,7 +32,7 @@ def collect(records):
     for change, overrides in CHANGES.items():
         for replicate in range(records):
             for _, outcomes in run_scenarios(WIND.values(), replicate, overrides):
-                table = tabulate(list(outcomes.values()))
+                table = tabulate(outcomes.values())
                 kept = table[table["measure"] == "worst_deviation"]
                 tables.append(kept.assign(change=change))
     return pd.concat(tables)
@@ -51,8 +48,7 @@ def average(scores):
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_declared_noise")
+    folder, records, _ = read_words("results/tower_declared_noise", 10)
     with show_steps():
-        scores = collect(int(sys.argv[2]) if len(sys.argv) > 2 else 10)
-    folder.mkdir(parents=True, exist_ok=True)
-    print(write_table(folder, "declared_noise", average(scores)))
+        scores = collect(records)
+    write(folder, {"declared_noise": average(scores)})

@@ -11,18 +11,19 @@ A sweep of the study has one set-up and one model. Here all are tried on the sam
 map can say which scheme bears which error with which sensors.
 """
 
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 
 import pandas as pd
-from joblib import Parallel, cpu_count, delayed
+from joblib import delayed
+from matplotlib.figure import Figure
 
+from experiments.command import read_data, read_words, write
+from experiments.parallel import compute
+from experiments.simpson2025.scenarios import place_sensors
 from owtsweep.figures import best_scheme_map, style
-from owtsweep.figures.drawings import save_figure
-from owtsweep.io.steps import show_steps, tell_step
-from owtsweep.io.tables import write_table
+from owtsweep.io.steps import show_steps
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
@@ -30,33 +31,15 @@ from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, place_sensors, tell
+from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, tell
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.measures import (
-    CRITERIA,
-    WINDOW,
-    Fatigue,
-    compare,
-    find_true_fatigue,
-)
-from owtsweep.studies.tower.origin import describe_truth
+from owtsweep.studies.tower.contest import describe_truth
+from owtsweep.studies.tower.measures import CRITERIA, WINDOW, Fatigue, compare, find_true_fatigue
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import model_substructure
 
-#: What is wrong -> the override that makes it so. The water is 30 m deep: 6 m are 20 %.
-ERRORS = {
-    "none": "model.stiffness=1",
-    "EI -20 %": "model.stiffness=0.8",
-    "EI +20 %": "model.stiffness=1.2",
-    "mass -20 %": "model.mass=0.8",
-    "mass +20 %": "model.mass=1.2",
-    "water -6 m": "model.water_level=-6",
-    "water +6 m": "model.water_level=6",
-    "damping -20 %": "model.damping=0.8",
-    "damping +20 %": "model.damping=1.2",
-    "rotor -20 %": "model.rotor_mass=0.8",
-    "rotor +20 %": "model.rotor_mass=1.2",
-}
+#: What is wrong -> the override that makes it so.
+ERRORS = read_data(__file__)
 #: Files of conf/studies/tower/sensors.
 SETUPS = ("dense_x_a", "dense_theta_a", "sparse_theta_a", "dry", "strain")
 COMPARED = ("AKF", "AKF_LAGGED", "GDF", "AKF_WHOLE", "MDE")
@@ -72,15 +55,11 @@ def collect(replicates: Sequence[int], overrides: Sequence[str] = ()) -> pd.Data
 
     Records run side by side. `overrides` go to every configuration, e.g. "tuning=matched".
     """
-    workers = min(cpu_count(), len(replicates))
-    tables = Parallel(n_jobs=workers, return_as="generator")(
-        delayed(_try_all)(replicate, overrides) for replicate in replicates
-    )
-    found = []
-    for replicate, table in zip(replicates, tables, strict=True):
-        tell_step(f"record {replicate}: {len(ERRORS)} models, {len(SETUPS)} set-ups")
-        found.append(table)
-    return pd.concat(found, ignore_index=True)
+    jobs = {
+        f"record {n}: {len(ERRORS)} models, {len(SETUPS)} set-ups": delayed(_try_all)(n, overrides)
+        for n in replicates
+    }
+    return pd.concat(compute(jobs), ignore_index=True)
 
 
 def _try_all(replicate: int, overrides: Sequence[str]) -> pd.DataFrame:
@@ -129,8 +108,22 @@ def _compose(sensors: str, override: str, overrides: Sequence[str]) -> TowerConf
     return config
 
 
-def main(folder: Path, records: int, overrides: Sequence[str]) -> None:
+def draw(cube: Cube, config: TowerConfig, records: int, criterion: str) -> Figure:
+    """Draw the map of one criterion."""
+    figure = best_scheme_map.draw(
+        find_best_schemes(cube, WINDOW, [criterion]), COMPARED, CONDITIONS, criterion=criterion,
+        window=WINDOW, tuning=config.tuning_name, quantity=CRITERIA[criterion], score="error",
+        replicates=records,
+    )  # fmt: skip
+    truth = f"Truth: {describe_truth(config)}; {NOISE:g} % noise, soil of the model right"
+    style.add_origin(figure, f"{truth}; seed {config.seed}.")
+    return figure
+
+
+def main() -> None:
     """Try all errors and set-ups; write the table, and draw a map by each of two criteria."""
+    folder, records, words = read_words("results/tower_model_errors", 2)
+    overrides = ["tuning=matched", *words]
     config = compose(["study=tower", *overrides])
     with show_steps():
         rows = collect(range(records), overrides)
@@ -138,32 +131,12 @@ def main(folder: Path, records: int, overrides: Sequence[str]) -> None:
         rows, COMPARED, CONDITIONS, {"sensors": SETUPS, "model_error": list(ERRORS)},
         measures=["damage", "base_moment"],
     )  # fmt: skip
-    folder.mkdir(parents=True, exist_ok=True)
-    write_table(folder, "model_errors", summarise(cube))
-    for criterion in ("damage", "base_moment"):
-        best = find_best_schemes(cube, WINDOW, [criterion])
-
-        def draw(best=best, criterion=criterion):
-            """Draw the map of one criterion."""
-            figure = best_scheme_map.draw(
-                best, COMPARED, CONDITIONS, criterion=criterion, window=WINDOW,
-                tuning=config.tuning_name, quantity=CRITERIA[criterion], score="error",
-                replicates=records,
-            )  # fmt: skip
-            style.add_origin(
-                figure,
-                f"Truth: {describe_truth(config)}; {NOISE:g} % noise, soil of the model right; "
-                f"seed {config.seed}.",
-            )
-            return figure
-
-        for file in save_figure(draw, None)(folder, f"model_errors_{criterion}"):
-            print(file)
+    maps = {
+        f"model_errors_{criterion}": partial(draw, cube, config, records, criterion)
+        for criterion in ("damage", "base_moment")
+    }
+    write(folder, {"model_errors": summarise(cube)}, maps)
 
 
 if __name__ == "__main__":
-    main(
-        Path(sys.argv[1] if len(sys.argv) > 1 else "results/tower_model_errors"),
-        int(sys.argv[2]) if len(sys.argv) > 2 else 2,
-        ["tuning=matched", *sys.argv[3:]],
-    )
+    main()

@@ -17,16 +17,21 @@ An OVERRIDE is one of the tower study's keys, e.g. record.duration=700.
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from scipy.stats import spearmanr
 
+from experiments.command import write
+from experiments.tower.placement_figure import draw_placement
 from owtsweep.errors import InputError
-from owtsweep.figures import style
+from owtsweep.streams import stream
 from owtsweep.studies.composing import compose
-from owtsweep.studies.tower.figures.placement import draw_placement
+from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
 from owtsweep.studies.tower.placement import (
     Choice,
     Criterion,
@@ -34,7 +39,8 @@ from owtsweep.studies.tower.placement import (
     choose_greedily,
     predict,
 )
-from owtsweep.studies.tower.placement_case import PlacementCase, make_case, simulate
+from owtsweep.studies.tower.placement_case import PlacementCase, make_case
+from owtsweep.studies.tower.schemes import SCHEMES
 
 SET_UP = ("sensors=accelerometers", "grid.noise=[1]", "record.duration=400")
 TABLE_2 = (0.0, 30.0, 58.0, 149.0, 175.0)
@@ -66,6 +72,37 @@ def tabulate(
     ]
 
 
+def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[float, float]:
+    """Run the AKF on the records with some of the candidates; return its real errors.
+
+    `first` is the number of the first sample that is judged. The errors are root mean squares of
+    the stress at the worst weld and of M0, each over its scale and averaged over the records.
+
+    Raises
+    ------
+    Unable
+        If the sensors see too little.
+    """
+    channels = (*case.setting.channels, *(case.candidates[number] for number in chosen))
+    setting = replace(case.setting, channels=channels)
+    prepared = SCHEMES.resolve("AKF_STEADY").prepare(setting)
+    sigma = np.array([channel.sigma for channel in channels])
+    places = [(channel.kind, channel.node) for channel in channels]
+    names = [f"{kind}_{node}" for kind, node in places]
+    faults = Faults()
+    errors = []
+    for number, motion in enumerate(case.motions):
+        signals = take_signals(motion, setting.strain, places, faults)
+        draw = partial(stream, 0, "tower", [], number)
+        guess = prepared.run(add_errors(signals, sigma, faults, draw, names, setting.step))
+        wrong = (guess.displacement - motion.displacement)[first:] @ case.stress.T
+        stress = np.sqrt(np.mean(wrong**2, axis=0)) / case.stress_scale
+        moment = np.sqrt(np.mean((guess.inputs - motion.inputs)[first:, 1] ** 2))
+        errors.append((stress.max(), moment / case.moment_scale))
+    stress_error, moment_error = np.mean(errors, axis=0)
+    return float(stress_error), float(moment_error)
+
+
 def main(arguments: list[str]) -> int:
     folder = Path(arguments[0] if arguments else "results/tower_placement")
     try:
@@ -75,18 +112,16 @@ def main(arguments: list[str]) -> int:
         print(f"placement: {error}", file=sys.stderr)
         return 2
     problem = case.problem
-    folder.mkdir(parents=True, exist_ok=True)
-    rows, sets = [], []
+    rows, sets, figures = [], [], {}
     for criterion in CRITERIA:
         greedy = choose_greedily(problem, MOST, criterion)
         best = [choose_exhaustively(problem, len(choice.chosen), criterion) for choice in greedy]
         rows += tabulate(criterion, "one by one", greedy, case)
         rows += tabulate(criterion, "all sets", best, case)
         sets += [choice.chosen for choice in (*greedy, *best)]
-        with style.context():
-            figure = draw_placement(problem, greedy, best, criterion, NOTE)
-            print(*style.save(figure, folder, f"placement_{criterion}", None), sep="\n")
-    pd.DataFrame(rows).to_csv(folder / "choices.csv", index=False)
+        figures[f"placement_{criterion}"] = partial(
+            draw_placement, problem, greedy, best, criterion, NOTE
+        )
 
     heights = list(problem.heights)
     draw = np.random.default_rng(config.seed)
@@ -102,12 +137,13 @@ def main(arguments: list[str]) -> int:
             "stress_predicted": said.stress, "stress_simulated": stress,
             "moment_predicted": said.moment, "moment_simulated": moment,
         })  # fmt: skip
-    table = pd.DataFrame(checked)
-    table.to_csv(folder / "checked.csv", index=False)
-    print(pd.DataFrame(rows).to_string(index=False, float_format="%.4f"))
-    print(table.to_string(index=False, float_format="%.4f"))
+    tables = {"choices": pd.DataFrame(rows), "checked": pd.DataFrame(checked)}
+    write(folder, tables, figures)
+    for table in tables.values():
+        print(table.to_string(index=False, float_format="%.4f"))
     for name in ("stress", "moment"):
-        rank = spearmanr(table[f"{name}_predicted"], table[f"{name}_simulated"]).statistic
+        values = (tables["checked"][f"{name}_{how}"] for how in ("predicted", "simulated"))
+        rank = spearmanr(*values).statistic
         print(f"rank correlation of predicted and simulated {name} errors: {rank:.2f}")
     return 0
 

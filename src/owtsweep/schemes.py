@@ -9,6 +9,7 @@ keeps the contract.
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade import contract as blade
 from owtsweep.studies.floater import contract as floater
+from owtsweep.studies.hub import contract as hub
 from owtsweep.studies.tower import contract as tower
 
-__all__ = ["Unable", "blade", "floater", "tower"]
+__all__ = ["Unable", "blade", "floater", "hub", "tower"]

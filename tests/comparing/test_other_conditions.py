@@ -8,13 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 from owtsweep.comparing.compare import compare
 from owtsweep.comparing.comparison import Aspects, Candidate, Comparison, Findings, Pair
 from owtsweep.comparing.report import describe_origins
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition
-from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 GAIN = Condition("gain", "sensor gain", scale="log", expands=True)
 

@@ -6,8 +6,8 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-
 from dense import Array, Measurement, Posterior, posterior
+
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
 from owtsweep.estimation.gains import GainSchedule, schedule
 

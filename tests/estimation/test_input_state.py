@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dense import Measurement, posterior
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag, solve_discrete_are
 from written_out import Case, WrittenOut, draw_case, walk
 
-from dense import Measurement, posterior
 from owtsweep.errors import InputError
 from owtsweep.estimation import input_state
 from owtsweep.estimation.augmented import augment, make_augmented, make_lagged, make_steady

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dense import Measurement, posterior
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, solve_continuous_lyapunov
 
-from dense import Measurement, posterior
 from owtsweep.errors import InputError
 from owtsweep.estimation import late_gains
 from owtsweep.estimation.discretisation import Discrete, Model, discretise

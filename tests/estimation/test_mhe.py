@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from dense import Array, whitener
+
 from owtsweep.estimation.casadi_window import CasadiWindow
 from owtsweep.estimation.mhe import (
     WindowWeights,

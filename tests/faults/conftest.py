@@ -11,12 +11,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-
-ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT / "tests" / "sweep"), str(ROOT / "tests" / "faults")]
-
-from dummy_study import DummyConfig, DummyStudy, make_config  # noqa: E402
-from fault_tools import environment  # noqa: E402
+from dummy_study import DummyConfig, DummyStudy, make_config
+from fault_tools import environment
 
 
 @pytest.fixture

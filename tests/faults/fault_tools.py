@@ -19,8 +19,7 @@ CHILD = Path(__file__).with_name("child.py")
 
 def environment() -> dict[str, str]:
     """For subprocesses: ours and the tests' modules are importable."""
-    paths = [str(ROOT / "src"), str(ROOT / "tests"), str(ROOT / "tests" / "sweep")]
-    paths.append(str(ROOT / "tests" / "faults"))
+    paths = [str(ROOT / part) for part in ("src", "tests/helpers", "tests/faults")]
     return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"}
 
 

@@ -58,7 +58,7 @@ def test_workers_import_nothing_that_lies_in_the_folder(strange, words):
 @pytest.mark.faults
 def test_a_module_that_the_user_names_reaches_the_workers(tmp_path):
     """A user's own folder on PYTHONPATH is searched: a scheme of it runs in processes."""
-    source = Path(__file__).parents[1] / "user_schemes.py"
+    source = Path(__file__).parents[1] / "helpers/user_schemes.py"
     shutil.copy(source, tmp_path / "mine.py")
     done = sweep(
         tmp_path, "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",

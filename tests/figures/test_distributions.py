@@ -6,12 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
+from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 from owtsweep.errors import InputError
 from owtsweep.figures import distributions
 from owtsweep.figures.palette import style_of
 from owtsweep.results.cube import Cube
-from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 
 def make_cube(conditions, *, replicates: int) -> Cube:

@@ -8,6 +8,7 @@ from itertools import combinations
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from rich.console import Console
+from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, curves, style, terminal
@@ -15,7 +16,6 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
-from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 
 def make_tables(conditions):

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from looks import LOOKS
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
@@ -21,7 +22,6 @@ from owtsweep.figures.margin import (
 )
 from owtsweep.figures.palette import relative_luminance, style_of, text_color_on
 from owtsweep.figures.shades import Shades, add_legend
-from owtsweep.studies.hub.looks import LOOKS
 
 
 def test_the_share_grows_with_the_logarithm_from_a_tie_to_full():

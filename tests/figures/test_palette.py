@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from looks import LOOKS
 
 from owtsweep.errors import InputError
 from owtsweep.figures import palette
 from owtsweep.figures.palette import SchemeStyle, relative_luminance, style_of
-from owtsweep.studies.hub.looks import LOOKS
 
 SCHEMES = list(LOOKS)
 

@@ -8,6 +8,7 @@ import re
 
 import pandas as pd
 import pytest
+from looks import LOOKS
 from rich.cells import cell_len
 from rich.color import Color, ColorSystem
 from rich.console import Console
@@ -16,7 +17,6 @@ from rich.measure import Measurement
 from owtsweep.figures import terminal
 from owtsweep.figures.palette import relative_luminance, style_of
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.hub.looks import LOOKS
 
 PERIODS, AMPLITUDES = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0], [0.05, 0.7, 10.0]
 CONDITIONS = (

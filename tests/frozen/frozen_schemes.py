@@ -3,9 +3,10 @@
 import numpy as np
 
 from owtsweep import Estimate
+from owtsweep.schemes import hub
 
 
-class HoldLastFix:
+class HoldLastFix(hub.Scheme):
     """Says that the hub rests at the last fix."""
 
     linear = True
@@ -13,7 +14,7 @@ class HoldLastFix:
     def __init__(self, name="HoldLastFix"):
         self.name = name
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         return _Holding()
 
 
@@ -35,7 +36,7 @@ class Saturated(HoldLastFix):
     def __init__(self):
         super().__init__("Saturated")
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         return _Clipping()
 
 
@@ -51,7 +52,7 @@ class Failing(HoldLastFix):
     def __init__(self):
         super().__init__("Failing")
 
-    def start(self, sensors, tuning):
+    def start(self, known):
         return _Raising()
 
 

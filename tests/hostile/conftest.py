@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "motion" / "recorded"), str(HERE.parent)]
+import worlds
 
 
 @pytest.fixture(scope="session")
 def good(tmp_path_factory: pytest.TempPathFactory, kernels: None) -> Path:
     """Return a folder with the undamaged run `a`, multirun `m` and folder `records`."""
-    import worlds
-
     folder = tmp_path_factory.mktemp("good")
     before = os.getcwd()
     os.chdir(folder)

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from hub_rows import make_cube, values_of
+from naive_holm import naive_holm
 from scipy import stats
 
-from naive_holm import naive_holm
 from owtsweep.results.best_scheme import BASELINE_COLUMNS, find_best_schemes
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
+from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, leave, make_rows
 
 from owtsweep.errors import InputError
 from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.conditions import Condition, order_values, require_usable
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
-from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, leave, make_rows
 
 CHOICES = [(NOISE,), (FACTOR, NOISE), (SOIL, NOISE), (SOIL, FACTOR, NOISE)]
 

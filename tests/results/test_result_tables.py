@@ -19,13 +19,14 @@ from hub_rows import (
     tabulate,
     values_of,
 )
+from naive_holm import naive_holm
 from scipy import stats
 
-from naive_holm import naive_holm
 from owtsweep.errors import InputError
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub.conditions import CONDITIONS, MEASURES
+from owtsweep.studies.hub.conditions import MEASURES
+from owtsweep.studies.hub.spectrum import CONDITIONS
 
 # the columns of summary.csv and best_scheme.csv, which others' scripts rely on
 DESIGN_SUMMARY = ["scheme", "natural_period", "amplitude", "measure", "window"]

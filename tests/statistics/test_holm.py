@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
 from naive_holm import naive_holm
+
 from owtsweep.statistics.inference import holm
 
 

@@ -17,14 +17,12 @@ from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study, locate
 from owtsweep.sweep.plan import dump_plan, make_plan
 
-TESTS = Path(__file__).parents[1]
-PACKAGES = TESTS / "fixtures/stranger"
+PACKAGES = Path(__file__).with_name("stranger")
 
 
 @pytest.fixture(autouse=True)
 def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(str(TESTS / "sweep"))
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """However a run came about, its shards and tables are those of a run from scratch, bit for bit.
 
 Hypothesis draws the life of a run: grids that grow and shrink, stops of every kind in between,
-shards that get lost or damaged. The hub study's own life is in tests/hub/test_resume.py.
+shards that get lost or damaged. The hub study's own life is in tests/studies/hub/test_resume.py.
 """
 
 from __future__ import annotations

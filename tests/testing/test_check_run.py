@@ -6,14 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from dummy_study import DummyStudy, make_config
 
 from owtsweep.testing.studies import check_run
 
 
-def test_the_terminal_is_tried(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "sweep"))
-    from dummy_study import DummyStudy, make_config
-
+def test_the_terminal_is_tried(tmp_path: Path) -> None:
     class Silent(DummyStudy):
         def terminal(self, config: Any, tables: Any) -> str:
             return ""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
 from owtsweep.cli.running import foretell, may_start, print_answer, tell_end
-from owtsweep.config import Plain, dump_with_units, require
+from owtsweep.config import dump_with_units, require
 from owtsweep.errors import InputError
 from owtsweep.io.files import refuse_in_one_line
 
@@ -96,14 +96,19 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
     from owtsweep.studies.replay.running import compose_replay, expand
 
     require(len(files) > 0, "FILE: name the file to describe")
-    columns: dict[str, str] = {}
-    units: dict[str, str] = {}
-    motion: Plain = {}
-    if overrides:
-        config = compose_replay(overrides, config_dir)
-        columns, units = config.columns.given(), config.units.given()
-        motion = config.columns.settings()
-    described = [describe(file, columns=columns, units=units, **motion) for file in expand(files)]
+    config = compose_replay(overrides, config_dir)
+    columns = config.columns
+    described = [
+        describe(
+            file,
+            columns=columns.given(),
+            units=config.units.given(),
+            motion=columns.motion,
+            tower_height=columns.tower_height,
+            rotation=columns.rotation,
+        )
+        for file in expand(files)
+    ]
     print("\n\n".join(map(str, described)))
     return DONE
 

@@ -1,16 +1,6 @@
 """Checks for users who wrote a scheme, a source of motion or a study of their own."""
 
-from owtsweep.testing.declared import check_declared_scheme
-from owtsweep.testing.schemes import (
-    check_declaration,
-    check_estimates,
-    check_inputs,
-    check_kernel,
-    check_scheme,
-    check_starts,
-    check_superposition,
-    example_sensors,
-)
+from owtsweep.testing.schemes import check_scheme
 from owtsweep.testing.sources import (
     check_delayed_positions,
     check_derivatives,
@@ -29,9 +19,7 @@ from owtsweep.testing.studies import (
 )
 
 __all__ = [
-    "check_blocks_alone", "check_declaration", "check_declared_scheme", "check_delayed_positions",
-    "check_derivatives", "check_estimates", "check_failures", "check_inputs", "check_kernel",
+    "check_blocks_alone", "check_delayed_positions", "check_derivatives", "check_failures",
     "check_keys", "check_plan", "check_rows", "check_run", "check_scheme", "check_source",
-    "check_starts", "check_streams", "check_study", "check_superposition", "check_tables",
-    "example_sensors",
+    "check_streams", "check_study", "check_tables",
 ]  # fmt: skip

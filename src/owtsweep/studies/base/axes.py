@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import product
 from math import ceil, prod
-from typing import Any
+from typing import Protocol
 
 from owtsweep.config import require
 from owtsweep.studies.grid_size import check_blocks
@@ -16,7 +16,15 @@ Cell = Mapping[str, float]
 RECORDS = 4
 
 
-def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str], schemes: int) -> None:
+class Grid(Protocol):
+    """The section `grid`: a list of values, or None, for each axis, and the number of records."""
+
+    @property
+    def replicates(self) -> int:
+        """Records per cell."""
+
+
+def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schemes: int) -> None:
     """Check that the map has two axes with values, that others have one value each, and its size.
 
     Parameters
@@ -24,7 +32,7 @@ def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str], scheme
     chosen
         The key `axes`.
     grid
-        The section `grid`, with a list of values, or None, for each axis.
+        The section `grid`.
     all_axes
         The names of all axes.
     schemes
@@ -59,11 +67,8 @@ def check_axes(chosen: Sequence[str], grid: Any, all_axes: Sequence[str], scheme
     check_blocks(cells * schemes * ceil(grid.replicates / RECORDS))
 
 
-def list_cells(axes: Sequence[str], grid: Any) -> list[Cell]:
-    """Return all cells of a grid, the last axis running fastest; an axis without value is missing.
-
-    `grid` is the configuration's section, with a list of values, or None, for each axis.
-    """
+def list_cells(axes: Sequence[str], grid: Grid) -> list[Cell]:
+    """Return all cells, the last axis running fastest; an axis without a value is missing."""
     values = [getattr(grid, axis) or [None] for axis in axes]
     return [
         {axis: value for axis, value in zip(axes, cell, strict=True) if value is not None}

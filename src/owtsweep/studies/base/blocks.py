@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import product
 from math import prod
 from types import MappingProxyType
@@ -13,16 +13,20 @@ import numpy as np
 from owtsweep.errors import as_text
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.axes import Cell, list_cells
-from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.base.contract import NotFinite, Part, Scheme, Unable
+from owtsweep.studies.base.contest import C, Contest, ContestConfig
+from owtsweep.studies.base.contract import NotFinite, Part, Ready, Scheme, Unable
 from owtsweep.studies.base.declaration import Declaration
-from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.base.tables import Judgement, make_rows
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
     import pandas as pd
 
+#: A declaration of any study, a part of its records, and a scheme of it. Truth, records, knowledge
+#: and estimates pass from one function of a declaration to the next; nobody here looks inside.
 AnyDeclaration = Declaration[Any, Any, Any, Any, Any, Any]
+AnyPart = Part[Any, Any]
+AnyScheme = Scheme[Any, Any, Any]
 
 
 class Planned(NamedTuple):
@@ -42,12 +46,24 @@ class Planned(NamedTuple):
 
     name: str
     ignored: Sequence[str] = ()
-    code: Mapping[str, Any] = MappingProxyType({})
+    code: Mapping[str, object] = MappingProxyType({})
     anew: str = ""
 
 
-def plan(declaration: AnyDeclaration, config: Any) -> list[Block]:
-    """Return all blocks of a configuration.
+def plan(
+    declaration: AnyDeclaration,
+    config: ContestConfig,
+    cells: Sequence[Cell] | None = None,
+    replicates: int | None = None,
+) -> list[Block]:
+    """Return all blocks of a configuration, or of some cells with another number of records.
+
+    Parameters
+    ----------
+    cells
+        Cells of the grid; None: all.
+    replicates
+        Number of records of each of these cells; None: that of the grid.
 
     Raises
     ------
@@ -75,20 +91,25 @@ def plan(declaration: AnyDeclaration, config: Any) -> list[Block]:
         declaration.list_content(config),
         declaration.most_records(config),
         _find_axes(declaration.contest, places),
+        cells,
+        replicates,
     )
 
 
 def plan_blocks(
-    contest: Contest,
-    config: Any,
+    contest: Contest[C],
+    config: C,
     schemes: Sequence[Planned],
-    shared: Mapping[str, Any],
+    shared: Mapping[str, object],
     most: int,
     grouping: Sequence[str],
+    cells: Sequence[Cell] | None = None,
+    replicates: int | None = None,
 ) -> list[Block]:
     """Return all blocks of a configuration: one per cell, scheme, and some records.
 
-    A scheme has one block for all values of the axes that it ignores.
+    A scheme has one block for all values of the axes that it ignores. Blocks begin at the multiples
+    of `most`, so more records of a cell add blocks, and leave the full ones as they are.
 
     Parameters
     ----------
@@ -102,10 +123,14 @@ def plan_blocks(
         Most records of a block.
     grouping
         The axes that tell groups apart: on these depends what is made once for a group.
+    cells, replicates
+        Cells, and the number of records of each; None: those of the grid.
     """
-    axes, count = contest.axes, config.grid.replicates
-    blocks: dict[tuple[Any, ...], Block] = {}
-    for cell, first in product(list_cells(axes, config.grid), range(0, count, most)):
+    axes = contest.axes
+    cells = list_cells(axes, config.grid) if cells is None else cells
+    count = config.grid.replicates if replicates is None else replicates
+    blocks: dict[tuple[object, ...], Block] = {}
+    for cell, first in product(cells, range(0, count, most)):
         last = min(first + most, count)
         numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
         group = ", ".join([*_tell(cell, grouping), numbers])
@@ -128,14 +153,14 @@ def plan_blocks(
     return list(blocks.values())
 
 
-def find_ignored(declaration: AnyDeclaration, scheme: Scheme[Any, Any, Any]) -> list[str]:
+def find_ignored(declaration: AnyDeclaration, scheme: AnyScheme) -> list[str]:
     """Return the axes of what schemes are told on which the estimates of this one do not depend."""
     told = _find_axes(declaration.contest, ("knowledge",))
     return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in told]
 
 
 def run(
-    declaration: AnyDeclaration, config: Any, blocks: Sequence[Block]
+    declaration: AnyDeclaration, config: ContestConfig, blocks: Sequence[Block]
 ) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; yield each with its rows.
 
@@ -149,24 +174,52 @@ def run(
         cell = {axis: value for axis in axes if (value := block.content.get(axis)) is not None}
         chosen = block.choose(config)
         entry = block.content.get("entry")
-        scheme = declaration.schemes.resolve(entry or block.content["scheme"])
+        scheme = Readied(declaration.schemes.resolve(entry or block.content["scheme"]))
         judged = [
             _judge(declaration, chosen, cell, record, parts, scheme, own=entry is None)
             for record, parts in made.take(chosen, cell)
         ]
-        yield block, make_rows(block.content, axes, replicates, judged)
+        yield block, make_rows(block.content["scheme"], cell, axes, replicates, judged)
+
+
+class Readied:
+    """A scheme that is prepared once for all records about which it is told the same."""
+
+    def __init__(self, scheme: AnyScheme) -> None:
+        self._scheme = scheme
+        self._made: dict[Hashable, Ready[object, object] | Unable] = {}
+
+    def run(self, part: AnyPart) -> object:
+        """Estimate from one part of a record.
+
+        Raises
+        ------
+        Unable
+            If the scheme cannot work with what it is told.
+        """
+        if part.known not in self._made:
+            try:
+                self._made[part.known] = self._scheme.prepare(part.known)
+            except Unable as reason:
+                self._made[part.known] = reason
+        made = self._made[part.known]
+        if isinstance(made, Unable):
+            raise made
+        return made.run(part.measured)
 
 
 class Records:
     """Some records of a group, whose truth, measurements and knowledge are made once each."""
 
-    def __init__(self, declaration: AnyDeclaration, config: Any, replicates: Sequence[int]) -> None:
+    def __init__(
+        self, declaration: AnyDeclaration, config: ContestConfig, replicates: Sequence[int]
+    ) -> None:
         self._declaration, self._config, self._replicates = declaration, config, replicates
-        self._truths: dict[Any, list[Any]] = {}
-        self._records: dict[Any, list[Any]] = {}
-        self._parts: dict[Any, list[Mapping[str, Part[Any, Any]]]] = {}
+        self._truths: dict[Hashable, list[object]] = {}
+        self._records: dict[Hashable, list[object]] = {}
+        self._parts: dict[Hashable, list[Mapping[str, AnyPart]]] = {}
 
-    def take(self, config: Any, cell: Cell) -> list[tuple[Any, Mapping[str, Part[Any, Any]]]]:
+    def take(self, config: ContestConfig, cell: Cell) -> list[tuple[object, Mapping[str, AnyPart]]]:
         """Return each record of a cell, and its parts as the tuning of a configuration has them."""
         made, given = self._declaration, self._config
         world = self._identify(cell, ("world",))
@@ -195,12 +248,16 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
     NotFinite
         If they do not; the message names the field.
     """
+    try:
+        values = {name: getattr(estimates, name) for name in declaration.estimates}
+    except AttributeError as error:
+        raise NotFinite(f"the estimates lack {error.name}") from None
     for name, field in declaration.estimates.items():
-        value = getattr(estimates, name, None)
-        if value is None:
-            if not field.optional:
-                raise NotFinite(f"the estimates lack {name}")
+        value = values[name]
+        if value is None and field.optional:
             continue
+        if value is None:
+            raise NotFinite(f"the estimates lack {name}")
         shape, wanted = np.shape(value), (samples, *field.shape)
         if len(shape) != len(wanted) or any(
             size not in (-1, found) for found, size in zip(shape, wanted, strict=True)
@@ -211,19 +268,17 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
 
 def _judge(
     declaration: AnyDeclaration,
-    config: Any,
+    config: ContestConfig,
     cell: Cell,
-    record: Any,
-    parts: Mapping[str, Part[Any, Any]],
-    scheme: Scheme[Any, Any, Any],
+    record: object,
+    parts: Mapping[str, AnyPart],
+    scheme: Readied,
     *,
     own: bool,
 ) -> Judgement:
     """Run a scheme on a record and compare its estimates with the truth."""
     try:
-        estimates = {
-            name: scheme.prepare(part.known).run(part.measured) for name, part in parts.items()
-        }
+        estimates = {name: scheme.run(part) for name, part in parts.items()}
         if not own:
             for given in estimates.values():
                 check_estimates(declaration, given, declaration.count_samples(record))
@@ -238,7 +293,7 @@ def _judge(
         return Judgement.none(FAILED, as_text(error))
 
 
-def _find_axes(contest: Contest, places: Sequence[str]) -> list[str]:
+def _find_axes(contest: Contest[C], places: Sequence[str]) -> list[str]:
     """Return the axes that enter at some of the places "world", "sensors" and "knowledge"."""
     return [axis.name for axis in contest.conditions if axis.enters in places]
 

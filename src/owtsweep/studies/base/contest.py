@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Generic, TypeVar
 
+from owtsweep.config import Config
 from owtsweep.results.conditions import Condition
+from owtsweep.studies.base.axes import Grid
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from owtsweep.config.common import Record
+
 
 #: The measure of how long a user waits for an estimate, s; only of schemes that look ahead.
 WAIT = "wait"
@@ -18,8 +23,25 @@ WAIT = "wait"
 WINDOW = "settled"
 
 
+class ContestConfig(Config):
+    """What the configurations of all contests have; each declares the keys where they stand."""
+
+    if TYPE_CHECKING:
+        grid: Grid
+        record: Record
+        schemes: Sequence[str | Mapping[str, object]]
+        criterion: str
+
+        @property
+        def tuning_name(self) -> str:
+            """The tuning's name."""
+
+
+C = TypeVar("C", bound=ContestConfig)
+
+
 @dataclass(frozen=True)
-class Contest:
+class Contest(Generic[C]):
     """What is a study's own in a contest.
 
     Attributes
@@ -44,18 +66,44 @@ class Contest:
     conditions: tuple[Condition, ...]
     criteria: Mapping[str, str]
     list_measures: Callable[[Iterable[str]], list[str]]
-    describe_truth: Callable[[Any], str]
-    describe_sensors: Callable[[Any], str]
+    describe_truth: Callable[[C], str]
+    describe_sensors: Callable[[C], str]
     pairing: Sequence[str]
-    find_axes: Callable[[Any], Sequence[str]] = attrgetter("axes")
-    tell_more: Callable[[Any, Mapping[str, pd.DataFrame]], list[str]] = lambda config, tables: []
+    find_axes: Callable[[C], Sequence[str]] = attrgetter("axes")
+    tell_more: Callable[[C, Mapping[str, pd.DataFrame]], list[str]] = lambda config, tables: []
 
     @property
     def axes(self) -> tuple[str, ...]:
         """The names of all axes."""
         return tuple(condition.name for condition in self.conditions)
 
-    def find_conditions(self, config: Any) -> tuple[Condition, ...]:
+    def find_conditions(self, config: C) -> tuple[Condition, ...]:
         """Return the conditions on the axes of a configuration's map, the horizontal one first."""
         by_name = {condition.name: condition for condition in self.conditions}
         return tuple(by_name[name] for name in self.find_axes(config))
+
+
+def describe_draws(config: ContestConfig) -> str:
+    """Return in words how many records a cell has, and their seed."""
+    count = config.grid.replicates
+    return f"{count} record{'s' * (count != 1)} per cell, seed {config.seed}"
+
+
+def describe_origin(contest: Contest[C], config: C) -> str:
+    """Return in one line the tuning, the truth, the sensors, the records and their seed."""
+    told = list_origin(contest, config)
+    return (
+        f"Tuning {told['tuning']}; truth: {told['truth']}; sensors: {told['sensors']}; "
+        f"{describe_draws(config)}"
+    )
+
+
+def list_origin(contest: Contest[C], config: C) -> dict[str, str]:
+    """Return what a reader must know of a run: its name -> in words."""
+    return {
+        "tuning": config.tuning_name,
+        "truth": contest.describe_truth(config),
+        "sensors": contest.describe_sensors(config),
+        "records per cell": str(config.grid.replicates),
+        "seed": str(config.seed),
+    }

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import ClassVar, Generic, Protocol, TypeVar
+
+from owtsweep.errors import InputError, require
 
 Known = TypeVar("Known", contravariant=True)
 Measured = TypeVar("Measured", contravariant=True)
 Estimates = TypeVar("Estimates", covariant=True)
 K = TypeVar("K")
 M = TypeVar("M")
+
+#: Most characters of a scheme's name: it stands in the cells and legends of figures.
+LONGEST_NAME = 60
 
 
 class Unable(Exception):
@@ -27,15 +34,28 @@ class Ready(Protocol[Measured, Estimates]):
         """Estimate from the measurements of a record."""
 
 
-class Scheme(Protocol[Known, Measured, Estimates]):
-    """An estimation scheme of a study.
+class Scheme(ABC, Generic[Known, Measured, Estimates]):
+    """An estimation scheme; each study has a class of its own for its schemes to derive from.
 
-    A user's may also have the attribute `ignores`: names of axes of what schemes are told on which
-    its estimates do not depend. Then one record serves all values of these axes.
+    Attributes
+    ----------
+    name
+        The scheme's name in tables and figures; unique within a run.
+    study
+        The name of the study whose scheme it is.
+    ignores
+        Names of axes of what schemes are told on which the scheme's estimates do not depend. One
+        record serves all values of these axes.
+    version
+        Stands for the scheme's code where that cannot be read; None: nothing does.
     """
 
     name: str
+    study: ClassVar[str] = ""
+    ignores: Sequence[str] = ()
+    version: str | None = None
 
+    @abstractmethod
     def prepare(self, known: Known, /) -> Ready[Measured, Estimates]:
         """Make the scheme ready for what it is told.
 
@@ -44,6 +64,27 @@ class Scheme(Protocol[Known, Measured, Estimates]):
         Unable
             If the scheme cannot work there; the message says why.
         """
+
+    def check_declared(self) -> None:
+        """Check what a user's class states of itself, before anything runs.
+
+        Raises
+        ------
+        InputError
+            If the name cannot be shown in tables and figures, or another attribute is of a wrong
+            type.
+        """
+        try:
+            name: object = self.name
+        except AttributeError:
+            name = ""
+        require(isinstance(name, str) and name != "", "it lacks name (a non-empty str)")
+        check_name(name)
+        require(
+            isinstance(self.ignores, Sequence) and not isinstance(self.ignores, str),
+            f"ignores = {self.ignores!r} is no list of axes",
+        )
+        str(self.version)  # a property that raises would do so in a sweep
 
 
 @dataclass(frozen=True)
@@ -60,3 +101,20 @@ class Part(Generic[K, M]):
 
     known: K
     measured: M
+
+
+def check_name(name: object) -> str:
+    """Check that a scheme's name can be shown in tables, figures and a terminal; return it.
+
+    Raises
+    ------
+    InputError
+        If the name is not a text, is empty, has more than `LONGEST_NAME` characters, or contains a
+        character that cannot be printed.
+    """
+    if isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable():
+        return name
+    raise InputError(
+        f"schemes: the name {str(name)[:LONGEST_NAME]!r} cannot be used; give one of 1 to "
+        f"{LONGEST_NAME} printable characters"
+    )

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Generic, Literal, NamedTuple, TypeVar
+from typing import Generic, Literal, NamedTuple, TypeVar
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Reading
 from owtsweep.studies.base.axes import Cell
-from owtsweep.studies.base.contest import Contest
+from owtsweep.studies.base.contest import Contest, ContestConfig
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.schemes import SchemeTable
 
-Config = TypeVar("Config")
+Config = TypeVar("Config", bound=ContestConfig)
 Truth = TypeVar("Truth")
 Record = TypeVar("Record")
 Known = TypeVar("Known")
@@ -95,9 +95,9 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
         Function that refuses, before anything is planned, a configuration that no scheme can serve.
     """
 
-    contest: Contest
+    contest: Contest[Config]
     schemes: SchemeTable
-    list_content: Callable[[Config], dict[str, Any]]
+    list_content: Callable[[Config], dict[str, object]]
     most_records: Callable[[Config], int]
     shared: Literal["truth", "measurements"] = "measurements"
     make_truth: Callable[[Config, Cell, int], Truth]

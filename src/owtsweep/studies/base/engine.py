@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.base import blocks, maps, tables, terminal
+from owtsweep.studies.base import blocks, maps, tables
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contest import Contest
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ class ContestEngine:
 
     samples = True
 
-    def __init__(self, contest: Contest) -> None:
+    def __init__(self, contest: Contest[Any]) -> None:
         self.contest = contest
         #: Columns without which no table can be made.
         self.row_types: Mapping[str, type] = {
@@ -45,7 +46,7 @@ class ContestEngine:
 
     def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map by the key `criterion`, and who wins by each one."""
-        return terminal.show(self.contest, config, tables)
+        return maps.show(self.contest, config, tables)
 
     def backend(self, config: Any) -> str:
         """Return "loky", joblib's backend for processes."""
@@ -67,9 +68,11 @@ class DeclaredEngine(ContestEngine):
         super().__init__(declaration.contest)
         self.declaration = declaration
 
-    def plan(self, config: Any) -> list[Block]:
-        """Return all blocks of a configuration."""
-        return blocks.plan(self.declaration, config)
+    def plan(
+        self, config: Any, cells: Sequence[Cell] | None = None, replicates: int | None = None
+    ) -> list[Block]:
+        """Return all blocks of a configuration, or of some cells with another number of records."""
+        return blocks.plan(self.declaration, config, cells, replicates)
 
     def run(self, config: Any, of_group: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each with its rows."""

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.base.axes import list_cells
-from owtsweep.studies.base.blocks import Records, find_ignored
+from owtsweep.studies.base.blocks import AnyDeclaration, Readied, Records, find_ignored
+from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.base.declaration import Declaration, Stated
+from owtsweep.studies.base.declaration import Stated
 
 
 def estimate_record(
-    declaration: Declaration[Any, Any, Any, Any, Any, Any], config: Any, replicate: int
+    declaration: AnyDeclaration, config: ContestConfig, replicate: int
 ) -> EstimatedRecord:
     """Make a record, run all schemes on it, and return all of it.
 
@@ -36,9 +35,7 @@ def estimate_record(
         told = {axis: value for axis, value in cell.items() if axis not in ignored}
         ((record, parts),) = made.take(config, told)
         try:
-            estimates = {
-                name: scheme.prepare(part.known).run(part.measured) for name, part in parts.items()
-            }
+            estimates = {name: Readied(scheme).run(part) for name, part in parts.items()}
         except Unable as reason:
             failures[scheme.name] = str(reason)
             continue

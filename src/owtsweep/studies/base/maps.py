@@ -1,17 +1,23 @@
-"""The maps of a contest: which scheme is best in which cell of the plane."""
+"""Shows a contest: maps of which scheme is best in which cell, as figures and on the terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
-from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.results.best_scheme import find_coinciding, tell_winners
 from owtsweep.results.status import FAILED
-from owtsweep.studies.base.contest import WINDOW, Contest
-from owtsweep.studies.base.origin import describe_draws
+from owtsweep.studies.base.contest import (
+    WAIT,
+    WINDOW,
+    C,
+    Contest,
+    ContestConfig,
+    describe_draws,
+)
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.base.tables import find_waits, list_competing, make_cube
 
@@ -21,13 +27,14 @@ LETTERS_PER_INCH = 9.5
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+    from rich.console import RenderableType
 
     from owtsweep.results.cube import Cube
 
 
 def list_maps(
-    contest: Contest,
-    config: Any,
+    contest: Contest[C],
+    config: C,
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
     metadata: Mapping[str, str],
@@ -36,13 +43,15 @@ def list_maps(
 
     The latter shows the errors of single records by the key `criterion`, if there are several.
     """
+    from owtsweep.figures import distributions
+
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     notes = [*tell_unable(cube.unable), *tell_waiting(config, rows)]
     failures = int(((rows["status"] == FAILED) & rows["scheme"].isin(list(cube.schemes))).sum())
     drawings = {
         f"map_{criterion}": save_figure(
             partial(
-                _draw, contest, config, tables["best_scheme"], criterion, cube.schemes,
+                _draw_map, contest, config, tables["best_scheme"], criterion, cube.schemes,
                 find_coinciding(cube, [criterion]), failures, notes,
             ),
             metadata,
@@ -50,55 +59,41 @@ def list_maps(
         for criterion in contest.criteria
         if criterion in set(tables["best_scheme"]["criterion"])
     }  # fmt: skip
-    origin = [
-        f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.",
-        f"Sensors: {contest.describe_sensors(config)}.",
-    ]
-    return drawings | list_distributions(
-        config, cube, WINDOW, contest.criteria[config.criterion], origin, metadata
-    )
-
-
-def list_distributions(
-    config: Any,
-    cube: Cube,
-    window: str,
-    quantity: str,
-    origin: Sequence[str],
-    metadata: Mapping[str, str],
-) -> dict[str, Drawing]:
-    """Return the figure of the errors of single records, if the run has several, by its name.
-
-    Parameters
-    ----------
-    cube
-        The errors of the schemes.
-    window
-        The part of the records over which they are averaged.
-    quantity
-        What the map says that schemes are judged by.
-    origin
-        Sentences on truth and sensors, for the title.
-    """
-    from owtsweep.figures import distributions, style
-
-    if config.grid.replicates < distributions.LEAST_RECORDS:
-        return {}
-
-    def draw() -> Figure:
-        figure = distributions.draw(
-            distributions.collect(cube, config.criterion, window),
-            cube.schemes,
-            cube.conditions,
-            title=f"Errors of single records by {quantity}\n"
-            f"{style.describe_window(window)}, tuning: {config.tuning_name}",
-            label="error",
+    if config.grid.replicates >= distributions.LEAST_RECORDS:
+        drawings[distributions.NAME] = save_figure(
+            partial(_draw_distributions, contest, config, cube), metadata
         )
-        letters = round(LETTERS_PER_INCH * figure.get_figwidth())
-        style.add_origin(figure, "\n".join(fill(line, letters) for line in origin))
-        return figure
+    return drawings
 
-    return {distributions.NAME: save_figure(draw, metadata)}
+
+def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+    """Return the map by the key `criterion`, and who wins by each one."""
+    from rich.console import Group
+    from rich.text import Text
+
+    from owtsweep.figures.terminal import grid
+
+    best, summary = tables["best_scheme"], tables["summary"]
+    origin = [
+        f"Tuning {config.tuning_name}, {contest.describe_truth(config)}",
+        f"Sensors: {contest.describe_sensors(config)}; {describe_draws(config)}",
+    ]
+    waiting = summary.loc[summary["measure"] == WAIT, "scheme"].unique()
+    names = list_names(config.schemes)
+    schemes = [name for name in names if name not in waiting] or names
+    conditions = contest.find_conditions(config)
+    shown = grid(best, schemes, conditions, config.criterion, WINDOW, score="error")
+    told = [
+        f"By {criterion.replace('_', ' ')}: {tell_winners(cells)}"
+        for criterion in contest.criteria
+        if len(cells := best[best["criterion"] == criterion])
+    ]
+    if len(schemes) < len(names):
+        told.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
+    told += contest.tell_more(config, tables)
+    return Group(
+        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in told)
+    )
 
 
 def tell_unable(unable: pd.DataFrame) -> list[str]:
@@ -110,7 +105,7 @@ def tell_unable(unable: pd.DataFrame) -> list[str]:
     return [f"Unable to work, with its reason in summary.csv: {told}."]
 
 
-def tell_waiting(config: Any, rows: pd.DataFrame) -> list[str]:
+def tell_waiting(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     """Return a sentence on schemes that wait for later measurements, if others do not."""
     waits = find_waits(rows)
     if not waits or list_competing(config, rows) == list_names(config.schemes):
@@ -119,9 +114,9 @@ def tell_waiting(config: Any, rows: pd.DataFrame) -> list[str]:
     return [f"In summary.csv, but not in the contest, because estimates wait: {told}."]
 
 
-def _draw(
-    contest: Contest,
-    config: Any,
+def _draw_map(
+    contest: Contest[C],
+    config: C,
     best: pd.DataFrame,
     criterion: str,
     schemes: Sequence[str],
@@ -129,7 +124,7 @@ def _draw(
     failures: int,
     notes: Sequence[str],
 ) -> Figure:
-    from owtsweep.figures import best_scheme_map, style
+    from owtsweep.figures import best_scheme_map
 
     figure = best_scheme_map.draw(
         best,
@@ -145,10 +140,32 @@ def _draw(
         failures=failures,
         notes=notes,
     )
+    _add_origin(figure, contest, config)
+    return figure
+
+
+def _draw_distributions(contest: Contest[C], config: C, cube: Cube) -> Figure:
+    from owtsweep.figures import distributions, style
+
+    figure = distributions.draw(
+        distributions.collect(cube, config.criterion, WINDOW),
+        cube.schemes,
+        cube.conditions,
+        title=f"Errors of single records by {contest.criteria[config.criterion]}\n"
+        f"{style.describe_window(WINDOW)}, tuning: {config.tuning_name}",
+        label="error",
+    )
+    _add_origin(figure, contest, config)
+    return figure
+
+
+def _add_origin(figure: Figure, contest: Contest[C], config: C) -> None:
+    """Write truth and sensors below a figure's title."""
+    from owtsweep.figures import style
+
     lines = [
         f"Truth: {contest.describe_truth(config)}; {describe_draws(config)}.",
         f"Sensors: {contest.describe_sensors(config)}.",
     ]
     letters = round(LETTERS_PER_INCH * figure.get_figwidth())
     style.add_origin(figure, "\n".join(fill(line, letters) for line in lines))
-    return figure

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import import_module
-from importlib.metadata import entry_points
-from typing import Annotated, Any, NamedTuple, NoReturn
+from importlib.metadata import EntryPoint, entry_points
+from typing import Annotated, Any, ClassVar, NamedTuple, NoReturn
 
 from pydantic import BeforeValidator
 
 from owtsweep.errors import InputError, require
 from owtsweep.figures.palette import SchemeStyle, reserve
-from owtsweep.studies.base.contract import Scheme
-from owtsweep.studies.base.users import check_name, instantiate
+from owtsweep.studies.base.contract import check_name
+from owtsweep.studies.base.users import AnyScheme, make_scheme
 from owtsweep.studies.registry import OURS, list_schemes
 from owtsweep.sweep.source import describe_source, explain_doubt
 
@@ -27,27 +28,35 @@ class Listed(NamedTuple):
     Attributes
     ----------
     sentence, look
-        What it is, in words, and how it is drawn.
+        What it is, in words, and how it is drawn; None: as a user's.
     ignores
         The axes of what schemes are told on which its estimates do not depend.
     """
 
     sentence: str
-    look: SchemeStyle
+    look: SchemeStyle | None
     ignores: tuple[str, ...] = ()
 
 
-class StoredScheme(dict[str, Any]):
+class StoredScheme(dict[str, object], AnyScheme):
     """The stand-in for a user's scheme in a stored run: its entry, and its name.
 
-    A run folder may be another person's, and reading it runs no code that it names.
+    A run folder may be another person's, and reading it runs no code that it names. The stand-in
+    equals the scheme's entry in the key `schemes`, so that the configuration is written as it was.
     """
 
-    def __init__(self, entry: Mapping[str, Any], name: str) -> None:
+    #: Attributes of a scheme that a run stores for the stand-in.
+    kept: ClassVar[tuple[str, ...]] = ("name",)
+
+    def __init__(self, entry: Mapping[str, object], described: Mapping[str, object]) -> None:
         super().__init__(entry)
-        self.name = name
+        self.name = check_name(described["name"])
 
     def prepare(self, known: object) -> NoReturn:
+        """Raise `InputError`, because the code of a stored scheme is never run."""
+        self.refuse()
+
+    def refuse(self) -> NoReturn:
         """Raise `InputError`, because the code of a stored scheme is never run."""
         raise InputError(
             f"schemes: {self.name} is a scheme of the stored run's author, whose code is not run; "
@@ -55,7 +64,7 @@ class StoredScheme(dict[str, Any]):
         )
 
 
-def _check_entries(value: Any) -> Any:
+def _check_entries(value: object) -> object:
     for entry in value if isinstance(value, list) else []:
         if not isinstance(entry, str) and not (isinstance(entry, Mapping) and "_target_" in entry):
             raise ValueError(
@@ -64,7 +73,9 @@ def _check_entries(value: Any) -> Any:
     return value
 
 
-#: The type of the key `schemes`: names, and mappings that name a user's class.
+#: An entry of the key `schemes`: a name, or a mapping that names a user's class.
+Entry = str | Mapping[str, object]
+#: The type of the key `schemes`.
 SchemeEntries = Annotated[list[Any], BeforeValidator(_check_entries)]
 
 
@@ -78,24 +89,35 @@ class SchemeTable:
         The study's name.
     package
         The package with a module for each scheme: the scheme KF is `SCHEME` in its module `kf`.
+        Beside it stands the module `contract`, whose `Scheme` is the class of the study's schemes.
     listed
         Name -> what is known of the scheme, in the order of tables and figures.
+    stored
+        The class of stand-ins for users' schemes of stored runs.
     """
 
     study: str
     package: str
     listed: Mapping[str, Listed]
+    stored: type[StoredScheme] = StoredScheme
 
     def __post_init__(self) -> None:
         """Reserve the looks of the schemes, so that they are the same in all figures."""
-        reserve({name: listed.look for name, listed in self.listed.items()})
+        looks = {name: listed.look for name, listed in self.listed.items()}
+        reserve({name: look for name, look in looks.items() if look is not None})
+
+    @cached_property
+    def kind(self) -> type:
+        """The class of the study's schemes."""
+        contract = import_module(f"{self.package.rpartition('.')[0]}.contract")
+        return contract.Scheme  # type: ignore[no-any-return]
 
     def describe(self) -> dict[str, str]:
         """Return name -> sentence of each scheme; those of other packages come last."""
         others = {p.name: f"{p.value}, of another package" for p in self._find_others()}
         return {name: listed.sentence for name, listed in self.listed.items()} | others
 
-    def resolve(self, entry: Any) -> Scheme[Any, Any, Any]:
+    def resolve(self, entry: Entry) -> AnyScheme:
         """Return the scheme for which an entry of the key `schemes` stands.
 
         Parameters
@@ -107,21 +129,19 @@ class SchemeTable:
         Raises
         ------
         InputError
-            If there is no such scheme, it cannot be made, lacks `name` or `prepare`, has the name
-            of one of the study's, or is of another study.
+            If there is no such scheme, it cannot be made, has the name of one of the study's, or is
+            of another study.
         """
         if isinstance(entry, StoredScheme):
             return entry  # its run is read, not computed
         if isinstance(entry, Mapping):
-            return self._check(make_scheme(entry), entry["_target_"])
+            return self._make(entry)
         if entry in self.listed:
             module = import_module(f"{self.package}.{entry.lower()}")
             return module.SCHEME  # type: ignore[no-any-return]
         for point in self._find_others():
             if point.name == entry:
-                scheme = self._check(
-                    make_scheme({"_target_": point.value.replace(":", ".")}), point.value
-                )
+                scheme = self._make({"_target_": point.value.replace(":", ".")})
                 require(
                     scheme.name == entry,
                     f"schemes: {point.value} calls itself {scheme.name!r}, its package {entry!r}",
@@ -129,7 +149,7 @@ class SchemeTable:
                 return scheme
         raise InputError(f"schemes: {self._explain_unknown(entry)}")
 
-    def resolve_all(self, entries: Sequence[Any]) -> list[Scheme[Any, Any, Any]]:
+    def resolve_all(self, entries: Sequence[Entry]) -> list[AnyScheme]:
         """Return the schemes of a run, in the order of the key `schemes`.
 
         Raises
@@ -150,39 +170,77 @@ class SchemeTable:
                 raise InputError(f"schemes: {name!r} stands there twice; use each name once")
         return schemes
 
-    def describe_code(self, entry: Any, scheme: Scheme[Any, Any, Any]) -> dict[str, Any]:
+    def describe_code(self, entry: Entry, scheme: AnyScheme) -> dict[str, object]:
         """Return the entry and the source of a scheme that is not the study's; {} if it is.
 
         Rows depend on them. `numerics_version` tells of changes of the study's own schemes.
+
+        Raises
+        ------
+        InputError
+            If the scheme is that of a stored run, whose code is not loaded.
         """
-        if scheme.name in self.listed:
+        if isinstance(entry, str) and entry in self.listed:
             return {}
+        if isinstance(scheme, StoredScheme):
+            scheme.refuse()
         plain = entry if isinstance(entry, str) else {str(k): v for k, v in entry.items()}
         return {"entry": plain} | describe_source(type(scheme))
 
-    def explain_anew(self, scheme: Scheme[Any, Any, Any]) -> str:
+    def explain_anew(self, scheme: AnyScheme) -> str:
         """Return why stored rows of a scheme must be computed anew; "" if they can be used."""
         return "" if scheme.name in self.listed else explain_doubt(type(scheme))
 
-    def list_ignored(self, scheme: Scheme[Any, Any, Any]) -> Sequence[str]:
+    def list_ignored(self, scheme: AnyScheme) -> Sequence[str]:
         """Return the axes on which a scheme's estimates do not depend; a user's may name some."""
         if scheme.name in self.listed:
             return self.listed[scheme.name].ignores
-        return getattr(scheme, "ignores", ())
+        return scheme.ignores
 
-    def _check(self, scheme: Any, target: str) -> Scheme[Any, Any, Any]:
-        own = scheme.name in self.listed
+    def describe_stored(self, schemes: Sequence[AnyScheme]) -> list[dict[str, object]]:
+        """Return what a run stores of its schemes for `stand_in`: one mapping per scheme."""
+        return [{fact: getattr(scheme, fact) for fact in self.stored.kept} for scheme in schemes]
+
+    def stand_in(self, entries: object, described: object) -> object:
+        """Replace users' schemes in the key `schemes` of a stored run by stand-ins.
+
+        Parameters
+        ----------
+        entries
+            The value of the key. If it is no list, it is returned as it is.
+        described
+            What `describe_stored` made of these entries, as the run stores it.
+
+        Raises
+        ------
+        InputError
+            If an entry that is a mapping is not described as it must be.
+        """
+        if not isinstance(entries, list) or not any(isinstance(e, Mapping) for e in entries):
+            return entries
+        if not isinstance(described, list) or not all(map(self._describes, described)):
+            described = []
         require(
-            not own,
-            f"schemes: {target}: the name {scheme.name!r} is that of a scheme of study="
+            len(described) == len(entries),
+            "schemes: plan.json describes other schemes than config.yaml names; run the sweep "
+            "again",
+        )
+        return [
+            self.stored(entry, facts) if isinstance(entry, Mapping) else entry
+            for entry, facts in zip(entries, described, strict=True)
+        ]
+
+    def _describes(self, facts: object) -> bool:
+        return isinstance(facts, Mapping) and {*facts} >= {*self.stored.kept}
+
+    def _make(self, entry: Mapping[str, object]) -> AnyScheme:
+        scheme = make_scheme(entry, self.kind, self.study)
+        require(
+            scheme.name not in self.listed,
+            f"schemes: {entry['_target_']}: the name {scheme.name!r} is that of a scheme of study="
             f"{self.study}; give the class another name",
         )
-        study = getattr(scheme, "study", self.study)
-        require(
-            study == self.study,
-            f"schemes: {target} is a scheme of study={study}, not of study={self.study}",
-        )
-        return scheme  # type: ignore[no-any-return]
+        return scheme
 
     def _explain_unknown(self, name: str) -> str:
         others = [
@@ -197,11 +255,11 @@ class SchemeTable:
         )
 
     @staticmethod
-    def _find_others() -> list[Any]:
+    def _find_others() -> list[EntryPoint]:
         return list(entry_points(group=GROUP))
 
 
-def list_names(entries: Sequence[Any]) -> list[str]:
+def list_names(entries: Sequence[Entry]) -> list[str]:
     """Return the names of the schemes of the key `schemes`; a user's class is made for its name."""
     return [
         entry
@@ -211,51 +269,3 @@ def list_names(entries: Sequence[Any]) -> list[str]:
         else make_scheme(entry).name
         for entry in entries
     ]
-
-
-def stand_in(entries: Any, names: Any) -> Any:
-    """Replace users' schemes in the key `schemes` of a stored run by stand-ins that run no code.
-
-    Parameters
-    ----------
-    entries
-        The value of the key. If it is no list, it is returned as it is.
-    names
-        The names of these schemes, which were stored with the run.
-
-    Raises
-    ------
-    InputError
-        If there is no name for an entry that is a mapping.
-    """
-    if not isinstance(entries, list) or not any(isinstance(entry, Mapping) for entry in entries):
-        return entries
-    require(
-        isinstance(names, list) and len(names) == len(entries),
-        "schemes: plan.json describes other schemes than config.yaml names; run the sweep again",
-    )
-    for name in names:
-        check_name(name)
-    return [
-        StoredScheme(entry, name) if isinstance(entry, Mapping) else entry
-        for entry, name in zip(entries, names, strict=True)
-    ]
-
-
-def make_scheme(entry: Mapping[str, Any]) -> Scheme[Any, Any, Any]:
-    """Make a user's scheme of its entry `{_target_: package.Class, ...}`.
-
-    Raises
-    ------
-    InputError
-        If the class cannot be imported or made, or lacks `name` or `prepare`.
-    """
-    scheme: Scheme[Any, Any, Any] = instantiate(entry, "prepare(known)", _check_made)
-    return scheme
-
-
-def _check_made(scheme: Any, target: str) -> None:
-    name = getattr(scheme, "name", None)
-    require(isinstance(name, str) and name != "", "it lacks name (a non-empty str)")
-    check_name(name)
-    list(getattr(scheme, "ignores", ()))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.base.contest import Contest
     from owtsweep.studies.base.declaration import Declaration
+    from owtsweep.studies.base.schemes import SchemeTable
     from owtsweep.sweep.study import Engine
 
 
@@ -36,7 +37,7 @@ class ContestStudy(Study):
         """Return the two axes of the map."""
         return self.contest().find_conditions(config)
 
-    def contest(self) -> Contest:
+    def contest(self) -> Contest[Any]:
         """Return the study's axes, criteria and words."""
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
 
@@ -56,7 +57,7 @@ class ContestStudy(Study):
 
     def describe_origin(self, config: Any) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
-        from owtsweep.studies.base.origin import describe_origin
+        from owtsweep.studies.base.contest import describe_origin
 
         return describe_origin(self.contest(), config)
 
@@ -82,7 +83,7 @@ class ContestStudy(Study):
         from functools import partial
 
         from owtsweep.comparing.compare import compare
-        from owtsweep.studies.base.comparing import describe_run
+        from owtsweep.studies.base.tables import describe_run
 
         describe = partial(describe_run, self.contest())
         return compare(comparison, folder, describe, metadata=metadata)
@@ -98,17 +99,15 @@ class DeclaredStudy(ContestStudy):
         """Return name -> description of each scheme."""
         return self._find("schemes", "SCHEMES").describe()  # type: ignore[no-any-return]
 
-    def describe_code(self, config: Any) -> Any:
-        """Return the names of all schemes: a user's class is not made when a run is read."""
-        from owtsweep.studies.base.schemes import list_names
+    def describe_code(self, config: Any) -> object:
+        """Return what a run stores of its schemes, so that reading it makes no user's class."""
+        table: SchemeTable = self._find("schemes", "SCHEMES")
+        return table.describe_stored(table.resolve_all(config.schemes))
 
-        return list_names(config.schemes)
-
-    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+    def hide_code(self, plain: dict[str, Any], described: object) -> dict[str, Any]:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
-        from owtsweep.studies.base.schemes import stand_in
-
-        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+        table: SchemeTable = self._find("schemes", "SCHEMES")
+        return {**plain, "schemes": table.stand_in(plain.get("schemes"), described)}
 
     def declaration(self) -> Declaration[Any, Any, Any, Any, Any, Any]:
         """Return what is the study's own."""

@@ -1,23 +1,75 @@
-"""Makes the tables of a contest: summary and best schemes."""
+"""The rows of a contest, and what is made of them: summary, best schemes, comparisons of runs."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
-from owtsweep.studies.base.contest import WAIT, WINDOW, Contest
+from owtsweep.studies.base.axes import Cell
+from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
 from owtsweep.studies.base.schemes import list_names
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import pandas as pd
 
 
-def make_tables(contest: Contest, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+class Judgement(NamedTuple):
+    """What a scheme's estimates of a record are worth: measure -> value, or why there are none."""
+
+    found: dict[str, float]
+    status: str = OK
+    reason: str = ""
+
+    @classmethod
+    def none(cls, status: str, reason: str) -> Judgement:
+        """Return that of a scheme that has no estimates."""
+        return cls({"": float("nan")}, status, reason)
+
+
+def make_rows(
+    scheme: str,
+    cell: Cell,
+    axes: Sequence[str],
+    replicates: Sequence[int],
+    judged: Sequence[Judgement],
+) -> pd.DataFrame:
+    """Return the rows of a block, one per record and measure; an axis that is not set is NaN.
+
+    Parameters
+    ----------
+    scheme, cell
+        The block's scheme, and the values of axes on which its rows depend.
+    axes
+        The names of all axes.
+    replicates, judged
+        The numbers of the records, and what the scheme's estimates of each are worth.
+    """
+    import pandas as pd
+
+    counts = [len(part.found) for part in judged]
+    status = np.repeat([part.status for part in judged], counts)
+    return pd.DataFrame(
+        {
+            **{axis: float(cell.get(axis, np.nan)) for axis in axes},
+            "scheme": scheme,
+            "replicate": np.repeat(replicates, counts),
+            "measure": [name for part in judged for name in part.found],
+            "window": np.where(status == OK, WINDOW, ""),
+            "value": [value for part in judged for value in part.found.values()],
+            "status": status,
+            "reason": np.repeat([part.reason for part in judged], counts),
+        }
+    )
+
+
+def make_tables(contest: Contest[C], config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Make the tables "summary" and "best_scheme" from a run's rows."""
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     measured = [name for name in contest.criteria if name in cube.measures]
@@ -27,7 +79,7 @@ def make_tables(contest: Contest, config: Any, rows: pd.DataFrame) -> dict[str, 
     }
 
 
-def make_cube(contest: Contest, config: Any, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
+def make_cube(contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
     """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
     axes = contest.find_axes(config)
     for axis in axes:
@@ -65,8 +117,23 @@ def find_waits(rows: pd.DataFrame) -> dict[str, float]:
     }
 
 
-def list_competing(config: Any, rows: pd.DataFrame) -> list[str]:
+def list_competing(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     """Return the schemes that do not wait; all of them if every one does."""
     waits = find_waits(rows)
     names = list_names(config.schemes)
     return [name for name in names if name not in waits] or names
+
+
+def describe_run(contest: Contest[C], run: Candidate) -> Aspects:
+    """Describe a run by its axes, schemes and criterion, and by what makes its records."""
+    config = run.config
+    return Aspects(
+        conditions=contest.find_conditions(config),
+        grid={axis: getattr(config.grid, axis) for axis in contest.find_axes(config)},
+        schemes=list_competing(config, run.rows),
+        criterion=config.criterion,
+        window=WINDOW,
+        pairing={key: getattr(config, key) for key in contest.pairing},
+        origin=list_origin(contest, config),
+        score="error",
+    )

@@ -2,37 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
 from owtsweep.errors import InputError, as_text, require
+from owtsweep.studies.base.contract import Scheme
 
-#: Most characters of a scheme's name: it stands in the cells and legends of figures.
-LONGEST_NAME = 60
+#: A scheme of any study.
+AnyScheme = Scheme[Any, Any, Any]
 
 
-def instantiate(entry: Mapping[str, Any], method: str, check: Callable[[Any, str], object]) -> Any:
+def make_scheme(
+    entry: Mapping[str, object], kind: type = Scheme, study: str = "<study>"
+) -> AnyScheme:
     """Make a user's scheme of its entry, whose other keys are the arguments of the class.
 
     Parameters
     ----------
     entry
         The mapping `{_target_: package.Class, ...}`.
-    method
-        The method that the class must have, e.g. "prepare(known)".
-    check
-        Function that checks the scheme; it is called with the scheme and the name of its class, and
-        raises `InputError`.
+    kind
+        The class of the study's schemes, from which the user's must derive.
+    study
+        The study's name.
 
     Raises
     ------
     InputError
-        If the class cannot be imported or made, lacks the method, or is refused by `check`.
+        If the class cannot be imported or made, is no scheme or one of another study, or states
+        something wrong of itself.
     """
-    target = entry["_target_"]
-    module_name, _, class_name = str(target).rpartition(".")
+    target = str(entry["_target_"])
+    module_name, _, class_name = target.rpartition(".")
     require(
         class_name != "" and module_name.strip(".") != "" and not module_name.startswith("."),
         f"schemes: _target_: {target!r} names no class; use {{_target_: package.Class}}",
@@ -40,14 +43,18 @@ def instantiate(entry: Mapping[str, Any], method: str, check: Callable[[Any, str
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
     advice = "the class must be importable (see PYTHONPATH) and take the given arguments"
     with blame_code(target, advice):
-        made = getattr(import_module(module_name), class_name)
+        made: object = getattr(import_module(module_name), class_name)
+        if not (isinstance(made, type) and issubclass(made, Scheme)):
+            raise InputError(f"it is no class that derives from owtsweep.schemes.{study}.Scheme")
         require(
-            isinstance(made, type) and callable(getattr(made, method.partition("(")[0], None)),
-            f"it is no class with a method {method}",
+            issubclass(made, kind),
+            f"schemes: {target} is a scheme of study={made.study}, not of study={study}",
         )
-        scheme = made(**arguments)
-        check(scheme, target)
-        str(getattr(made, "version", ""))  # a property that raises would do so in a sweep
+        lacking = sorted(made.__abstractmethods__)
+        require(not lacking, f"it lacks the method {' and '.join(lacking)}")
+        scheme: AnyScheme = made(**arguments)
+        require(isinstance(scheme, made), f"it makes a {type(scheme).__name__}")
+        scheme.check_declared()
     return scheme
 
 
@@ -75,19 +82,3 @@ def blame_code(target: str, advice: str) -> Iterator[None]:
         raise InputError(
             f"schemes: {target} cannot be made ({as_text(error)}); {advice}"
         ) from error
-
-
-def check_name(name: Any) -> None:
-    """Check that a scheme's name can be shown in tables, figures and a terminal.
-
-    Raises
-    ------
-    InputError
-        If the name is not a text, is empty, has more than `LONGEST_NAME` characters, or contains a
-        character that cannot be printed.
-    """
-    require(
-        isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable(),
-        f"schemes: the name {str(name)[:LONGEST_NAME]!r} cannot be used; give one of 1 to "
-        f"{LONGEST_NAME} printable characters",
-    )

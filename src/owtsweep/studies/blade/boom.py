@@ -8,7 +8,7 @@ accelerations are exact derivatives of each other at the accelerometers' own rat
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +29,7 @@ HIGHEST = 3.0
 ENDS = 20.0
 
 
-def make_boom(
-    config: BladeConfig, replicate: int, swing: NDArray[np.complexfloating[Any, Any]]
-) -> BoomMotion:
+def make_boom(config: BladeConfig, replicate: int, swing: NDArray[np.complex128]) -> BoomMotion:
     """Return the motion of the boom's tip in a record.
 
     Parameters

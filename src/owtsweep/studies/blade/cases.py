@@ -1,4 +1,4 @@
-"""Records of a cell, simulated or recorded: truth, what sensors say, how they begin."""
+"""Records of a cell, simulated or recorded: truth, what sensors say, and what schemes are told."""
 
 from __future__ import annotations
 
@@ -6,17 +6,23 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.believed import believe, draw_start, find_start_sigma
-from owtsweep.studies.blade.case import Conditions
+from owtsweep.streams import stream
+from owtsweep.studies.base.axes import Cell, list_cells
+from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import PLAN, Geometry, Measured, Setting, Truth
-from owtsweep.studies.blade.measuring import find_outages, measure
+from owtsweep.studies.blade.measuring import WALK_TIME, find_outages, measure
 from owtsweep.studies.blade.recorded_case import Lift, find_reference, load_lift
-from owtsweep.studies.blade.truth import Motion, make_truth
+from owtsweep.studies.blade.truth import Motion, choose_freedoms, make_truth
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
+
+#: A bias or a walk of zero is believed to be this part of the noise of a sample, so that its
+#: variance stays positive.
+LEAST = 1e-6
 
 
 class Case(NamedTuple):
@@ -42,9 +48,9 @@ class Case(NamedTuple):
     geometry: Geometry
     withheld: Array | None = None
 
-    def tell(self, config: BladeConfig, conditions: Conditions) -> Setting:
+    def tell(self, config: BladeConfig, cell: Cell) -> Setting:
         """Return what schemes know of the case, by the tuning of a configuration."""
-        return believe(config, conditions, self.start, self.start_sigma, self.geometry)
+        return believe(config, cell, self.start, self.start_sigma, self.geometry)
 
 
 class World(NamedTuple):
@@ -66,7 +72,7 @@ class World(NamedTuple):
     reference: Truth | None = None
 
 
-def make_world(config: BladeConfig, conditions: Conditions, replicate: int) -> World:
+def make_world(config: BladeConfig, cell: Cell, replicate: int) -> World:
     """Simulate the motion of a record, or read the recorded lift.
 
     Raises
@@ -75,21 +81,21 @@ def make_world(config: BladeConfig, conditions: Conditions, replicate: int) -> W
         If a recorded lift cannot be used.
     """
     if config.recorded.imu is None:
-        return World(replicate, make_truth(config, replicate, conditions))
+        return World(replicate, make_truth(config, replicate, cell))
     lift = load_lift(config)
-    return World(replicate, lift=lift, reference=find_reference(config, lift))
+    return World(replicate, lift=lift, reference=find_reference(lift, tell_of_lift(config, lift)))
 
 
-def observe(config: BladeConfig, conditions: Conditions, world: World) -> Case:
+def observe(config: BladeConfig, cell: Cell, world: World) -> Case:
     """Return the record of a cell; fixes of a recorded lift are withheld in outages."""
     if world.motion is not None:
-        measured = measure(config, world.motion, conditions, world.replicate)
+        measured = measure(config, world.motion, cell, world.replicate)
         start = draw_start(config, world.motion, world.replicate)
         return Case(world.motion.truth, measured, start, find_start_sigma(config), PLAN)
     lift = world.lift
     assert lift is not None
     assert world.reference is not None
-    hidden = find_outages(config, conditions.outage)[:, None, None]
+    hidden = find_outages(config, cell["outage"])[:, None, None]
     fixes = lift.measured.fixes
     return Case(
         world.reference,
@@ -99,3 +105,75 @@ def observe(config: BladeConfig, conditions: Conditions, world: World) -> Case:
         config.recorded.geometry,
         np.where(hidden, fixes, np.nan)[:, 0],
     )
+
+
+def believe(
+    config: BladeConfig,
+    cell: Cell,
+    start: tuple[Array, Array],
+    start_sigma: Array,
+    geometry: Geometry = PLAN,
+) -> Setting:
+    """Return what schemes know of a case that begins at `start`, by the section `filters`.
+
+    `start`, `start_sigma` and `geometry` are those of `contract.Setting`.
+    """
+    tuning, sensors = config.filters, config.sensors
+    receiver = sensors.receiver
+    told = tuning if tuning.noise == "declared" else config.unit
+    vertical = np.array([1.0, 1.0, sensors.vertical])
+    declared = tuning.noise == "declared"
+    fix_sigma = np.array(tuning.fix_sigma) if declared else cell["sigma"] * vertical
+    freedoms = list(choose_freedoms(config, cell).values())[:3]
+    walk = 1.0 / np.sqrt(WALK_TIME)
+    rate_sigma = np.deg2rad(told.rate_sigma)
+    return Setting(
+        step=1.0 / config.record.rate,
+        fix_sigma=fix_sigma,
+        float_sigma=fix_sigma if declared else np.hypot(fix_sigma, receiver.float_sigma * vertical),
+        force_sigma=told.force_sigma,
+        rate_sigma=rate_sigma,
+        force_bias=max(told.force_bias, LEAST * told.force_sigma),
+        rate_bias=max(np.deg2rad(told.rate_bias), LEAST * rate_sigma),
+        force_walk=walk * told.force_walk,
+        rate_walk=walk * np.deg2rad(told.rate_walk),
+        start=start,
+        start_sigma=start_sigma,
+        offset_sigma=tuning.offset_sigma,
+        lever_sigma=tuning.lever_sigma,
+        swing_sigma=np.array([sigma for _, _, sigma, _ in freedoms]),
+        swing_period=np.array([period for period, _, _, _ in freedoms]),
+        swing_damping=np.array([damping for _, damping, _, _ in freedoms]),
+        gust_sigma=np.array([gust for _, _, _, gust in freedoms]),
+        gust_time=config.motion.gust_time,
+        tuning=tuning,
+        geometry=geometry,
+    )
+
+
+def tell_of_lift(config: BladeConfig, lift: Lift) -> Setting:
+    """Return what schemes know of a recorded lift, at the grid's first cell."""
+    cell = list_cells(CONTEST.axes, config.grid)[0]
+    return believe(config, cell, lift.start, lift.start_sigma, config.recorded.geometry)
+
+
+def find_start_sigma(config: BladeConfig) -> Array:
+    """Return errors of the start: position (m), velocity (m/s), tilt and heading (rad)."""
+    sensors, unit = config.sensors, config.unit
+    tilt, heading = np.deg2rad([unit.tilt, unit.heading])
+    return np.array([sensors.start_position, sensors.start_velocity, tilt, heading])
+
+
+def draw_start(config: BladeConfig, motion: Motion, replicate: int) -> tuple[Array, Array]:
+    """Draw the given position and velocity (2, 3) and attitude (3, 3) of a record's first sample.
+
+    The error of the attitude turns the body: about x and y by the tilt's, about z by the heading's.
+    """
+    draw = stream(config.seed, config.study, (), replicate, "start").standard_normal((3, 3))
+    position, velocity, tilt, heading = find_start_sigma(config)
+    truth = motion.truth
+    given = np.stack([
+        truth.unit[0] + position * draw[0], truth.unit_velocity[0] + velocity * draw[1]
+    ])  # fmt: skip
+    turn = Rotation.from_rotvec(np.array([tilt, tilt, heading]) * draw[2]).as_matrix()
+    return given, truth.rotation[0] @ turn

@@ -10,10 +10,10 @@ from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
 from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.blade.boom import HIGHEST
+from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import DOF
 from owtsweep.studies.blade.schemes import SCHEMES
-from owtsweep.studies.blade.sections import AXES
-from owtsweep.studies.blade.tugger import hold
+from owtsweep.studies.blade.truth import hold
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
@@ -26,6 +26,8 @@ REACH, MOST_ANGLE = 3.0, 80.0
 MOST_BENDING = 1.5
 #: Fastest accelerometers on the boom, and what passes the filter before decimation, Hz.
 FASTEST, PASSED = 1000.0, 8.0
+#: Axes over which a recorded lift can be mapped: a belief, and fixes that are withheld.
+MAPPED = ("sigma", "outage")
 #: An antenna is on the blade.
 LONGEST_LEVER = 50.0
 
@@ -39,7 +41,7 @@ def check(config: BladeConfig) -> None:
         If two values cannot work together; the message says what would work.
     """
     SCHEMES.resolve_all(config.schemes)
-    check_axes(config.axes, config.grid, AXES, len(config.schemes))
+    check_axes(config.axes, config.grid, CONTEST.axes, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
     config.recorded.check()
     if config.recorded.imu is not None:
@@ -64,7 +66,7 @@ def _check_recorded(config: BladeConfig) -> None:
         grid.replicates == 1,
         f"grid.replicates: {grid.replicates}, but one lift was recorded; set grid.replicates=1",
     )
-    for name in ("offset", "period", "amplitude", "lever", "heading"):
+    for name in [axis for axis in CONTEST.axes if axis not in MAPPED]:
         values = getattr(grid, name)
         require(
             values is None or (len(values) == 1 and values[0] == 0.0),

@@ -7,13 +7,14 @@ from typing import ClassVar, Literal
 from owtsweep.config import Config, key
 from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
 from owtsweep.studies.blade.tuning import Tuned, Tuning
 
 
-class BladeConfig(TunedConfig):
+class BladeConfig(TunedConfig, ContestConfig):
     """The configuration of the blade study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and

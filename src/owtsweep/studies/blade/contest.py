@@ -2,10 +2,58 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.blade.conditions import CONDITIONS
 from owtsweep.studies.blade.measures import CRITERIA, list_measures
-from owtsweep.studies.blade.origin import describe_sensors, describe_truth
+from owtsweep.studies.blade.recorded import REFERENCE
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.config import BladeConfig
+
+#: The axes that the grid may have, of which a map shows two.
+CONDITIONS = (
+    Condition("sigma", "standard deviation of a GNSS fix", "m", scale="log", enters="sensors"),
+    Condition("outage", "length of an outage of GNSS", "s", enters="sensors"),
+    Condition("offset", "by what GNSS time stamps come late", "s", enters="sensors"),
+    Condition("period", "natural period of the swing", "s"),
+    Condition("amplitude", "standard deviation of the swing", "m", scale="log"),
+    Condition("lever", "error of the antenna's place", "m", enters="sensors"),
+    Condition("heading", "standard deviation of the heading", "deg", scale="log"),
+)
+#: Values of axes of which nothing needs to be said.
+USUAL = {"outage": 0.0, "offset": 0.0, "lever": 0.0}
+
+
+def describe_truth(config: BladeConfig) -> str:
+    """Return the motion and the length of the records in words."""
+    record, swing = config.record, config.motion.freedoms["u"]
+    if config.recorded.imu is not None:
+        return (
+            f"recorded lift, {record.duration:g} s at {record.rate:g} Hz; its reference is "
+            f"{REFERENCE} with all fixes"
+        )
+    parts = []
+    if "period" not in config.axes:
+        parts.append(f"{(config.grid.period or [swing.period])[0]:g} s")
+    if "amplitude" not in config.axes:
+        parts.append(f"{(config.grid.amplitude or [swing.sigma])[0]:g} m rms")
+    told = f", swing of {' and '.join(parts)}" if parts else ""
+    return f"rigid blade on a hook{told}; {record.duration:g} s at {record.rate:g} Hz"
+
+
+def describe_sensors(config: BladeConfig) -> str:
+    """Return in words what sensors do, the axes that have one value among it."""
+    told = [f"inertial unit of grade {config.grade}", f"GNSS at {config.sensors.fix_rate:g} Hz"]
+    for condition in CONDITIONS:
+        if condition.name in config.axes:
+            continue
+        values = getattr(config.grid, condition.name)
+        if values and values[0] != USUAL.get(condition.name):
+            told.append(f"{condition.label} {condition.show(values[0])}")
+    return ", ".join(told)
+
 
 CONTEST = Contest(
     conditions=CONDITIONS,

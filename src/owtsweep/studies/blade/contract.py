@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base.contract import Ready
+from owtsweep.studies.base import contract
+from owtsweep.studies.base.knowledge import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.tuning import Tuning
@@ -144,8 +145,8 @@ class Measured:
     boom: Accelerations | None = None
 
 
-@dataclass(frozen=True)
-class Setting:
+@dataclass(frozen=True, eq=False)
+class Setting(Knowledge):
     """All that a scheme may know beforehand of a case.
 
     Attributes
@@ -237,5 +238,7 @@ class Estimates:
     boom: Array | None = None
 
 
-#: A scheme made ready for one setting.
-Prepared = Ready[Measured, Estimates]
+class Scheme(contract.Scheme[Setting, Measured, Estimates]):
+    """A scheme of the blade study."""
+
+    study = "blade"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -13,8 +12,7 @@ from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
-from owtsweep.studies.blade.case import Conditions
-from owtsweep.studies.blade.cases import Case, World, make_world, observe
+from owtsweep.studies.blade.cases import Case, make_world, observe
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
@@ -42,28 +40,20 @@ UNITS = {
 }
 
 
-def list_content(config: BladeConfig) -> dict[str, Any]:
+def list_content(config: BladeConfig) -> dict[str, object]:
     """Return what the rows of every block depend on; files of a lift by their bytes."""
     whole = as_mapping(config)
     content = {name: whole[name] for name in CONTENT}
     recorded = config.recorded
     if recorded.imu is not None:
         imu, *gnss = (hash_file(expand_home(name)) for name in (recorded.imu, *recorded.gnss))
-        content["recorded"] |= {"imu": imu, "gnss": gnss}
+        content["recorded"] = whole["recorded"] | {"imu": imu, "gnss": gnss}
         content["reference"] = config.grid.sigma[0]
     return content
 
 
-def _make_truth(config: BladeConfig, cell: Cell, replicate: int) -> World:
-    return make_world(config, Conditions.of(cell), replicate)
-
-
-def _measure(config: BladeConfig, cell: Cell, world: World) -> Case:
-    return observe(config, Conditions.of(cell), world)
-
-
 def _inform(config: BladeConfig, cell: Cell, case: Case) -> dict[str, Part[Setting, Measured]]:
-    return {"": Part(case.tell(config, Conditions.of(cell)), case.measured)}
+    return {"": Part(case.tell(config, cell), case.measured)}
 
 
 def _score(
@@ -110,8 +100,8 @@ DECLARATION = Declaration(
     schemes=SCHEMES,
     list_content=list_content,
     most_records=lambda config: max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps)),
-    make_truth=_make_truth,
-    measure=_measure,
+    make_truth=make_world,
+    measure=observe,
     inform=_inform,
     score=_score,
     estimates={

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.believed import believe
-from owtsweep.studies.blade.case import list_cases
+from owtsweep.studies.blade.cases import tell_of_lift
 from owtsweep.studies.blade.contract import Setting, Truth
 from owtsweep.studies.blade.recorded_case import find_reference, load_lift
 
@@ -35,9 +34,7 @@ def warn_of_doubts(config: BladeConfig) -> None:
     if config.recorded.imu is None:
         return
     lift = load_lift(config)
-    setting = believe(
-        config, list_cases(config)[0], lift.start, lift.start_sigma, config.recorded.geometry
-    )
+    setting = tell_of_lift(config, lift)
     longest = float(np.linalg.norm(setting.geometry.levers, axis=1).max())
     if longest > LONGEST_RECORDED:
         logger.warning(
@@ -59,7 +56,7 @@ def warn_of_doubts(config: BladeConfig) -> None:
             TAKEN_FOR_BIAS,
         )
     if "PENDULUM" in config.schemes:
-        _warn_of_a_moving_hook(setting, find_reference(config, lift))
+        _warn_of_a_moving_hook(setting, find_reference(lift, setting))
 
 
 def _warn_of_a_moving_hook(setting: Setting, truth: Truth) -> None:

@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.sensing.faults import draw_outliers
+from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.streams import stream
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.boom import measure_boom
-from owtsweep.studies.blade.case import Conditions
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, Measured
-from owtsweep.studies.blade.receiver import draw_errors
 from owtsweep.studies.blade.truth import Motion
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
-    from owtsweep.studies.blade.sections import Unit
+    from owtsweep.studies.blade.sections import Receiver, Unit
 
 #: Time in s after which a walk of a bias is what the configuration says.
 WALK_TIME = 100.0
@@ -30,10 +31,8 @@ WALK_TIME = 100.0
 IRREGULAR = 0.3
 
 
-def measure(
-    config: BladeConfig, motion: Motion, conditions: Conditions, replicate: int
-) -> Measured:
-    """Return what the sensors say of a record under conditions."""
+def measure(config: BladeConfig, motion: Motion, cell: Cell, replicate: int) -> Measured:
+    """Return what the sensors say of a record in a cell of the grid."""
     draws = partial(stream, config.seed, config.study, (), replicate)
     truth, sensors = motion.truth, config.sensors
     steps, step = len(truth.rate), truth.step
@@ -45,16 +44,16 @@ def measure(
     due = find_due(config)
     direction = draws("lever").standard_normal(3)
     antennas = ANTENNAS.copy()
-    antennas[0] += conditions.lever * direction / np.linalg.norm(direction)
-    fixes = motion.locate(antennas, time - conditions.offset)
-    sigma = conditions.sigma * np.array([1.0, 1.0, sensors.vertical])
+    antennas[0] += cell["lever"] * direction / np.linalg.norm(direction)
+    fixes = motion.locate(antennas, time - cell["offset"])
+    sigma = cell["sigma"] * np.array([1.0, 1.0, sensors.vertical])
     fixes += sigma * draws("fix").standard_normal((steps, len(ANTENNAS), 3))
     interval, floating = 1.0 / sensors.fix_rate, np.zeros(steps, dtype=bool)
     added, floating[due] = draw_errors(
         sensors.receiver, draws, int(due.sum()), interval, sensors.vertical
     )
     fixes[due] += added[:, None]
-    fixes[~due | find_outages(config, conditions.outage)] = np.nan
+    fixes[~due | find_outages(config, cell["outage"])] = np.nan
 
     shown = _draw_prism_times(config, draws("prism_times"), steps * step)
     length = np.ptp(PRISMS[:, 0])
@@ -125,3 +124,71 @@ def _draw_prism_times(config: BladeConfig, draw: np.random.Generator, duration: 
     count = int(duration / mean / (1.0 - IRREGULAR)) + 2
     times = np.cumsum(mean * (1.0 + IRREGULAR * draw.uniform(-1.0, 1.0, count))) - 0.5 * mean
     return np.asarray(times[times < duration - 0.5 * mean])
+
+
+def draw_errors(
+    receiver: Receiver,
+    draws: partial[np.random.Generator],
+    count: int,
+    interval: float,
+    vertical: float,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Draw what is added to successive fixes, and which of them are float solutions.
+
+    All antennas of a record suffer these errors alike: they hear the same sky. The processes are
+    usual models, not measured ones; Maes et al. (2018) say nothing about errors but their size.
+
+    Parameters
+    ----------
+    receiver
+        The section `sensors.receiver`.
+    draws
+        Function that returns a random stream, given its name.
+    count, interval
+        Number of fixes, lost ones among them, and the time between two in s.
+    vertical
+        Vertical over horizontal errors.
+
+    Returns
+    -------
+    tuple
+        Errors in m, shape (count, 3), and whether the solution is float, shape (count,).
+    """
+    errors = np.zeros((count, 3))
+    floating = draw_states(receiver, draws("float"), count, interval)
+    slow = partial(draw_gauss_markov, time=receiver.red_time, step=interval, axes=3)
+    if receiver.red_sigma > 0.0:
+        errors += slow(draws("red"), count, sigma=receiver.red_sigma)
+    if floating.any():
+        drawn = slow(draws("float_error"), count, sigma=receiver.float_sigma)
+        errors += np.where(floating[:, None], drawn, 0.0)
+    if receiver.jump_every is not None:
+        errors += draw_outliers(
+            draws("jumps"),
+            draws("jump_offsets"),
+            count,
+            rate=min(receiver.jump_time / receiver.jump_every, 0.5),
+            sigma=receiver.jump_sigma,
+            length=max(round(receiver.jump_time / interval), 1),
+            axes=3,
+        )
+    return errors * [1.0, 1.0, vertical], floating
+
+
+def draw_states(
+    receiver: Receiver, draw: np.random.Generator, count: int, interval: float
+) -> NDArray[np.bool_]:
+    """Return at which fixes the solution is float, shape (count,).
+
+    A record begins with a fixed solution. The times that either state lasts are exponentially
+    distributed.
+    """
+    floating = np.zeros(count, dtype=bool)
+    if receiver.fixed_time is None:
+        return floating
+    time = draw.exponential(receiver.fixed_time)
+    while time < count * interval:
+        end = time + draw.exponential(receiver.float_time)
+        floating[int(np.ceil(time / interval)) : int(np.ceil(end / interval))] = True
+        time = end + draw.exponential(receiver.fixed_time)
+    return floating

@@ -18,9 +18,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded.timing import fit_comb
 from owtsweep.studies.blade.aligning import align
-from owtsweep.studies.blade.believed import believe
-from owtsweep.studies.blade.case import list_cases
-from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Truth
+from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Setting, Truth
 from owtsweep.studies.blade.recorded import REFERENCE
 from owtsweep.studies.blade.recorded_files import (
     EXTRA,
@@ -163,11 +161,8 @@ def _has_neighbour(due: NDArray[np.bool_], every: int) -> NDArray[np.bool_]:
     return np.asarray(near > 0)
 
 
-def find_reference(config: BladeConfig, lift: Lift) -> Truth:
-    """Return what stands for the truth: the smoother with all fixes, at the grid's first cell."""
-    setting = believe(
-        config, list_cases(config)[0], lift.start, lift.start_sigma, config.recorded.geometry
-    )
+def find_reference(lift: Lift, setting: Setting) -> Truth:
+    """Return what stands for the truth: the smoother with all fixes, told a setting."""
     measured = lift.measured
     found = SCHEMES.resolve(REFERENCE).prepare(setting).run(measured)
     to_unit = -setting.geometry.to_root

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,24 +179,27 @@ def _read_nmea(path: Path) -> Fixes:
         raise InputError(f"{path}: NMEA needs the package pynmeagps; {EXTRA}") from None
     from io import BytesIO
 
-    rows: list[tuple[Any, ...]] = []
+    rows: list[tuple[object, ...]] = []
     separated = set()
     try:
         for _, said in NMEAReader(BytesIO(read_bytes(path, MOST_BYTES)), quitonerror=ERR_RAISE):
-            quality = getattr(said, "quality", "")  # a sentence that is cut has none
-            if said is None or not said.identity.endswith("GGA") or quality == NO_FIX:
+            if said is None or not said.identity.endswith("GGA"):
+                continue
+            told = vars(said)  # of a sentence that is cut, not all
+            quality = told.get("quality", "")
+            if quality == NO_FIX:
                 continue
             require(
                 quality == "" or quality in QUALITIES,
                 f"{path}: GGA sentence {len(rows) + 1} has the quality {quality}, and NMEA has 0 "
                 f"to {QUALITIES[-1]}; cut damaged sentences out",
             )
-            apart: Any = getattr(said, "sep", "")
+            apart = told.get("sep", "")
             separated.add(apart != "")
-            altitude: Any = getattr(said, "alt", "")
+            altitude = told.get("alt", "")
             height = "" if altitude == "" else altitude + (apart or 0.0)
-            at: Any = getattr(said, "time", "")
-            place = (getattr(said, "lat", ""), getattr(said, "lon", ""), height)
+            at = told.get("time", "")
+            place = (told.get("lat", ""), told.get("lon", ""), height)
             found = {"time": at, "quality": quality, **dict(zip(GLOBE, place, strict=True))}
             wrong = [name for name, value in found.items() if value in ("", None)]
             wrong += [name for name in GLOBE if found[name] != found[name]]

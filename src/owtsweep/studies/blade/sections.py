@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from pydantic import field_validator
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
 from owtsweep.studies.blade.contract import DOF
-
-#: Axes of the grid that a map may have.
-AXES = ("sigma", "outage", "offset", "period", "amplitude", "lever", "heading")
 
 
 class Grid(Section):
@@ -93,7 +89,7 @@ class Motion(Section):
 
     @field_validator("freedoms", mode="before")
     @classmethod
-    def _name_freedoms(cls, value: Any) -> Any:
+    def _name_freedoms(cls, value: object) -> object:
         unknown = sorted(set(value) - set(DOF)) if isinstance(value, Mapping) else []
         if unknown:
             raise ValueError(f"no degree of freedom is called {unknown[0]}; use {', '.join(DOF)}")

@@ -8,6 +8,7 @@ pictures are printed (Figs. 9 and 10); sizes and periods are like theirs.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -31,14 +32,14 @@ from owtsweep.motion.lines import (
     scale_to_one,
 )
 from owtsweep.streams import stream
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.bending import Bending, make_bending
 from owtsweep.studies.blade.boom import make_boom
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
-from owtsweep.studies.blade.tugger import hold
 
 if TYPE_CHECKING:
-    from owtsweep.studies.blade.case import Conditions
     from owtsweep.studies.blade.config import BladeConfig
+    from owtsweep.studies.blade.sections import Freedom
 
 #: Resonances end at this multiple of their natural frequency, gusts at this frequency in Hz.
 HIGHEST, GUST_END = 3.0, 0.2
@@ -76,13 +77,13 @@ class Motion:
         return np.asarray(located)
 
 
-def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> Motion:
+def make_truth(config: BladeConfig, replicate: int, cell: Cell) -> Motion:
     """Make the motion of a record: `replicate` says which random numbers."""
     record = config.record
     step, steps = 1.0 / record.rate, record.steps
     late = max(max(config.grid.offset), config.sensors.prism_offset)
     lead = min(int(np.ceil(late * record.rate)) + 2, steps)
-    lines = _draw_lines(config, replicate, conditions, find_frequencies(steps, step))
+    lines = _draw_lines(config, replicate, cell, find_frequencies(steps, step))
     series = sample(lines, steps, step, lead)
     x, v, a = (part[lead:] for part in series)
     rotation = make_rotation(x[:, 3:])
@@ -115,7 +116,7 @@ def make_truth(config: BladeConfig, replicate: int, conditions: Conditions) -> M
 
 
 def _draw_lines(
-    config: BladeConfig, replicate: int, conditions: Conditions, frequency: Array
+    config: BladeConfig, replicate: int, cell: Cell, frequency: Array
 ) -> NDArray[np.complex128]:
     """Draw complex amplitudes of all degrees of freedom, in m and rad, shape (lines, 6)."""
     draws = partial(stream, config.seed, config.study, (), replicate)
@@ -126,7 +127,7 @@ def _draw_lines(
         0.0,
     )
     lines = np.zeros((len(frequency), len(DOF)), dtype=complex)
-    for column, (name, freedom) in enumerate(choose_freedoms(config, conditions).items()):
+    for column, (name, freedom) in enumerate(choose_freedoms(config, cell).items()):
         period, damping, sigma, gust = freedom
         swing = respond(frequency, period, damping, HIGHEST)
         for words, density, size in (("swing", swing, sigma), ("gust", gusts, gust)):
@@ -138,7 +139,7 @@ def _draw_lines(
 
 
 def choose_freedoms(
-    config: BladeConfig, conditions: Conditions
+    config: BladeConfig, cell: Cell
 ) -> dict[str, tuple[float, float, float, float]]:
     """Return of each degree of freedom period, damping, size and gusts, as a cell has them."""
     chosen = {}
@@ -150,9 +151,36 @@ def choose_freedoms(
             stiffness = getattr(tugger, name)
             period, damping, sigma, gust = hold(freedom, stiffness, tugger.damping)
         if name == "u":
-            period = conditions.period or period
-            sigma = conditions.amplitude or sigma
+            period = cell.get("period") or period
+            sigma = cell.get("amplitude") or sigma
         elif name == "heading":
-            sigma = conditions.heading or sigma
+            sigma = cell.get("heading") or sigma
         chosen[name] = (period, damping, sigma, gust)
     return chosen
+
+
+def hold(freedom: Freedom, stiffness: float, damping: float) -> tuple[float, float, float, float]:
+    """Return period, damping ratio, size and gusts of a freedom that tugger lines hold.
+
+    These are ropes with winches that hold the heading and the pitch of a hanging blade, a spring
+    and a damper beside those of the hook; the wind pushes as before. Then
+    the natural frequency is sqrt(1 + k) times what it was, and the variance of a resonance under
+    white noise falls with damping constant times stiffness, that of gusts, which are slow, with the
+    square of the stiffness.
+
+    Parameters
+    ----------
+    freedom
+        The degree of freedom without lines.
+    stiffness
+        Stiffness of the lines over that of the hook, k.
+    damping
+        Damping ratio that the lines would add without their stiffness.
+    """
+    stiffer, damper = 1.0 + stiffness, 1.0 + damping / freedom.damping
+    return (
+        freedom.period / math.sqrt(stiffer),
+        freedom.damping * damper / math.sqrt(stiffer),
+        freedom.sigma / math.sqrt(damper * stiffer),
+        freedom.gust / stiffer,
+    )

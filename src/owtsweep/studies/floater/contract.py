@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base.contract import Ready
+from owtsweep.studies.base import contract
+from owtsweep.studies.base.knowledge import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.tuning import Tuning
@@ -86,8 +87,8 @@ class Measured:
     specific_force: Array | None
 
 
-@dataclass(frozen=True)
-class Setting:
+@dataclass(frozen=True, eq=False)
+class Setting(Knowledge):
     """All that a scheme may know beforehand of a case.
 
     Attributes
@@ -161,5 +162,7 @@ class Estimates:
     wait: float = 0.0
 
 
-#: A scheme made ready for one setting.
-Prepared = Ready[Measured, Estimates]
+class Scheme(contract.Scheme[Setting, Measured, Estimates]):
+    """A scheme of the floater study."""
+
+    study = "floater"

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.evaluation.estimate import Reading
-from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stated
-from owtsweep.studies.floater.believed import make_setting
-from owtsweep.studies.floater.case import Conditions
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
 from owtsweep.studies.floater.measures import compare
-from owtsweep.studies.floater.measuring import measure
+from owtsweep.studies.floater.measuring import DRIFT_TIME, find_sigmas, measure, scale_accelerations
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
+from owtsweep.studies.floater.worlds import WORLDS
 
 #: Keys and sections of the configuration on which every row depends.
 CONTENT = ("seed", "record", "motion", "sensors", "filters")
@@ -55,12 +53,11 @@ class Record(NamedTuple):
     measured: Measured
 
 
-def list_content(config: FloaterConfig) -> dict[str, Any]:
+def list_content(config: FloaterConfig) -> dict[str, object]:
     """Return what the rows of every block depend on; a file of motion by its bytes."""
     whole = as_mapping(config)
     content = {name: whole[name] for name in CONTENT}
-    if config.motion.kind == "recorded" and config.motion.file is not None:
-        content["motion"] |= {"file": hash_file(expand_home(config.motion.file))}
+    content["motion"] = whole["motion"] | WORLDS[config.motion.kind].list_files(config.motion)
     return content
 
 
@@ -69,15 +66,53 @@ def _make_truth(config: FloaterConfig, cell: Cell, replicate: int) -> Truth:
 
 
 def _measure(config: FloaterConfig, cell: Cell, truth: Truth) -> Record:
-    conditions = Conditions.of(cell)
-    return Record(truth.motion, measure(config, truth.motion, conditions, truth.replicate))
+    return Record(truth.motion, measure(config, truth.motion, cell, truth.replicate))
+
+
+def make_setting(config: FloaterConfig, motion: Motion, cell: Cell) -> Setting:
+    """Return what schemes know beforehand of a cell, by the section `filters`."""
+    tuning, truth, body = config.filters, motion.truth, config.sensors.frame == "body"
+    sigmas = find_sigmas(config, motion, cell["snr"])
+    wrong = np.sqrt(cell["believed"])
+    size = scale_accelerations(config, motion)
+    noise = tuning.process_share * size if tuning.process == "declared" else sigmas.acceleration
+    share = tuning.bias_share if tuning.bias == "ignored" else cell["bias"]
+    drift = config.sensors.bias_drift if tuning.bias == "truth" else 0.0
+    bias, walk = share * size, drift / np.sqrt(DRIFT_TIME) * size
+    if body:  # angular accelerations are not measured: they are themselves the noise
+        noise = np.concatenate(
+            [noise, tuning.angular_share * truth.acceleration[:, 3:].std(axis=0)]
+        )
+        bias, walk = (np.concatenate([each, np.zeros(3)]) for each in (bias, walk))
+    delay = {
+        "ignored": 0.0,
+        "declared": tuning.delay_declared,
+        "truth": cell["delay"] * truth.step,
+    }[tuning.delay]
+    moved = [part.std(axis=0) for part in (truth.position, truth.velocity, truth.acceleration)]
+    return Setting(
+        step=truth.step,
+        position_sigma=wrong * sigmas.position,
+        rate_sigma=wrong * sigmas.rate,
+        acceleration_sigma=noise,
+        bias_sigma=bias,
+        bias_walk=walk,
+        delay=delay,
+        motion_sigma=np.stack(moved),
+        frequency=WORLDS[config.motion.kind].find_frequencies(config.motion, truth),
+        body=body,
+        zeros=config.sensors.lost_as == "zeros",
+        tuning=tuning,
+        start=None
+        if tuning.start == "report"
+        else np.stack([truth.position[0], truth.velocity[0]]),
+    )
 
 
 def _inform(
     config: FloaterConfig, cell: Cell, record: Record
 ) -> dict[str, Part[Setting, Measured]]:
-    setting = make_setting(config, record.motion, Conditions.of(cell))
-    return {"": Part(setting, record.measured)}
+    return {"": Part(make_setting(config, record.motion, cell), record.measured)}
 
 
 def _score(

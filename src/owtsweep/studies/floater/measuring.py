@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.sensing.faults import Losses
 from owtsweep.streams import stream
-from owtsweep.studies.floater.case import Conditions
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.floater.contract import Measured
 from owtsweep.studies.floater.truth import Motion
 
@@ -86,16 +86,14 @@ def scale_accelerations(config: FloaterConfig, motion: Motion) -> Array:
     return np.asarray(motion.truth.acceleration[:, :columns].std(axis=0))
 
 
-def measure(
-    config: FloaterConfig, motion: Motion, conditions: Conditions, replicate: int
-) -> Measured:
-    """Return what the sensors say of a record under conditions."""
+def measure(config: FloaterConfig, motion: Motion, cell: Cell, replicate: int) -> Measured:
+    """Return what the sensors say of a record in a cell of the grid."""
     draws = partial(stream, config.seed, config.study, (), replicate)
     truth, sensors = motion.truth, config.sensors
     steps, step = len(truth.position), truth.step
-    sigmas = find_sigmas(config, motion, conditions.snr)
+    sigmas = find_sigmas(config, motion, cell["snr"])
     jitter = sensors.jitter * step * draws("jitter").standard_normal(steps)
-    age = np.clip(conditions.delay * step + jitter, 0.0, None)  # nobody reports the future
+    age = np.clip(cell["delay"] * step + jitter, 0.0, None)  # nobody reports the future
     position = motion.at(step * np.arange(steps) - age)
     wandering = wander(config, motion, draws("process"))
     if wandering is not None:
@@ -104,7 +102,7 @@ def measure(
             [np.interp(shown, np.arange(steps), column) for column in wandering[0].T]
         )
     position += sigmas.position * draws("position").standard_normal((steps, 6))
-    lost = _lose(config, conditions.loss, draws("loss"))
+    lost = _lose(config, cell["loss"], draws("loss"))
     due = _find_due(config)
     lost &= due
     position[lost] = 0.0 if sensors.lost_as == "zeros" else np.nan
@@ -118,7 +116,7 @@ def measure(
     felt = (
         felt + sigmas.acceleration * draws("acceleration").standard_normal((steps, 6))[:, :columns]
     )
-    felt += _draw_bias(config, conditions.bias, draws, steps)[:, :columns] * scale_accelerations(
+    felt += _draw_bias(config, cell["bias"], draws, steps)[:, :columns] * scale_accelerations(
         config, motion
     )
     body = sensors.frame == "body"

@@ -23,8 +23,8 @@ from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.units import find_dimension, find_factor
 from owtsweep.studies.floater.attitude import STEEPEST
+from owtsweep.studies.floater.config import Motion as MotionSection
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.sections import Motion as MotionSection
 
 #: Names of the columns of velocities and accelerations; all signals but time.
 VELOCITIES, ACCELERATIONS = ("u", "v", "w", "p", "q", "r"), ("ax", "ay", "az")
@@ -36,13 +36,23 @@ DIMENSION = {"m": "length", "rad": "angle", "m/s": "velocity", "m/s^2": "acceler
 UNEVEN, OTHER_STEP = 0.05, 1e-3
 
 
-def read_motion(motion: MotionSection, *, steps: int, step: float, lead: int) -> Series:
+def read_motion(
+    motion: MotionSection,
+    stream: object,
+    *,
+    steps: int,
+    step: float,
+    lead: int,
+    roll: float | None = None,
+) -> Series:
     """Read a recorded motion; before the record it rests at its first position.
 
     Parameters
     ----------
     motion
         The section `motion`, with a file.
+    stream, roll
+        Not used: nothing is random, and the roll is that of the file.
     steps, step
         Number of samples that are taken from the file's beginning, and sampling interval (s).
     lead

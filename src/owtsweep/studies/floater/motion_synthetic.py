@@ -1,24 +1,23 @@
-"""Draws the motion of a floating structure: slow resonances and waves, in six degrees of freedom.
+"""Simulates a floating structure in six degrees of freedom: in waves, or released in still water.
 
-Each degree of freedom is a sum of lines with random phases that repeats after twice the record, so
-nothing repeats inside one, and the motion before it is known. Position, velocity and acceleration
-are exact derivatives of each other. A resonance is white noise through an oscillator, up to
-`HIGHEST` times its natural frequency; waves have a JONSWAP spectrum up to the same multiple of its
-peak. Above that there is no motion: an accelerometer would see what a basin calls noise.
+In waves each degree of freedom is a sum of lines with random phases that repeats after twice the
+record, so nothing repeats inside one, and the motion before it is known. Position, velocity and
+acceleration are exact derivatives of each other. A resonance is white noise through an oscillator,
+up to `HIGHEST` times its natural frequency; waves have a JONSWAP spectrum up to the same multiple
+of its peak. Above that there is no motion: an accelerometer would see what a basin calls noise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series, find_frequencies, respond, sample, scale_to_one
+from owtsweep.studies.floater.config import Motion as MotionSection
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.sections import Motion as MotionSection
 from owtsweep.waves import Sea
 
 #: Lines end at this multiple of a natural frequency, and of the waves' peak.
@@ -96,7 +95,7 @@ def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
 
 def _draw_lines(
     density: Array, coupling: float, stream: Callable[[str], np.random.Generator], words: str
-) -> NDArray[np.complexfloating[Any, Any]]:
+) -> NDArray[np.complex128]:
     """Draw complex amplitudes with a variance of 1 per column, shape (lines, 6).
 
     Lines of a coupled degree of freedom have the correlation `coupling` with those that it follows.
@@ -108,4 +107,50 @@ def _draw_lines(
     for name, (leader, sign) in COUPLED.items():
         own = np.sqrt(1.0 - coupling**2)
         units[name] = sign * coupling * units[leader] + own * units[name]
-    return scale_to_one(np.sqrt(density) * np.column_stack([units[name] for name in DOF]))
+    drawn = scale_to_one(np.sqrt(density) * np.column_stack([units[name] for name in DOF]))
+    return np.asarray(drawn, dtype=np.complex128)
+
+
+def decay(
+    motion: MotionSection,
+    stream: object,
+    *,
+    steps: int,
+    step: float,
+    lead: int,
+    roll: float | None = None,
+) -> Series:
+    """Return a free decay from the deflections `resonance.sigma`, at rest before time 0.
+
+    That is a moored buoy, pulled out and released in still water (section 3.2).
+
+    Parameters
+    ----------
+    motion
+        The section `motion`.
+    stream
+        Not used: nothing is random.
+    steps, step
+        Number of samples and sampling interval (s).
+    lead
+        Number of samples before the release.
+    roll
+        Deflection of roll in degrees, in place of the section's; None: that.
+    """
+    time = step * (np.arange(lead + steps) - lead)
+    moving = time >= 0.0
+    later = np.where(moving, time, 0.0)
+    columns = []
+    for name in DOF:
+        freedom = motion.freedoms[name]
+        unit = 1.0 if name in "xyz" else np.pi / 180.0
+        size = freedom.resonance.sigma if roll is None or name != "phi" else roll
+        zeta, natural = freedom.resonance.damping, 2.0 * np.pi / freedom.resonance.period
+        damped = natural * np.sqrt(1.0 - zeta**2)
+        faded = size * np.exp(-zeta * natural * later)
+        cosine, sine = np.cos(damped * later), np.sin(damped * later)
+        position = faded * (cosine + zeta * natural / damped * sine)
+        velocity = -faded * natural**2 / damped * sine
+        acceleration = -(natural**2) * position - 2.0 * zeta * natural * velocity
+        columns.append(unit * np.stack([freedom.mean + position, velocity, acceleration * moving]))
+    return Series(*np.stack(columns, axis=-1))

@@ -13,9 +13,7 @@ from owtsweep.motion.lines import Series, interpolate
 from owtsweep.streams import stream
 from owtsweep.studies.floater.attitude import find_body_rates, find_specific_force
 from owtsweep.studies.floater.contract import Truth
-from owtsweep.studies.floater.motion_decay import decay
-from owtsweep.studies.floater.motion_recorded import read_motion
-from owtsweep.studies.floater.motion_synthetic import draw_motion
+from owtsweep.studies.floater.worlds import WORLDS
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig
@@ -67,13 +65,8 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
     record, motion = config.record, config.motion
     step, steps = 1.0 / record.rate, record.steps
     lead = min(int(np.ceil(max(config.grid.delay))) + MARGIN, steps)
-    if motion.kind == "recorded":
-        series = read_motion(motion, steps=steps, step=step, lead=lead)
-    elif motion.kind == "decay":
-        series = decay(motion, steps=steps, step=step, lead=lead, roll=roll)
-    else:
-        draws = partial(stream, config.seed, config.study, (), replicate)
-        series = draw_motion(motion, draws, steps=steps, step=step, lead=lead, roll=roll)
+    draws = partial(stream, config.seed, config.study, (), replicate)
+    series = WORLDS[motion.kind].draw(motion, draws, steps=steps, step=step, lead=lead, roll=roll)
     position, velocity, acceleration = (part[lead:] for part in series)
     angles = position[:, 3:]
     truth = Truth(

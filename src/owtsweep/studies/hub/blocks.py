@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from itertools import groupby, pairwise
 from typing import Any
 
@@ -16,12 +17,14 @@ import pandas as pd
 
 from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import run_estimator
+from owtsweep.results.conditions import Value
 from owtsweep.studies.hub import measures
-from owtsweep.studies.hub.batch import OwnKernel, Sums, sum_errors
-from owtsweep.studies.hub.chain import Chain, chain_for_runs
+from owtsweep.studies.hub.batch import Sums, sum_errors
+from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.conditions import list_condition_names
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.known import Estimator, Known
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.records import Records, make_records_at
 from owtsweep.studies.hub.resolving import resolve_all, under
@@ -49,26 +52,33 @@ def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
 
 def runs_chain(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs as a `Chain`, beside other chains."""
-    return _suits_kernels(config) and hasattr(scheme, "kernel")
+    return _suits_kernels(config) and scheme.batched == "chain"
 
 
 def runs_itself(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs by a compiled kernel of its own, an `OwnKernel`."""
-    return _suits_kernels(config) and hasattr(scheme, "own_kernel")
+    return _suits_kernels(config) and scheme.batched == "own"
 
 
 def _suits_kernels(config: HubConfig) -> bool:
     return config.engine == "batch" and not config.sensors.gnss.loses
 
 
-def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
+def start(scheme: Scheme, known: Known) -> Estimator:
     """Return a new estimator of a scheme, which runs step by step.
 
     With the key engine=batch, the estimator is compiled if the scheme has a compiled one.
     """
-    if config.engine == "batch" and hasattr(scheme, "stream"):
-        return scheme.stream(sensors, config)  # type: ignore[no-any-return]
-    return scheme.start(sensors, config)  # type: ignore[no-any-return]
+    return scheme.stream(known) if known.tuning.engine == "batch" else scheme.start(known)
+
+
+def tell(
+    scheme: Scheme, known: Known, conditions: Mapping[str, Value], amplitude: float | None
+) -> Known:
+    """Return what a scheme knows: with the motion of the case, if it must be told."""
+    if not scheme.told_motion:
+        return known
+    return replace(known, natural_period=float(conditions["natural_period"]), amplitude=amplitude)
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
@@ -97,10 +107,9 @@ def _run_one_tuning(
     ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):
         scheme, amplitude = schemes[block.content["scheme"]], block.content.get("amplitude")
-        if hasattr(scheme, "told"):
-            scheme = scheme.told(config, records.conditions["natural_period"], amplitude)
+        known = tell(scheme, Known(records.sensors, config), records.conditions, amplitude)
         if runs_itself(config, scheme):
-            rows = _by_own_kernel(config, scheme, records, block.content["amplitude"])
+            rows = _by_own_kernel(scheme, known, records, block.content["amplitude"])
         elif runs_chain(config, scheme):
             if number not in ready:
                 together = {
@@ -116,7 +125,7 @@ def _run_one_tuning(
             rows = result
         else:
             settled = _settled(config, records)
-            (rows,) = _frames([_by_loop(config, scheme, records, settled, amplitude)])
+            (rows,) = _frames([_by_loop(scheme, known, records, settled, amplitude)])
         yield block, rows
 
 
@@ -149,7 +158,7 @@ def _joined(columns: list[Any]) -> Any:
 
 def _by_kernels(
     config: HubConfig,
-    schemes: Mapping[int, Any],
+    schemes: Mapping[int, Scheme],
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
@@ -185,7 +194,7 @@ def _by_kernels(
 
 def _run_chains(
     config: HubConfig,
-    schemes: Mapping[int, Any],
+    schemes: Mapping[int, Scheme],
     chains: Mapping[int, Chain],
     records: Records,
     amplitude: float | None,
@@ -207,10 +216,10 @@ def _run_chains(
 
 
 def _by_own_kernel(
-    config: HubConfig, scheme: Any, records: Records, amplitude: float
+    scheme: Scheme, known: Known, records: Records, amplitude: float
 ) -> pd.DataFrame:
     """Run a scheme by a kernel of its own at an amplitude (m); return the rows."""
-    kernel: OwnKernel = scheme.own_kernel(records.sensors, config, records.steps)
+    kernel, config = scheme.own_kernel(known, records.steps), known.tuning
     keep = config.measures.extremes
     sums = kernel.sum_errors(records, _settled(config, records), amplitude, keep_squared=keep)
     (rows,) = _frames([_from_sums(sums, scheme.name, records, amplitude)])
@@ -218,7 +227,7 @@ def _by_own_kernel(
 
 
 def _chains(
-    config: HubConfig, schemes: Sequence[Any], records: Records
+    config: HubConfig, schemes: Sequence[Scheme], records: Records
 ) -> Iterable[Chain | Exception]:
     """Make the chain of each scheme, its form for the kernels; use threads if cores are free.
 
@@ -226,9 +235,11 @@ def _chains(
     this exception in place of the chain. KeyboardInterrupt is raised.
     """
 
-    def made(scheme: Any) -> Chain | Exception:
+    known = Known(records.sensors, config)
+
+    def made(scheme: Scheme) -> Chain | Exception:
         try:
-            chain: object = chain_for_runs(scheme, records.sensors, config, records.steps)
+            chain: object = scheme.kernel_for_runs(known, records.steps)
         except KeyboardInterrupt:
             raise
         except Exception as error:
@@ -278,8 +289,8 @@ def _from_sums(
 
 
 def _by_loop(
-    config: HubConfig,
     scheme: Scheme,
+    known: Known,
     records: Records,
     settled: int,
     amplitude: float | None,
@@ -289,7 +300,7 @@ def _by_loop(
         for index, replicate in enumerate(part.replicates):
             try:
                 with np.errstate(over="ignore", invalid="ignore"):  # told as the reason
-                    measured = _looped(config, scheme, part, settled, amplitude, index)
+                    measured = _looped(scheme, known, part, settled, amplitude, index)
                 if not np.all(np.isfinite(measured.products)):
                     raise ValueError("squares of the errors are too large, or no numbers")
                 rows = measures.table(conditions, [replicate], scheme.name, measured, amplitude)
@@ -303,8 +314,8 @@ def _by_loop(
 
 
 def _looped(
-    config: HubConfig,
     scheme: Scheme,
+    known: Known,
     records: Records,
     settled: int,
     amplitude: float | None,
@@ -320,7 +331,7 @@ def _looped(
     observed.fixes[np.isnan(noise.fixes)] = np.nan
     if amplitude is None:
         responses = [
-            run_estimator(start(config, scheme, sensors), *part, sensors.fix_interval)
+            run_estimator(start(scheme, known), *part, sensors.fix_interval)
             for part in (observed, noise)
         ]
         return measures.from_trajectories(responses[0], responses[1], truth, settled)
@@ -328,6 +339,6 @@ def _looped(
         amplitude * observed.specific_force + noise.specific_force,
         amplitude * observed.fixes + noise.fixes,
     )
-    response = run_estimator(start(config, scheme, sensors), *whole, sensors.fix_interval)
-    extremes = config.measures.extremes
+    response = run_estimator(start(scheme, known), *whole, sensors.fix_interval)
+    extremes = known.tuning.measures.extremes
     return measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)

@@ -7,13 +7,9 @@ sensors and tuning. The gains of a chain serve all periods, amplitudes and recor
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, wraps
-from operator import attrgetter
-from threading import Lock
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,7 +19,6 @@ from owtsweep.estimation.gains import GainSchedule, schedule
 from owtsweep.estimation.predictor import prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import (
     NO_LEAN,
@@ -31,9 +26,9 @@ from owtsweep.studies.hub.kernels.layout import (
     HorizonArrays,
     PredictorArrays,
 )
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
 from owtsweep.studies.hub.predictor import predictor_arrays
-from owtsweep.vectors import choose
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.fix_lines import Line
@@ -167,67 +162,8 @@ def _precision(covariance: Array) -> Array:
     return result
 
 
-Kernel = Callable[..., Chain]
-
-
-def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
-    """Make a scheme's chain, its form for the batch engine, for records of `steps` IMU steps.
-
-    `tuning` is the study's configuration. If the scheme's method `kernel` is decorated by `shared`,
-    the chain lacks the covariances that a run does not need.
-    """
-    options = {"for_runs": True} if getattr(scheme.kernel, "keeps_chains", False) else {}
-    made: Chain = scheme.kernel(sensors, tuning, steps, **options)
-    return made
-
-
-def shared(kernel: Kernel) -> Kernel:
-    """Decorate a scheme's method `kernel` with a cache, so that all records share one chain.
-
-    A chain is the scheme's form for the batch engine. The decorated method makes it once for given
-    sensors, tuning and length of the records. The scheme's attribute `sections` names the sections
-    of the configuration on which the chain depends.
-    """
-
-    @wraps(kernel)
-    def cached(
-        self: Any,
-        sensors: Sensors,
-        tuning: Any,
-        steps: int = LONGEST_TRANSIENT,
-        *,
-        for_runs: bool = False,
-    ) -> Chain:
-        choose(tuning.compute.vectors)  # every run needs a chain before its first kernel
-        sections = tuple(repr(attrgetter(section)(tuning)) for section in self.sections)
-        key = (type(self), sensors, steps, for_runs, *sections)
-        with _LOCK:
-            making = _MAKING.setdefault(key, Lock())
-        with making:  # only threads that need the same chain wait
-            with _LOCK:
-                chain = _CHAINS.get(key)
-            if chain is None:
-                made = kernel(self, sensors, tuning, steps)
-                chain = made.for_runs() if for_runs else made
-                with _LOCK:
-                    _CHAINS[key] = chain
-                    while len(_CHAINS) > _KEPT_CHAINS:
-                        _MAKING.pop(_CHAINS.popitem(last=False)[0], None)
-            return chain
-
-    vars(cached)["keeps_chains"] = True
-    return cached
-
-
 #: Number of rows of a gain schedule whose covariances are computed at once.
 _ROWS_AT_ONCE = 8192
-
-#: Greatest number of chains in the cache: four schemes under each of two tunings, and three
-#: baselines. A chain whose gains settle slowly takes up to 100 MB.
-_KEPT_CHAINS = 11
-_CHAINS: OrderedDict[Any, Chain] = OrderedDict()
-_MAKING: dict[Any, Lock] = {}
-_LOCK = Lock()
 
 
 def chain(

@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 from owtsweep.comparing.comparison import Aspects, Candidate
-from owtsweep.studies.hub.conditions import BOUNDARY, get_conditions, get_grid
+from owtsweep.studies.hub.conditions import get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
 from owtsweep.studies.hub.expected import answers
 from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import list_origin
-from owtsweep.studies.hub.plant import describe_content, is_plant
 from owtsweep.studies.hub.resolving import scheme_names
-
-#: The keys on which a record's motion depends, besides natural period and replicate. Changing
-#: sigma, delay, rate, bias or tuning changes neither the motion's phases nor the draws of the
-#: noise.
-PAIRING = ("seed", "record", "spectrum", "band", "normalise")
-#: These keys with motion=plant, besides the plant itself.
-PAIRING_OF_PLANT = ("seed", "record")
+from owtsweep.studies.hub.worlds import find_world
 
 
 def describe_run(run: Candidate) -> Aspects:
@@ -28,10 +21,10 @@ def describe_run(run: Candidate) -> Aspects:
     """
     config: HubConfig = run.config
     window = config.measures.window
-    samples = ENGINES[config.engine]().samples
-    pairing = {key: getattr(config, key) for key in PAIRING}
-    if is_plant(config):
-        pairing = {key: getattr(config, key) for key in PAIRING_OF_PLANT} | describe_content(config)
+    samples = ENGINES[config.engine](find_world(config)).samples
+    world = find_world(config)
+    # sigma, delay, rate, bias and tuning change neither the motion's phases nor the draws of noise
+    pairing = {"seed": config.seed, "record": config.record, **world.list_pairing(config)}
     return Aspects(
         conditions=get_conditions(config),
         grid=get_grid(config),
@@ -39,7 +32,7 @@ def describe_run(run: Candidate) -> Aspects:
         criterion=config.measures.criterion,
         window=window,
         pairing=pairing,
-        boundary=None if is_plant(config) else BOUNDARY,
+        boundary=world.boundary,
         origin=list_origin(config),
         beside=list_baselines(config),
         best_of=None

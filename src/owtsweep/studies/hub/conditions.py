@@ -1,4 +1,4 @@
-"""The conditions of the hub study: natural period and amplitude, or those of the plant."""
+"""The conditions that a configuration sweeps over, its maps, and its cube of rows."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from owtsweep.results.conditions import Condition, Grid, Value
-from owtsweep.studies.hub.plant import LAYERS, SEA_CONDITIONS, get_sea_grid, is_plant
+from owtsweep.studies.hub.worlds import find_world
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,37 +15,20 @@ if TYPE_CHECKING:
     from owtsweep.results.cube import Cube
     from owtsweep.studies.hub.config import HubConfig
 
-NATURAL_PERIOD = Condition(
-    "natural_period", "natural period", "s", in_streams=True, plural="periods"
-)
-AMPLITUDE = Condition(
-    "amplitude", "motion amplitude", "m", scale="log", expands=True, plural="amplitudes"
-)
-#: The conditions of motion=spectrum.
-CONDITIONS = (NATURAL_PERIOD, AMPLITUDE)
 #: The order of measures in tables.
 MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
 #: The measures that decide whether two schemes coincide.
 CRITERIA = ("position", "velocity")
-#: The schemes whose boundary is reported: the first is better at amplitudes below the boundary,
-#: the second above.
-BOUNDARY = ("HME2", "HME1")
 
 
 def get_conditions(config: HubConfig) -> tuple[Condition, ...]:
-    """Return the conditions, which are the axes of the grid.
-
-    They are natural period and amplitude; with motion=plant, they are sea state (hs and tp), blades
-    and friction angle.
-    """
-    return SEA_CONDITIONS if is_plant(config) else CONDITIONS
+    """Return the conditions, which are the axes of the grid."""
+    return find_world(config).conditions
 
 
 def get_grid(config: HubConfig) -> Grid:
     """Return name of a condition -> list of the values that the configuration gives it."""
-    if is_plant(config):
-        return get_sea_grid(config.motion)
-    return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
+    return find_world(config).get_grid(config)
 
 
 def list_condition_names(config: HubConfig) -> list[str]:
@@ -66,15 +49,8 @@ def list_record_conditions(config: HubConfig) -> Iterator[dict[str, Value]]:
 
 
 def get_map_conditions(config: HubConfig) -> tuple[Condition, ...]:
-    """Return the conditions, with the two first that a map has as axes.
-
-    With motion=plant, the axes are the first two conditions with more than one value.
-    """
-    conditions = get_conditions(config)
-    if not is_plant(config):
-        return conditions
-    grid = get_grid(config)
-    return tuple(sorted(conditions, key=lambda condition: len(grid[condition.name]) < 2))
+    """Return the conditions, with the two first that a map has as axes."""
+    return find_world(config).order_axes(config)
 
 
 def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
@@ -97,17 +73,6 @@ def select(table: pd.DataFrame, at: Mapping[str, Value]) -> pd.DataFrame:
     for name, value in at.items():
         table = table[table[name] == value]
     return table
-
-
-def describe_values(config: HubConfig, at: Mapping[str, Value]) -> str:
-    """Return values of conditions in words, e.g. "hs 2 m, blades 0"; "" for no condition.
-
-    A soil that keeps its own layers is not mentioned.
-    """
-    named = {condition.name: condition for condition in get_conditions(config)}
-    return ", ".join(
-        f"{named[name].word} {named[name].show(v)}" for name, v in at.items() if v != LAYERS
-    )
 
 
 def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False) -> Cube:

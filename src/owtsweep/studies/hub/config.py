@@ -7,11 +7,12 @@ Units are SI, but angles (wave direction) are in degrees. The sections are in `s
 from __future__ import annotations
 
 import re
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from owtsweep.config import Config, Finite, Positive, key, require
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
+from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.hub.scheme_sections import FilterTuning, Hme, Skf, Switch, Tuning
 from owtsweep.studies.hub.sections import (
     Grid,
@@ -80,7 +81,9 @@ class HubConfig(TunedConfig):
         "name: the sections ekf, mkf, hme1, hme2, hme of this tuning; only with several tunings",
         default={},
     )
-    schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
+    schemes: SchemeEntries = key(
+        "names, or {_target_: package.Class, ...} for a scheme of your own"
+    )
     baselines: list[Literal["NONE", "HOLD", "DELTA"]] = key(
         "shown beside the schemes: no estimator, the last fix, the last two fixes extrapolated; "
         "[]: none",

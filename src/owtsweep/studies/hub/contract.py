@@ -1,137 +1,137 @@
-"""The interface between the hub study and a scheme, be it the package's own or a user's."""
+"""The contract between the hub study and a scheme, be it the package's own or a user's."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Literal, NamedTuple, NoReturn
 
-import numpy as np
+from numpy.typing import ArrayLike
 
-from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import Estimate
-from owtsweep.gravity import GRAVITY
+from owtsweep.errors import require
+from owtsweep.evaluation.loop import run_estimator
+from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.studies.base import contract
+from owtsweep.studies.hub.known import ZERO, Estimator, Known, Measured
 
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.batch import OwnKernel
+    from owtsweep.studies.hub.chain import Chain
+    from owtsweep.studies.hub.config import HubConfig
 
-@dataclass(frozen=True)
-class Sensors:
-    """The properties of IMU and GNSS that an estimator may know.
-
-    Attributes
-    ----------
-    step
-        Sampling interval T_a of the IMU, s.
-    fix_interval
-        Number M of IMU steps between position fixes, which arrive at steps 0, M, 2 M, ...
-    delay
-        Number N_d of IMU steps from the instant whose position a fix reports to the fix's arrival.
-    position_sigma, force_sigma
-        Standard deviations per axis: of a fix (m) and of an IMU sample (m/s^2).
-    bias_walk
-        Intensity of the bias' Wiener process, m/s^2/sqrt(s).
-    yaw
-        Fixed yaw psi of the IMU, rad.
-    gravity
-        Horizontal part of gravity, north and east, m/s^2.
-    tilt
-        Lean of the IMU per displacement, rad/m. The paper neglects it (section 3, assumption 2).
-    high_pass
-        Corner of the IMU's AC coupling, Hz, or None. Estimators of the package do not use it.
-    fix_scale
-        Position in a fix per true position. Estimators of the package do not use it.
-    """
-
-    step: float
-    fix_interval: int
-    delay: int
-    position_sigma: float
-    force_sigma: float
-    bias_walk: float
-    yaw: float
-    gravity: tuple[float, float]
-    tilt: float = 0.0
-    high_pass: float | None = None
-    fix_scale: float = 1.0
-
-    @property
-    def lean(self) -> float:
-        """The specific force by leaning, g tilt, in m/s^2 per metre of displacement.
-
-        The IMU's x axis points outwards; where the tower leans outwards by theta, it points down by
-        theta. So gravity, which an IMU feels as an acceleration upwards, gives -g sin theta.
-        """
-        return GRAVITY * self.tilt
-
-    @property
-    def rotation(self) -> Array:
-        """The matrix R (2, 2) that turns vectors from the IMU's frame to NED.
-
-        Source: Eq. (5) of Ren et al. (2019).
-        """
-        cos, sin = np.cos(self.yaw), np.sin(self.yaw)
-        return np.array([[cos, -sin], [sin, cos]])
-
-    @property
-    def fix_step(self) -> float:
-        """The time T_g between position fixes, s."""
-        return self.fix_interval * self.step
+__all__ = ["Estimator", "Known", "Measured", "Scheme"]
 
 
-@runtime_checkable
-class Estimator(Protocol):
-    """The interface of a running estimator, whose method `update` is called once per IMU step."""
+class Looped(NamedTuple):
+    """A scheme made ready: it is started anew for each record and updated at each step."""
 
-    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the estimate of the present.
+    scheme: Scheme
+    known: Known
 
-        Parameters
-        ----------
-        specific_force
-            Specific force in the IMU's frame, m/s^2, shape (2,).
-        position
-            The fix in NED, m, shape (2,): the position of `Sensors.delay` steps ago. None at steps
-            without a fix.
-
-        Returns
-        -------
-        Estimate
-            Position (m) and velocity (m/s) in NED, shape (2,) each. The estimate may have a
-            covariance (4, 4) of x, y, v_x, v_y, and the innovation of the fix, shape (2,), m.
-        """
-        ...
+    def run(self, measured: Measured) -> Trajectory:
+        """Estimate from the measurements of a record."""
+        estimator = self.scheme.start(self.known)
+        return run_estimator(estimator, *measured, self.known.sensors.fix_interval)
 
 
-@runtime_checkable
-class Scheme(Protocol):
-    """The interface of an estimation scheme.
-
-    A scheme may also have the method `kernel(sensors, tuning, steps)`, for the batch engine. This
-    method returns the scheme as an `owtsweep.studies.hub.chain.Chain` for records of `steps` steps.
-    A scheme that is no chain may have the method `own_kernel` with these arguments instead, which
-    returns an `owtsweep.studies.hub.batch.OwnKernel`.
-
-    A scheme that must know the motion may have the method `told(tuning, natural_period,
-    amplitude)`, which returns the scheme with the knowledge of that motion (s and m). A sweep calls
-    this method before it runs the scheme in a cell. Such a scheme is run at each amplitude.
+class Scheme(contract.Scheme[Known, Measured, Trajectory]):
+    """An estimation scheme of the hub study: it gives an estimator, which runs step by step.
 
     Attributes
     ----------
-    name
-        The scheme's name in tables and figures; unique within a run.
     linear
         Whether estimates are linear in the measurements, with gains that do not depend on the
         measurements. If so, one run with the motion alone and one run with the noise alone serve
         every amplitude.
+    sections
+        The keys of the configuration on which the scheme depends, e.g. ("mkf", "hme.mhe").
+    told_motion
+        Whether the scheme must know the motion: period and amplitude. It is run at each amplitude.
+    batched
+        How the engine `batch` runs records of the scheme: "chain", beside other chains, in the form
+        that `kernel` gives; "own", by the kernel that `own_kernel` gives; "" step by step.
+    on_board
+        Whether `stream` gives an estimator for use on board, which knows an origin.
+    unbatched
+        Why a scheme that can run as a chain does not under the tuning, as subject of a message with
+        its verb, e.g. "its constraints leave"; "" if that is not so.
     """
 
-    name: str
-    linear: bool
+    study = "hub"
+    linear: bool = False
+    sections: tuple[str, ...] = ("ekf", "mkf", "hme1", "hme2", "hme")
+    told_motion: bool = False
+    batched: Literal["", "chain", "own"] = ""
+    on_board: bool = False
+    unbatched: str = ""
 
-    def start(self, sensors: Sensors, tuning: Any) -> Estimator:
-        """Return a new estimator whose estimate is zero.
+    @abstractmethod
+    def start(self, known: Known) -> Estimator:
+        """Return a new estimator whose estimate is zero."""
 
-        Parameters
-        ----------
-        tuning
-            The study's configuration; its sections ekf, mkf, hme1, hme2 and hme hold the tuning.
+    def prepare(self, known: Known) -> Looped:
+        """Return the scheme ready for records."""
+        return Looped(self, known)
+
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> Estimator:
+        """Return a new estimator for use on board, compiled if there is one.
+
+        `origin` is the point about which it starts from zero, m, shape (2,); None stands for the
+        first fix. Only a scheme that is `on_board` knows another origin than zero.
         """
-        ...
+        return self.start(known)
+
+    def kernel(self, known: Known, steps: int | None = None) -> Chain:
+        """Return the scheme as a chain for records of `steps` IMU steps; None: of any length.
+
+        Only a scheme whose `batched` is "chain" has one.
+        """
+        self._lacks("kernel")
+
+    def kernel_for_runs(self, known: Known, steps: int) -> Chain:
+        """Return the scheme as a chain that may lack what a run does not need."""
+        return self.kernel(known, steps)
+
+    def own_kernel(self, known: Known, steps: int) -> OwnKernel:
+        """Return the scheme's own kernel for records of `steps` IMU steps.
+
+        Only a scheme whose `batched` is "own" has one.
+        """
+        self._lacks("own_kernel")
+
+    def under(self, config: HubConfig) -> Scheme:
+        """Return the variant of the scheme for which the configuration of one tuning asks."""
+        return self
+
+    def check(self, config: HubConfig) -> None:
+        """Refuse, or warn of, settings with which the scheme cannot work.
+
+        Raises
+        ------
+        InputError
+            If there are some; the message says what would work.
+        """
+
+    def check_declared(self) -> None:
+        """Check what a user's class states of itself, before anything runs.
+
+        Raises
+        ------
+        InputError
+            If an attribute is of a wrong type.
+        """
+        super().check_declared()
+        declared: object = self.sections
+        require(
+            isinstance(declared, list | tuple) and all(isinstance(each, str) for each in declared),
+            f"schemes: {self.name} has sections = {declared!r}; give a tuple of keys of the "
+            'configuration, e.g. ("mkf", "hme")',
+        )
+        require(isinstance(self.linear, bool), "it lacks linear (True or False)")
+        require(isinstance(self.told_motion, bool), "it lacks told_motion (True or False)")
+        require(
+            self.batched in ("", "chain", "own"),
+            f'batched = {self.batched!r} is none of "", "chain", "own"',
+        )
+
+    def _lacks(self, method: str) -> NoReturn:
+        raise NotImplementedError(f"{self.name} has no {method}")

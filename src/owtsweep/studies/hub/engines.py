@@ -5,14 +5,13 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
 from owtsweep.studies.hub import blocks, planning, prediction
 from owtsweep.studies.hub.conditions import (
-    NATURAL_PERIOD,
     criteria,
     get_conditions,
     get_map_conditions,
@@ -23,16 +22,10 @@ from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.names import REGISTERED, list_baselines, list_entries
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
-from owtsweep.studies.hub.plant import (
-    FRICTION_ANGLE,
-    SEA_CONDITIONS,
-    describe_plant,
-    is_plant,
-    list_breaking,
-)
+from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.resolving import resolve_all, scheme_names
-from owtsweep.studies.hub.schemes.stepwise import Stepwise
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
+from owtsweep.studies.hub.world import World
 from owtsweep.sweep.study import Square
 
 if TYPE_CHECKING:
@@ -53,16 +46,21 @@ class _Engine:
     The main result is the map: a picture of the best scheme at each natural period and amplitude.
     """
 
-    #: Columns without which no table can be made.
-    row_types: ClassVar[Mapping[str, type]] = {
-        **dict.fromkeys(("scheme", "measure", "window"), str),
-        **dict.fromkeys(("natural_period", "replicate", "amplitude", "n_samples"), float),
-        **dict.fromkeys(("motion", "cross", "noise", "value"), Square),
-    }
+    def __init__(self, world: World) -> None:
+        self.world = world
+        names = [each.name for each in world.conditions if each.name != FRICTION_ANGLE.name]
+        #: Columns without which no table can be made.
+        self.row_types: Mapping[str, type] = {
+            **dict.fromkeys(("scheme", "measure", "window"), str),
+            **dict.fromkeys((*names, "replicate", "amplitude", "n_samples"), float),
+            **dict.fromkeys(("motion", "cross", "noise", "value"), Square),
+        }
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""
-        return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
+        of_record = [each.name for each in self.world.conditions if not each.expands]
+        expanded = [each.name for each in self.world.conditions if each.expands]
+        return [*of_record, "scheme", "measure", "window", *expanded, "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map as a coloured grid for the terminal.
@@ -83,8 +81,8 @@ class _Engine:
         told += [Text(line) for line in _tell_beaten(config, table, tables["summary"])]
         told.append(Text(OTHER_WINDOW[window]))
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
-        if is_plant(config):
-            origin.insert(1, describe_plant(config))
+        if not self.world.has_spectrum:
+            origin.insert(1, self.world.describe(config))
         return Group(*(Text(line, style="bold") for line in origin), shown, *told)
 
     def overview(self, config: HubConfig) -> str:
@@ -120,7 +118,16 @@ class RecordsEngine(_Engine):
     samples = True
     plan = staticmethod(planning.plan)
     run = staticmethod(blocks.run)
-    drawings = staticmethod(listing.drawings)
+
+    def drawings(
+        self,
+        config: HubConfig,
+        tables: Mapping[str, pd.DataFrame],
+        rows: pd.DataFrame,
+        metadata: Mapping[str, str] | None = None,
+    ) -> dict[str, Drawing]:
+        """List all figures of a run; see `listing`."""
+        return listing.DRAWINGS[self.world.name](config, tables, rows, metadata)
 
     def backend(self, config: HubConfig) -> str:
         """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
@@ -128,14 +135,16 @@ class RecordsEngine(_Engine):
         It is "threading" if all schemes run by compiled kernels, which release the GIL. With
         engine=batch, log a warning for each scheme that its tuning leaves without a kernel.
         """
+        for doubt in self.world.list_doubts(config):
+            logger.warning(doubt)
         schemes = resolve_all(list_entries(config), config)
         for scheme in schemes:
-            if config.engine == "batch" and isinstance(scheme, Stepwise):
+            if config.engine == "batch" and scheme.unbatched:
                 logger.warning(
                     "%s: %s no kernel that serves all amplitudes; it runs step by step, amplitude "
                     "by amplitude",
                     scheme.name,
-                    scheme.because,
+                    scheme.unbatched,
                 )
         return blocks.backend(config, schemes)
 
@@ -164,29 +173,6 @@ class RecordsEngine(_Engine):
         window = config.measures.window
         best = find_best_schemes(cube, window, criteria(config), list_baselines(config))
         return {"summary": _add_efficiency(summarise(cube), config), "best_scheme": best}
-
-
-class PlantEngine(RecordsEngine):
-    """The engine for motion=plant: records of a structure under waves, each run as it is."""
-
-    row_types: ClassVar[Mapping[str, type]] = {
-        **{name: kind for name, kind in _Engine.row_types.items() if name != NATURAL_PERIOD.name},
-        **{condition.name: float for condition in SEA_CONDITIONS if condition != FRICTION_ANGLE},
-    }
-    drawings = staticmethod(listing.drawings_of_plant)
-
-    def sort_columns(self) -> list[str]:
-        """Return the columns that identify a row."""
-        names = [condition.name for condition in SEA_CONDITIONS]
-        return [*names, "scheme", "measure", "window", "replicate"]
-
-    def backend(self, config: HubConfig) -> str:
-        """Return the joblib backend, as without a plant; warn of sea states that would break."""
-        for told in list_breaking(config):
-            logger.warning(
-                "motion: %s: waves this steep break, so the linear theory makes them too high", told
-            )
-        return super().backend(config)
 
 
 class ExpectedEngine(_Engine):
@@ -238,7 +224,7 @@ def _add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
 
 
 #: Value of the key `engine` -> class of the engine.
-ENGINES: dict[str, Callable[[], Engine]] = {
+ENGINES: dict[str, Callable[[World], Engine]] = {
     "batch": RecordsEngine,
     "reference": RecordsEngine,
     "expected": ExpectedEngine,

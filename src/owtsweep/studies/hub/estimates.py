@@ -14,8 +14,8 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of, shared_memory
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, Memory, new_registers
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.one_pass import OnePassSeries
 
 

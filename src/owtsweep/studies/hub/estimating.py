@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from owtsweep.arrays import Array
@@ -11,14 +9,15 @@ from owtsweep.errors import as_text
 from owtsweep.evaluation.estimate import EstimatedRecord, Reading
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.results.conditions import find_only_cell
-from owtsweep.studies.hub.blocks import start
+from owtsweep.studies.hub.blocks import start, tell
 from owtsweep.studies.hub.conditions import get_grid
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import list_entries
-from owtsweep.studies.hub.plant import is_plant
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import observe
+from owtsweep.studies.hub.worlds import find_world
 
 UNITS = {
     "position": "m, north and east",
@@ -36,7 +35,7 @@ def estimate_record(config: HubConfig, replicate: int) -> EstimatedRecord:
     InputError
         If the grid has several cells, or the plant cannot be computed.
     """
-    conditions = find_only_cell(get_grid(config), "motion" if is_plant(config) else "grid")
+    conditions = find_only_cell(get_grid(config), find_world(config).section)
     of_motion = dict(conditions)
     amplitude = float(of_motion.pop("amplitude", 1.0))
     records = make_records_at(config, of_motion, [replicate])
@@ -49,11 +48,9 @@ def estimate_record(config: HubConfig, replicate: int) -> EstimatedRecord:
     covariances: dict[str, dict[str, Array]] = {}
     failures = {}
     for scheme in resolve_all(list_entries(config), config):
-        told: Any = scheme
-        if hasattr(told, "told"):
-            told = told.told(config, conditions["natural_period"], amplitude)
+        known = tell(scheme, Known(sensors, config), conditions, amplitude)
         try:
-            estimator = start(config, told, sensors)
+            estimator = start(scheme, known)
             found = run_estimator(estimator, force, fixes, sensors.fix_interval)
         except KeyboardInterrupt:
             raise

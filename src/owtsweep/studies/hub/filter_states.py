@@ -10,7 +10,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.known import Sensors
 
 
 def lag_of(chain: Chain) -> int:

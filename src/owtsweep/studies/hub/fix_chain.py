@@ -8,9 +8,9 @@ from owtsweep.arrays import aligned
 from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.studies.hub.chain import NO_HORIZON, Chain
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.fix_lines import Line
 from owtsweep.studies.hub.kernels.layout import FilterArrays, PredictorArrays
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.models import AxisFilter
 
 

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed
 from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.known import Sensors
 
 
 class Line(NamedTuple):

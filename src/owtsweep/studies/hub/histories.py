@@ -12,14 +12,15 @@ from owtsweep.errors import InputError
 from owtsweep.results.conditions import Value
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.conditions import describe_values, get_grid
+from owtsweep.studies.hub.conditions import get_grid
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
-from owtsweep.studies.hub.plant import is_plant, make_plant
+from owtsweep.studies.hub.known import Known, Sensors
+from owtsweep.studies.hub.plant import make_plant
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
 from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import simulate_bias
+from owtsweep.studies.hub.worlds import find_world
 
 #: Natural period of the paper's time histories, section 5.2, s.
 NATURAL_PERIOD = 3.8
@@ -132,12 +133,13 @@ def _make_record(config: HubConfig) -> tuple[Records, float, float, str]:
 
     With a spectrum, the factor is `AMPLITUDE`, and there is no sea.
     """
-    if not is_plant(config):
+    world = find_world(config)
+    if world.has_spectrum:
         period = natural_period_of(config)
         return make_records(config, period, [0]), period, AMPLITUDE, ""
     conditions = choose_sea(config)
     period = 1.0 / float(make_plant(config, conditions).vibration.frequency[0])
-    records, sea = make_records_at(config, conditions, [0]), describe_values(config, conditions)
+    records, sea = make_records_at(config, conditions, [0]), world.describe_values(conditions)
     return records, period, 1.0, sea
 
 
@@ -164,14 +166,14 @@ def simulate_histories(config: HubConfig) -> Histories:
     estimated: dict[str, SchemeHistory] = {}
     left_out: dict[str, str] = {}
     for scheme in resolve_all(config.schemes, config):
-        if not hasattr(scheme, "kernel"):
+        if scheme.batched != "chain":
             left_out[scheme.name] = "it is none of the filter chains that this figure runs"
             continue  # step by step it would take minutes
         if config.sensors.gnss.loses:
             left_out[scheme.name] = "its gains depend on the fixes that are lost"
             continue
         try:
-            chain = scheme.kernel(sensors, config, records.steps)
+            chain = scheme.kernel(Known(sensors, config), records.steps)
         except InputError as error:  # a tuning that this scheme cannot run with
             left_out[scheme.name] = str(error)
             continue

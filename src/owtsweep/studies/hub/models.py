@@ -14,7 +14,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.scheme_sections import FilterTuning, Variance
 
 POSITION = np.array([1.0, 0.0, 0.0, 0.0])

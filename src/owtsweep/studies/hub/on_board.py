@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from owtsweep.studies.hub.online.estimator import OnlineEstimator
-    from owtsweep.studies.hub.online.spectral import SpectralEstimator
+    from owtsweep.studies.hub.known import Estimator
 
 
 #: The sensors and the tuning of an estimator whose user names none.
@@ -20,7 +19,7 @@ DEFAULTS = ("tuning=matched", "sensors=strong_bias")
 
 def online(
     scheme: str, overrides: Sequence[str] = (), *, origin: ArrayLike | None = None
-) -> OnlineEstimator | SpectralEstimator:
+) -> Estimator:
     """Make an estimator that runs on board: each IMU sample gives one estimate.
 
     Parameters
@@ -38,7 +37,7 @@ def online(
 
     Returns
     -------
-    OnlineEstimator, SpectralEstimator
+    Estimator
         Has the method `update(specific_force, position=None) -> Estimate`. Position fixes may be
         missing: gains and covariances follow the fixes that arrived. On a machine, the first
         estimator takes some 15 s to make, in which its kernels are compiled.
@@ -52,11 +51,12 @@ def online(
     from owtsweep.studies.composing import require_texts
     from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.known import Known
     from owtsweep.studies.hub.resolving import resolve
     from owtsweep.studies.hub.sensors import sensors
 
-    registered: Any = resolve(scheme)
-    if not hasattr(registered, "stream"):
+    registered = resolve(scheme)
+    if not registered.on_board:
         raise InputError(
             f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH"
         )
@@ -67,9 +67,6 @@ def online(
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
     compute = config.compute
-    if hasattr(registered, "kernel"):  # a chain; SKF has kernels of its own, two small ones
+    if registered.batched == "chain":  # SKF chain; SKF has kernels of its own, two small ones
         compile_kernels("online", vectors=compute.vectors, cores=compute.workers)
-    estimator: OnlineEstimator | SpectralEstimator = registered.stream(
-        sensors(config.sensors), config, origin=origin
-    )
-    return estimator
+    return registered.stream(Known(sensors(config.sensors), config), origin)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from owtsweep.studies.hub.plant import describe_plant, is_plant
 from owtsweep.studies.hub.tuning_rules import take_facts
+from owtsweep.studies.hub.worlds import find_world
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -94,7 +94,7 @@ def list_origin(config: HubConfig) -> dict[str, str]:
         **list_sensors(config.sensors),
         "record length": f"{config.record.duration:g} s",
     }
-    if motion := _describe_motion(config):
+    if motion := find_world(config).describe(config):
         told["motion"] = motion
     if config.engine == "expected":
         return told | {"records per cell": "infinitely many (expected value)"}
@@ -104,7 +104,7 @@ def list_origin(config: HubConfig) -> dict[str, str]:
 def _tell(config: HubConfig, draws: str) -> str:
     """Return the truth in lines that fit the width of a figure; `draws` ends the last one."""
     faults = [f"{name} {value}" for name, value in _list_faults(config.sensors).items()]
-    lines = [motion] if (motion := _describe_motion(config)) else []
+    lines = [motion] if (motion := find_world(config).describe(config)) else []
     lines += [", ".join(faults)] if faults else []
     return "Truth: " + ";\n".join([*lines, f"{_describe_records(config)}; {draws}"])
 
@@ -115,12 +115,3 @@ def _describe_records(config: HubConfig) -> str:
         f"records of {config.record.duration:g} s, IMU bias {imu.bias_initial:g} m/s² and walk "
         f"{imu.bias_walk:g} m/s²/√s"
     )
-
-
-def _describe_motion(config: HubConfig) -> str:
-    """Return the plant or the envelope of the motion in words; "" for a plain spectrum."""
-    if is_plant(config):
-        return describe_plant(config)
-    points = config.motion.envelope or []
-    told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
-    return f"amplitude times {told}" if told else ""

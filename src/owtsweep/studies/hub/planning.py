@@ -6,21 +6,19 @@ period, for up to eight replicates.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from operator import attrgetter
 from typing import Any
 
 from owtsweep.config import Section, as_mapping
-from owtsweep.results.conditions import Value
-from owtsweep.studies.hub.conditions import describe_values, list_record_conditions
+from owtsweep.studies.base.schemes import Entry
+from owtsweep.studies.hub.conditions import list_record_conditions
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.names import list_entries
-from owtsweep.studies.hub.plant import describe_content, is_plant
-from owtsweep.studies.hub.resolving import resolve_all
+from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
-from owtsweep.studies.hub.stored_schemes import StoredScheme
-from owtsweep.sweep.source import describe_source, explain_doubt
+from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.study import Block
 
 
@@ -38,44 +36,40 @@ def plan(config: HubConfig) -> list[Block]:
     schemes = resolve_all(entries, config)
     # Made once per scheme: blocks share these parts, so that a large plan fits into memory.
     by_scheme = [
-        ({**shared, **scheme_content(config, entry, scheme)}, explain_anew(entry, scheme))
+        ({**shared, **scheme_content(config, entry, scheme)}, SCHEMES.explain_anew(scheme))
         for entry, scheme in zip(entries, schemes, strict=True)
     ]
+    world = find_world(config)
+    expands = any(condition.expands for condition in world.conditions)
     blocks = []
     for conditions in list_record_conditions(config):
+        name = world.describe_record(conditions)
         for first in range(0, config.grid.replicates, REPLICATES_PER_BLOCK):
             last = min(first + REPLICATES_PER_BLOCK, config.grid.replicates)
             replicates = list(range(first, last))
             numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
-            group = f"{_name(config, conditions)}, {numbers}"
+            group = f"{name}, {numbers}"
             for (part, anew), scheme in zip(by_scheme, schemes, strict=True):
-                for amplitude in _amplitudes(config, scheme):
+                for amplitude in (
+                    [None] if superposes(config, scheme) else world.list_amplitudes(config)
+                ):
                     content = {**part, **conditions, "replicates": replicates}
                     label, shares = f"{scheme.name}, {group}", group
-                    if hasattr(scheme, "told"):
+                    if scheme.told_motion:
                         # its gains, the same for all records of a cell, take longer than a motion
-                        shares = f"{scheme.name}, {_name(config, conditions)}, {amplitude:g} m"
+                        shares = f"{scheme.name}, {name}, {amplitude:g} m"
                     if amplitude is not None:
                         content["amplitude"] = float(amplitude)
-                        label += "" if is_plant(config) else f", {amplitude:g} m"
+                        label += f", {amplitude:g} m" if expands else ""
                     per_row = len(config.grid.amplitude) if amplitude is None else 1
                     cases = len(replicates) * per_row
                     blocks.append(Block(shares, label, content, cases, per_row, anew))
     return blocks
 
 
-def _name(config: HubConfig, conditions: dict[str, Value]) -> str:
-    """Return the conditions of a record's motion in words."""
-    if is_plant(config):
-        return describe_values(config, conditions)
-    return f"{conditions['natural_period']:g} s"
-
-
 def _amplitudes(config: HubConfig, scheme: Scheme) -> Sequence[float | None]:
     """Return the amplitudes at which a scheme is run; None stands for all of them at once."""
-    if is_plant(config):
-        return [1.0]
-    return [None] if superposes(config, scheme) else config.grid.amplitude
+    return [None] if superposes(config, scheme) else find_world(config).list_amplitudes(config)
 
 
 def superposes(config: HubConfig, scheme: Scheme) -> bool:
@@ -84,7 +78,7 @@ def superposes(config: HubConfig, scheme: Scheme) -> bool:
     A scheme that is told the amplitude does not, for it has other gains at each; nor does a scheme
     with a kernel of its own.
     """
-    alone = hasattr(scheme, "told") or hasattr(scheme, "own_kernel")
+    alone = scheme.told_motion or scheme.batched == "own"
     return config.evaluation == "superposed" and scheme.linear and not alone
 
 
@@ -95,22 +89,17 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
     """
     whole = as_mapping(config)
     content = {key: whole[key] for key in ("seed", "engine", "record", "wave_direction", "sensors")}
-    if is_plant(config):
-        content |= describe_content(config)
-    else:
-        content |= {key: whole[key] for key in ("spectrum", "normalise", "band")}
-        content["envelope"] = config.motion.envelope
+    content |= find_world(config).list_content(config)
     content["settling_time"] = config.measures.settling_time
     content["extremes"] = config.measures.extremes
     return content
 
 
-def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
+def scheme_content(config: HubConfig, entry: Entry, scheme: Scheme) -> dict[str, Any]:
     """Return what a scheme's rows depend on: the scheme's name, its tuning, and a user's code.
 
     The tuning consists of the sections of the configuration that the scheme's attribute `sections`
-    names. If the scheme has no such attribute, the tuning consists of the sections of all schemes.
-    For a user's scheme, the result also contains `entry` and what identifies the source code.
+    names. For a user's scheme, the result also contains its entry and what identifies the code.
 
     Parameters
     ----------
@@ -124,24 +113,9 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
     InputError
         If the scheme is a user's scheme of a stored run, whose code is not loaded.
     """
-    if isinstance(scheme, StoredScheme):
-        scheme.start(None, None)  # says that it cannot
-    sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
-    tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
-    content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
-    if isinstance(entry, Mapping):
-        content["entry"] = {str(key): value for key, value in entry.items()}
-        content |= describe_source(type(scheme))
-    return content
-
-
-def explain_anew(entry: Any, scheme: Scheme) -> str:
-    """Return why a scheme's stored results must be computed anew; "" if they can be used.
-
-    `entry` is the scheme's entry in the key `schemes`. Only results of a user's scheme, whose entry
-    is a mapping, can be doubtful.
-    """
-    return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
+    tuning = {section: _plain(attrgetter(section)(config)) for section in scheme.sections}
+    code = SCHEMES.describe_code(entry, scheme)
+    return {"scheme": scheme.name, "tuning": tuning, **code}
 
 
 def _plain(section: Any) -> Any:

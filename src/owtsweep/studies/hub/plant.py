@@ -7,16 +7,21 @@ structures have the same phases of the waves and the same noise of the sensors.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from owtsweep import structures, waves
 from owtsweep.config import as_mapping, changed
 from owtsweep.errors import InputError, require
+from owtsweep.gravity import GRAVITY
 from owtsweep.motion.plant import HIGHEST, Plant
+from owtsweep.motion.source import Source
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.structures import Structure
-from owtsweep.studies.hub.sections import STRUCTURE, MotionConfig
+from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.sections import STRUCTURE
+from owtsweep.studies.hub.world import LAYERS, World
 from owtsweep.sweep.study import add_versions
 from owtsweep.waves import Sea
 
@@ -26,8 +31,6 @@ if TYPE_CHECKING:
 #: Packages whose code affects the numbers of the plant alone. Their versions are in the content of
 #: the plant's blocks, so that blocks of spectra keep their keys.
 ROOMS = (structures, waves)
-#: Value of the condition `friction_angle` if the layers keep the angles of the structure's file.
-LAYERS = "layers"
 HS = Condition("hs", "significant wave height", "m")
 TP = Condition("tp", "peak period", "s")
 BLADES = Condition("blades", "mounted blades", plural="mounted blades")
@@ -36,36 +39,111 @@ FRICTION_ANGLE = Condition("friction_angle", "friction angle", "deg")
 SEA_CONDITIONS = (HS, TP, BLADES, FRICTION_ANGLE)
 
 
-def is_plant(config: HubConfig) -> bool:
-    """Return whether a structure under waves is the source of motion."""
-    return config.motion.kind == "plant"
+class PlantWorld(World):
+    """A structure under waves: the motion has its own size."""
+
+    name = "plant"
+    conditions = SEA_CONDITIONS
+    section = "motion"
+    has_spectrum = False
+    boundary = None
+    words = "sea states, blades, friction angles"
+    counted = "{} combinations of sea states, blades and friction angles"
+    #: Position, velocity, acceleration, the slope, and what an IMU feels, eight bytes each.
+    bytes_per_step = 40
+    #: .1 s for 2000 s at 100 Hz. Schemes share it.
+    seconds_per_step = 5e-7
+
+    def get_grid(self, config: HubConfig) -> Grid:
+        """Return sea states, blades and friction angles."""
+        motion = config.motion
+        return {
+            "hs": motion.hs or [],
+            "tp": motion.tp or [],
+            "blades": motion.blades or [],
+            "friction_angle": [LAYERS] if motion.friction_angle is None else motion.friction_angle,
+        }
+
+    def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
+        """Return the conditions, first those with more than one value."""
+        grid = self.get_grid(config)
+        return tuple(sorted(self.conditions, key=lambda condition: len(grid[condition.name]) < 2))
+
+    def check(self, config: HubConfig) -> None:
+        """Raise `InputError` if structure, sea states and sensors do not fit together."""
+        _check_keys(config)
+        for name, values in self.get_grid(config).items():
+            require(
+                len(values) > 0,
+                f"motion.{name}: motion=plant needs values; give at least one in a list",
+            )
+        _check_structure(config)
+        longest = max(config.motion.tp or [])
+        require(
+            config.record.duration >= longest,
+            f"record.duration: {config.record.duration:g} s is shorter than a wave of {longest:g} "
+            "s (motion.tp); lengthen the record",
+        )
+
+    def list_content(self, config: HubConfig) -> dict[str, Any]:
+        """Return the structure, how it answers waves, and the version of the code that does so."""
+        motion = config.motion
+        names = ("kind", "gamma", "modes", "damping")
+        return {
+            "motion": {name: getattr(motion, name) for name in names},
+            "structure": as_mapping(_structure_of(config)),
+            "plant_version": add_versions(0, *ROOMS),
+        }
+
+    def list_pairing(self, config: HubConfig) -> dict[str, Any]:
+        """Return the structure, and how it answers waves."""
+        return self.list_content(config)
+
+    def describe(self, config: HubConfig) -> str:
+        """Return the structure and the waves in words."""
+        structure, motion = _structure_of(config), config.motion
+        damping = structure.damping if motion.damping is None else motion.damping
+        modes = f"{motion.modes} mode{'s' * (motion.modes != 1)}"
+        return (
+            f"{structure.name} in waves (JONSWAP, γ {motion.gamma:g}), {modes}, damping "
+            f"{100.0 * damping:g} %"
+        )
+
+    def list_amplitudes(self, config: HubConfig) -> Sequence[float]:
+        """Return 1: the motion as it is."""
+        return [1.0]
+
+    def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
+        """Return the structure in a sea state.
+
+        Raises
+        ------
+        InputError
+            If the structure or the sea state cannot be computed; the message names the key.
+        """
+        return make_plant(config, conditions)
+
+    def fit_sensors(self, source: Source, sensors: Sensors, config: HubConfig) -> Sensors:
+        """Return the sensors; with sensors.imu.tilt=structure, they lean as the first mode does."""
+        if config.sensors.imu.tilt != STRUCTURE or not isinstance(source, Plant):
+            return sensors
+        slope = float(source.vibration.slope[0])
+        # estimators multiply the tilt by GRAVITY, whatever the structure's own gravity
+        return replace(sensors, tilt=slope * (source.structure.gravity / GRAVITY))
+
+    def list_doubts(self, config: HubConfig) -> list[str]:
+        """Return sentences on sea states that are steeper than waves can be."""
+        motion = config.motion
+        seas = (Sea(hs, tp, motion.gamma) for tp in motion.tp or [] for hs in motion.hs or [])
+        return [
+            f"motion: hs {sea.hs:g} m with tp {sea.tp:g} s: waves this steep break, so the linear "
+            "theory makes them too high"
+            for sea in seas
+            if sea.breaks
+        ]
 
 
-def require_spectrum(config: HubConfig, what: str) -> None:
-    """Raise InputError if the motion has no spectrum of Eq. (1), or grows and falls.
-
-    `what` says in words what needs the spectrum.
-    """
-    require(
-        not is_plant(config),
-        f"motion: {what} needs the spectrum of the motion, which motion=plant has not; leave out "
-        "motion=plant",
-    )
-    require(
-        config.motion.envelope is None,
-        f"motion.envelope: {what} needs motion that neither grows nor falls; use "
-        "motion.envelope=null",
-    )
-
-
-def get_sea_grid(motion: MotionConfig) -> Grid:
-    """Return name of a condition of the plant -> the values that the configuration gives it."""
-    return {
-        "hs": motion.hs or [],
-        "tp": motion.tp or [],
-        "blades": motion.blades or [],
-        "friction_angle": [LAYERS] if motion.friction_angle is None else motion.friction_angle,
-    }
+PLANT = PlantWorld()
 
 
 def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
@@ -76,8 +154,7 @@ def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
     InputError
         If the structure or the sea state cannot be computed; the message names the key.
     """
-    motion, structure = config.motion, config.structure
-    assert structure is not None  # checked before
+    motion, structure = config.motion, _structure_of(config)
     angle, damping = conditions["friction_angle"], motion.damping
     if angle != LAYERS and structure.soil is not None:
         structure = changed(structure, soil=structure.soil.with_angle(float(angle)))
@@ -90,56 +167,13 @@ def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
     return Plant(structure, sea, int(conditions["blades"]), motion.modes)
 
 
-def describe_content(config: HubConfig) -> dict[str, Any]:
-    """Return what a block's numbers depend on, besides the conditions, because of the plant."""
-    motion = config.motion
-    assert config.structure is not None  # checked before
-    return {
-        "motion": {name: getattr(motion, name) for name in ("kind", "gamma", "modes", "damping")},
-        "structure": as_mapping(config.structure),
-        "plant_version": add_versions(0, *ROOMS),
-    }
-
-
-def describe_plant(config: HubConfig) -> str:
-    """Return the structure and the waves in words, for titles."""
-    structure, motion = config.structure, config.motion
+def _structure_of(config: HubConfig) -> Structure:
+    structure = config.structure
     assert structure is not None  # checked before
-    damping = structure.damping if motion.damping is None else motion.damping
-    modes = f"{motion.modes} mode{'s' * (motion.modes != 1)}"
-    return (
-        f"{structure.name} in waves (JONSWAP, γ {motion.gamma:g}), {modes}, damping "
-        f"{100.0 * damping:g} %"
-    )
+    return structure
 
 
-def list_breaking(config: HubConfig) -> list[str]:
-    """Return in words the sea states that are steeper than waves can be."""
-    motion = config.motion
-    seas = (Sea(hs, tp, motion.gamma) for tp in motion.tp or [] for hs in motion.hs or [])
-    return [f"hs {sea.hs:g} m with tp {sea.tp:g} s" for sea in seas if sea.breaks]
-
-
-def check_plant(config: HubConfig) -> None:
-    """Raise InputError if structure, sea states and sensors do not fit together.
-
-    Without a plant, refuse the keys that only the plant has.
-    """
-    tilt, motion, structure = config.sensors.imu.tilt, config.motion, config.structure
-    if not is_plant(config):
-        require(
-            tilt != STRUCTURE,
-            "sensors.imu.tilt: `structure` needs a structure, but motion=spectrum has none; give "
-            "rad/m, or add motion=plant",
-        )
-        of_plant = [name for name in MotionConfig.model_fields if name != "envelope"]
-        for name in of_plant:
-            require(
-                getattr(motion, name) == getattr(MotionConfig(), name),
-                f"motion.{name}: motion=spectrum has neither waves nor structure; add motion=plant",
-            )
-        require(structure is None, "structure: motion=spectrum has none; add motion=plant")
-        return
+def _check_keys(config: HubConfig) -> None:
     require(
         config.engine != "expected",
         "motion: engine=expected, by which `vary` computes, needs the spectrum of the motion, "
@@ -147,8 +181,13 @@ def check_plant(config: HubConfig) -> None:
         "engine=batch)",
     )
     require(
-        structure is not None,
+        config.structure is not None,
         "structure: motion=plant needs one; use e.g. structure=ren2019, or structure=FILE.yaml",
+    )
+    require(
+        config.motion.envelope is None,
+        "motion.envelope: the sea of motion=plant neither grows nor falls; leave out motion=plant, "
+        "or use motion.envelope=null",
     )
     require(
         config.evaluation == "direct",
@@ -160,30 +199,17 @@ def check_plant(config: HubConfig) -> None:
         f"sensors.imu.rate: {config.sensors.imu.rate:g} Hz must be above {2.0 * HIGHEST:g} Hz, "
         f"because the plant moves at up to {HIGHEST:g} Hz",
     )
-    for name, values in get_sea_grid(motion).items():
-        require(
-            len(values) > 0,
-            f"motion.{name}: motion=plant needs values; give at least one in a list",
-        )
-    assert structure is not None
-    structure.check()
-    _check_structure(config, structure)
-    longest = max(motion.tp or [])
-    require(
-        config.record.duration >= longest,
-        f"record.duration: {config.record.duration:g} s is shorter than a wave of {longest:g} s "
-        "(motion.tp); lengthen the record",
-    )
 
 
-def _check_structure(config: HubConfig, structure: Structure) -> None:
+def _check_structure(config: HubConfig) -> None:
     """Compute the softest structure's modes, and each sea state, to see whether they exist."""
-    motion = config.motion
+    motion, structure = config.motion, _structure_of(config)
+    structure.check()
     require(
         motion.friction_angle is None or structure.soil is not None,
         f"motion.friction_angle: structure {structure.name} stands in no soil; use null",
     )
-    softest = {name: values[0] for name, values in get_sea_grid(motion).items()}
+    softest = {name: values[0] for name, values in PLANT.get_grid(config).items()}
     softest["blades"] = max(motion.blades or [])
     if motion.friction_angle is not None:
         softest["friction_angle"] = min(motion.friction_angle)

@@ -14,10 +14,10 @@ from owtsweep.studies.hub.study import ROOMS
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, sum_errors
     from owtsweep.studies.hub.blocks import backend
-    from owtsweep.studies.hub.chain import Chain, chain_for_runs
+    from owtsweep.studies.hub.chain import Chain
     from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.studies.hub.contract import Scheme, Sensors
+    from owtsweep.studies.hub.contract import Scheme
     from owtsweep.studies.hub.error_spectrum import (
         ErrorSpectrum,
         error_spectrum,
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.estimates import chunks, state_chunks, trajectories
     from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.kernels.layout import WIDTH
+    from owtsweep.studies.hub.known import Known, Sensors
     from owtsweep.studies.hub.names import BASELINES, INSTEAD
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
-    from owtsweep.studies.hub.planning import explain_anew, scheme_content
+    from owtsweep.studies.hub.planning import scheme_content
     from owtsweep.studies.hub.records import make_records
-    from owtsweep.studies.hub.resolving import check_scheme as require_scheme
-    from owtsweep.studies.hub.resolving import resolve, resolve_all
+    from owtsweep.studies.hub.resolving import SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
@@ -42,12 +42,12 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 __all__ = [
-    "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum",
-    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Lanes", "NoiseFloor", "OnePassSeries", "Scheme",
-    "Sensors", "backend", "believe", "bias_of", "chain_for_runs", "chunks", "compile_kernels",
-    "error_spectrum", "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
+    "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
+    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "NoiseFloor", "OnePassSeries",
+    "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks", "compile_kernels",
+    "error_spectrum", "expected_mse", "fix_count", "fix_noise", "follow_sensors",
     "has_acceleration", "lag_of", "look_constant", "make_records", "make_sensors", "noise_floor",
-    "require_scheme", "resolve", "resolve_all", "scheme_content", "simulate_bias", "state_chunks",
+    "resolve", "resolve_all", "scheme_content", "simulate_bias", "state_chunks",
     "sum_errors", "trajectories",
 ]  # fmt: skip
 
@@ -55,20 +55,21 @@ __all__ = [
 _HOMES = {
     "batch": ["Lanes", "sum_errors"],
     "blocks": ["backend"],
-    "chain": ["Chain", "chain_for_runs"],
+    "chain": ["Chain"],
     "compiling": ["compile_kernels"],
     "config": ["HubConfig"],
-    "contract": ["Scheme", "Sensors"],
+    "contract": ["Scheme"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["chunks", "state_chunks", "trajectories"],
     "filter_states": ["bias_of", "has_acceleration", "lag_of"],
     "kernels.layout": ["WIDTH"],
+    "known": ["Known", "Sensors"],
     "names": ["BASELINES", "INSTEAD"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
-    "planning": ["explain_anew", "scheme_content"],
+    "planning": ["scheme_content"],
     "records": ["make_records"],
-    "resolving": ["require_scheme", "resolve", "resolve_all"],
+    "resolving": ["SCHEMES", "resolve", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
@@ -76,7 +77,7 @@ _HOMES = {
     "winners": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.
-_OTHER_NAMES = {"make_sensors": "sensors", "require_scheme": "check_scheme"}
+_OTHER_NAMES = {"make_sensors": "sensors"}
 
 
 def __getattr__(name: str) -> Any:

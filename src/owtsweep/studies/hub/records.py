@@ -14,27 +14,20 @@ from functools import cached_property, partial
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.gravity import GRAVITY
-from owtsweep.motion.modulation import ModulatedSource, Modulation
 from owtsweep.motion.plant import PlantMotion
 from owtsweep.motion.source import Motion, Source
-from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.results.conditions import Value
 from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.plant import is_plant, make_plant
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sections import STRUCTURE
+from owtsweep.studies.hub.worlds import find_world
 
 STUDY = "hub"
 #: Greatest number of bytes of motion that a worker holds at a time. If a block's replicates need
 #: more, they run in several parts. Eight records of up to 6600 s at 100 Hz fit.
 MEMORY_SHARE = 128_000_000
-#: Bytes per step: position, velocity and acceleration, eight bytes each; of the plant also the
-#: slope and what an IMU feels.
-BYTES_PER_STEP, BYTES_OF_PLANT = 24, 40
 
 
 @dataclass(frozen=True)
@@ -79,7 +72,7 @@ class Records:
         at first use; deleting it frees the memory. If all replicates fit at once, yield `self`.
         """
         count = len(self.replicates)
-        each_step = BYTES_OF_PLANT if is_plant(self.config) else BYTES_PER_STEP
+        each_step = find_world(self.config).bytes_per_step
         each = max(MEMORY_SHARE // (each_step * self.steps), 1)
         if each >= count:
             yield self
@@ -149,25 +142,8 @@ class Records:
 
 
 def make_records(config: HubConfig, natural_period: float, replicates: Sequence[int]) -> Records:
-    """Return the records of a spectrum at one natural period (s), for some replicates.
-
-    Motion and noise are made at first use.
-    """
-    low, high = config.band
-    envelope = config.motion.envelope
-    shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
-    source: Source = SpectralSource(shape, (low, high), config.normalise)
-    if envelope is not None:
-        source = ModulatedSource(source, Modulation(envelope))
-    return Records(
-        config=config,
-        conditions={"natural_period": natural_period},
-        in_streams=(natural_period,),
-        source=source,
-        sensors=sensing.sensors(config.sensors),
-        replicates=tuple(replicates),
-        direction=_direction(config),
-    )
+    """Return the records of a spectrum at one natural period (s); see `make_records_at`."""
+    return make_records_at(config, {"natural_period": natural_period}, replicates)
 
 
 def make_records_at(
@@ -179,19 +155,16 @@ def make_records_at(
     motion=plant and sensors.imu.tilt=structure, the tilt that estimators may know is the slope of
     the first mode, rad/m.
     """
-    if not is_plant(config):
-        return make_records(config, float(conditions["natural_period"]), replicates)
-    source, sensors = make_plant(config, conditions), sensing.sensors(config.sensors)
-    if config.sensors.imu.tilt == STRUCTURE:
-        tilt = float(source.vibration.slope[0])
-        # estimators multiply the tilt by GRAVITY, whatever the structure's own gravity
-        sensors = replace(sensors, tilt=tilt * (source.structure.gravity / GRAVITY))
+    world = find_world(config)
+    source = world.make_source(config, conditions)
     return Records(
         config=config,
         conditions=dict(conditions),
-        in_streams=(),
+        in_streams=tuple(
+            float(conditions[each.name]) for each in world.conditions if each.in_streams
+        ),
         source=source,
-        sensors=sensors,
+        sensors=world.fit_sensors(source, sensing.sensors(config.sensors), config),
         replicates=tuple(replicates),
         direction=_direction(config),
     )

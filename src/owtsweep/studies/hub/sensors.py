@@ -18,7 +18,7 @@ from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.sensing.faults import Losses, draw_outliers
 from owtsweep.sensing.noise import WhiteNoise, WienerBias, draw_gauss_markov
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sections import SensorConfig
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
 from owtsweep.studies.hub.names import list_entries
-from owtsweep.studies.hub.plant import get_sea_grid, is_plant
+from owtsweep.studies.hub.worlds import find_world
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -35,11 +35,9 @@ def check_grid(config: HubConfig) -> None:
     """
     grid, schemes = config.grid, len(list_entries(config))
     periods, amplitudes = _count_conditions(config)
-    key, words = "grid", "natural periods, amplitudes"
-    counted = f"{periods} natural periods x {amplitudes} amplitudes"
-    if is_plant(config):
-        key, words = "motion", "sea states, blades, friction angles"
-        counted = f"{periods} combinations of sea states, blades and friction angles"
+    world = find_world(config)
+    key, words = world.section, world.words
+    counted = world.counted.format(periods, amplitudes)
     records = 1 if config.engine == "expected" else grid.replicates
     each = amplitudes if config.evaluation == "direct" else 1
     blocks = schemes * periods * each * -(-records // REPLICATES_PER_BLOCK)
@@ -58,9 +56,10 @@ def check_grid(config: HubConfig) -> None:
 
 def _count_conditions(config: HubConfig) -> tuple[int, int]:
     """Return the number of combinations of a record's conditions, and the number of amplitudes."""
-    if is_plant(config):
-        return prod(len(values) for values in get_sea_grid(config.motion).values()), 1
-    return len(config.grid.natural_period), len(config.grid.amplitude)
+    world = find_world(config)
+    grid = world.get_grid(config)
+    of_record = [len(grid[each.name]) for each in world.conditions if not each.expands]
+    return prod(of_record), len(world.list_amplitudes(config))
 
 
 def count_table_bytes(config: HubConfig) -> int:

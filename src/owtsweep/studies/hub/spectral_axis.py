@@ -15,7 +15,7 @@ from owtsweep.estimation.late_gains import (
     schedule_late,
 )
 from owtsweep.motion.shaping import ShapingFilter
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.scheme_sections import Skf
 
 #: Longest transient that is stored, in steps (2621 s at 100 Hz); then the last cycle is repeated.

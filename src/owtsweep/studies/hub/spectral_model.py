@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.shape_cache import fit_or_recall

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep import estimation, evaluation, motion, sensing
-from owtsweep.figures import palette
 from owtsweep.studies.hub import kernels
-from owtsweep.studies.hub.looks import LOOKS
+from owtsweep.studies.hub.names import describe
 from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
@@ -25,8 +24,6 @@ __all__ = ["HubKeys", "HubStudy"]
 
 #: Packages whose code affects the numbers that the study stores.
 ROOMS = (motion, sensing, estimation, evaluation, kernels)
-
-palette.reserve(LOOKS)
 
 
 class HubKeys(Study):
@@ -59,27 +56,18 @@ class HubKeys(Study):
 
         return describe_in_a_line(config)
 
-    def describe_code(self, config: HubConfig) -> Any:
-        """Return what a run stores of its schemes: a list with one mapping per scheme.
-
-        Each mapping holds the scheme's name, whether the scheme is linear, and whether it has a
-        kernel.
-        """
-        from owtsweep.studies.hub.resolving import resolve_all
-        from owtsweep.studies.hub.stored_schemes import describe
+    def describe_code(self, config: HubConfig) -> object:
+        """Return what a run stores of its schemes, so that reading it makes no user's class."""
+        from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
 
         one = next(iter(config.by_tuning().values()))
-        return describe(resolve_all(config.schemes, one))
+        return SCHEMES.describe_stored(resolve_all(config.schemes, one))
 
-    def hide_code(self, plain: dict[str, Any], described: Any) -> dict[str, Any]:
-        """Return the keys of a stored run with a stand-in for each user's scheme.
+    def hide_code(self, plain: dict[str, Any], described: object) -> dict[str, Any]:
+        """Return the keys of a stored run with a stand-in for each user's scheme."""
+        from owtsweep.studies.hub.resolving import SCHEMES
 
-        So the code of these schemes need not be imported. `plain` maps the keys to their values;
-        `described` is what `describe_code` returned when the run was stored, or None.
-        """
-        from owtsweep.studies.hub.stored_schemes import stand_in
-
-        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+        return {**plain, "schemes": SCHEMES.stand_in(plain.get("schemes"), described)}
 
 
 class HubStudy(HubKeys):
@@ -94,11 +82,7 @@ class HubStudy(HubKeys):
 
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme and baseline that the study provides."""
-        from owtsweep.studies.hub.names import BASELINES, ON_REQUEST, REGISTERED
-
-        told = {name: f"baseline (baselines=[...]): {what}" for name, what in BASELINES.items()}
-        further = {name: f"on request (schemes=[...]): {what}" for name, what in ON_REQUEST.items()}
-        return REGISTERED | further | told
+        return describe()
 
     def config_type(self) -> type[HubConfig]:
         """Return the class of the study's configurations."""
@@ -117,10 +101,10 @@ class HubStudy(HubKeys):
 
     def engine(self, config: HubConfig) -> Engine:
         """Return a new engine of the kind that the key `engine` of the configuration names."""
-        from owtsweep.studies.hub.engines import ENGINES, PlantEngine
-        from owtsweep.studies.hub.plant import is_plant
+        from owtsweep.studies.hub.engines import ENGINES
+        from owtsweep.studies.hub.worlds import find_world
 
-        return PlantEngine() if is_plant(config) else ENGINES[config.engine]()
+        return ENGINES[config.engine](find_world(config))
 
     def estimate(self, config: HubConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""
@@ -165,7 +149,7 @@ class HubStudy(HubKeys):
         """
         from owtsweep.studies.hub.compiling import compile_kernels
         from owtsweep.studies.hub.figures.spectrum_tables import write
-        from owtsweep.studies.hub.plant import require_spectrum
+        from owtsweep.studies.hub.worlds import require_spectrum
 
         require_spectrum(config, "`spectrum`")
         compute = config.compute
@@ -174,8 +158,8 @@ class HubStudy(HubKeys):
 
     def count_trials(self, config: HubConfig) -> int:
         """Return how many trials the command `tune` will make, for all schemes together."""
-        from owtsweep.studies.hub.plant import require_spectrum
         from owtsweep.studies.hub.tuning.tuned import list_tunable
+        from owtsweep.studies.hub.worlds import require_spectrum
 
         require_spectrum(config, "`tune`")
         return len(list_tunable(config)) * config.tune.trials

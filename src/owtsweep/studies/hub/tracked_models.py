@@ -15,8 +15,8 @@ from owtsweep.config import changed
 from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.growing_gains import GrowingGains
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.shape_cache import fit_or_recall

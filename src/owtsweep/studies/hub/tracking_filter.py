@@ -28,7 +28,7 @@ from owtsweep.motion.tracking import (
     SpectrumTracker,
 )
 from owtsweep.studies.hub.axis_filters import AxisEstimates, AxisFilter
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.spectral_axis import SpectralAxis
 from owtsweep.studies.hub.tracked_models import make_candidate

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import show_value
-from owtsweep.studies.base.contest import WAIT
-from owtsweep.studies.base.origin import describe_draws
+from owtsweep.studies.base.contest import WAIT, describe_draws
 from owtsweep.studies.mating.contest import CONTEST
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def _say_hold(config: MatingConfig) -> str:
     return f"{hold[0]:g} s" if len(hold) == 1 else "the time on the axis"
 
 
-def _fill(axes: Axes, shares: np.ndarray, colors: str) -> None:
+def _fill(axes: Axes, shares: Array, colors: str) -> None:
     """Fill the cells of a panel by shares (rows, columns), and write them in %."""
     axes.grid(visible=False)
     axes.imshow(shares, cmap=colors, vmin=0.0, vmax=1.0, origin="lower", aspect="auto")

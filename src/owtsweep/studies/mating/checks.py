@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from owtsweep.config import require
+from owtsweep.config import as_mapping, require
 from owtsweep.studies.base.axes import check_axes
-from owtsweep.studies.mating.conditions import AXES
+from owtsweep.studies.mating.contest import AXES
 from owtsweep.studies.mating.joining import configure_blade, configure_hub
 
 if TYPE_CHECKING:
@@ -58,14 +58,14 @@ def check_outside(config: MatingConfig) -> None:
             )
     grid = config.grid
     for outage in grid.outage:
-        blade: Any = configure_blade(config, grid.sigma[0], outage, config.schemes)
-    hub: Any = configure_hub(config, grid.hub_sigma[0])
-    of_plant = hub.motion.kind == "plant"
+        blade = as_mapping(configure_blade(config, grid.sigma[0], outage, config.schemes))
+    hub = as_mapping(configure_hub(config, grid.hub_sigma[0]))
+    of_plant = hub["motion"]["kind"] == "plant"
     cells = {
-        "blade": {f"grid.{axis}": getattr(blade.grid, axis) for axis in blade.axes},
-        "hub": {f"motion.{axis}": getattr(hub.motion, axis) for axis in ("hs", "tp", "blades")}
+        "blade": {f"grid.{axis}": blade["grid"][axis] for axis in blade["axes"]},
+        "hub": {f"motion.{axis}": hub["motion"][axis] for axis in ("hs", "tp", "blades")}
         if of_plant
-        else {f"grid.{axis}": getattr(hub.grid, axis) for axis in ("natural_period", "amplitude")},
+        else {f"grid.{axis}": hub["grid"][axis] for axis in ("natural_period", "amplitude")},
     }
     for name, axes in cells.items():
         for axis, values in axes.items():
@@ -74,9 +74,10 @@ def check_outside(config: MatingConfig) -> None:
                 f"{name}: {axis} has {len(values or [0])} values, and the mating study takes one; "
                 f"choose, e.g. '{name}=[\"{axis}=[{(values or [0])[0]:g}]\"]'",
             )
-    ratio = hub.sensors.imu.rate / config.record.rate
+    imu_rate = hub["sensors"]["imu"]["rate"]
+    ratio = imu_rate / config.record.rate
     require(
         round(ratio) >= 1 and abs(ratio - round(ratio)) < 1e-9,
-        f"record.rate: {config.record.rate:g} Hz do not divide the {hub.sensors.imu.rate:g} Hz of "
+        f"record.rate: {config.record.rate:g} Hz do not divide the {imu_rate:g} Hz of "
         "the hub's IMU; give a whole fraction of it",
     )

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
+from owtsweep.studies.base.contest import ContestConfig
 
 
-def _refuse_classes(value: Any) -> Any:
+def _refuse_classes(value: object) -> object:
     """Return `value`; raise `ValueError` if it is a list that holds more than names."""
     for item in value if isinstance(value, list) else []:
         if isinstance(item, Mapping):
@@ -43,7 +44,7 @@ class Limits(Section):
     speed: Positive = key("largest relative speed", unit="m/s")
 
 
-class MatingConfig(Config):
+class MatingConfig(ContestConfig):
     """The configuration of the mating study, with all its keys."""
 
     inert = Config.inert | {"axes", "criterion"}

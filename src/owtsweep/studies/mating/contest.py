@@ -2,10 +2,44 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.mating.conditions import CONDITIONS
 from owtsweep.studies.mating.measures import CRITERIA, list_measures
-from owtsweep.studies.mating.origin import describe_sensors, describe_truth
+
+if TYPE_CHECKING:
+    from owtsweep.studies.mating.config import MatingConfig
+
+CONDITIONS = (
+    Condition("sigma", "standard deviation of a fix on the blade", "m", scale="log"),
+    Condition("outage", "length of an outage on the blade", "s"),
+    Condition("hub_sigma", "standard deviation of a fix on the hub", "m", scale="log"),
+    Condition("hold", "time together", "s"),
+)
+AXES = tuple(condition.name for condition in CONDITIONS)
+
+
+def describe_truth(config: MatingConfig) -> str:
+    """Return what moves, what counts as together, and the length of the records in words."""
+    record, limits = config.record, config.limits
+    return (
+        f"blade with {' '.join(config.blade) or 'its defaults'}, hub with "
+        f"{' '.join(config.hub) or 'its defaults'}; together: within {limits.distance:g} m and "
+        f"{limits.speed:g} m/s; {record.duration:g} s at {record.rate:g} Hz"
+    )
+
+
+def describe_sensors(config: MatingConfig) -> str:
+    """Return in words the hub's scheme, and the axes that have one value."""
+    told = [f"hub estimated by {config.hub_scheme}"]
+    for condition in CONDITIONS:
+        if condition.name not in config.axes:
+            told.append(
+                f"{condition.label} {condition.show(getattr(config.grid, condition.name)[0])}"
+            )
+    return ", ".join(told)
+
 
 CONTEST = Contest(
     conditions=CONDITIONS,

@@ -1,29 +1,87 @@
-"""The engine of the mating study, from plan to figures."""
+"""The engine of the mating study: plans and runs blocks of records, and draws what comes of them.
+
+A block is some records of one cell and scheme.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from owtsweep.config import as_mapping
+from owtsweep.results.status import FAILED, UNABLE
+from owtsweep.studies.base.blocks import Planned, plan_blocks
+from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.engine import ContestEngine
-from owtsweep.studies.mating import blocks
-from owtsweep.studies.mating.contest import CONTEST
+from owtsweep.studies.base.tables import Judgement, make_rows
+from owtsweep.studies.mating.contest import AXES, CONTEST
+from owtsweep.studies.mating.joining import (
+    configure_blade,
+    configure_hub,
+    estimate,
+    find_told_motion,
+    find_true_motion,
+)
+from owtsweep.studies.mating.measures import Limits, compare
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.mating.config import MatingConfig
+    from owtsweep.sweep.study import Block
+
+#: Most records of a block.
+MOST_RECORDS = 4
+#: Keys of the other studies' configurations on which no number depends.
+NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "criterion", "tuning")
 
 
 class MatingEngine(ContestEngine):
     """The engine of the mating study (protocol `owtsweep.sweep.study.Engine`)."""
 
-    plan = staticmethod(blocks.plan)
-    run = staticmethod(blocks.run)
-
     def __init__(self) -> None:
         super().__init__(CONTEST)
+
+    def plan(self, config: MatingConfig) -> list[Block]:
+        """Return all blocks of a configuration: one per cell, scheme, and some records."""
+        schemes = [Planned(name) for name in config.schemes]
+        content = _describe_content(config)
+        return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, AXES)
+
+    def run(
+        self, config: MatingConfig, blocks: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
+        """Run blocks of one group, i.e. of one cell and some records; yield each with its rows."""
+        content = blocks[0].content
+        schemes = list(dict.fromkeys(block.content["scheme"] for block in blocks))
+        blade = configure_blade(config, content["sigma"], content["outage"], schemes)
+        hub = configure_hub(config, content["hub_sigma"])
+        hold = max(round(content["hold"] * config.record.rate), 1)
+        limits = Limits(config.limits.distance, config.limits.speed, hold)
+        replicates = range(*content["replicates"])
+        judged: dict[str, list[Judgement]] = {scheme: [] for scheme in schemes}
+        for replicate in replicates:
+            of_blade, of_hub = estimate(blade, replicate), estimate(hub, replicate)
+            true = find_true_motion(of_blade, of_hub)
+            for scheme in schemes:
+                reason = of_blade.failures.get(scheme)
+                if reason is not None:
+                    judged[scheme].append(Judgement.none(UNABLE, reason))
+                    continue
+                told = find_told_motion(of_blade, scheme, of_hub, config.hub_scheme)
+                try:
+                    found = compare(true, told, limits, config.record.settled)
+                except ValueError as error:
+                    judged[scheme].append(Judgement.none(FAILED, str(error)))
+                    continue
+                if of_blade.waits[scheme] > 0.0:
+                    found[WAIT] = of_blade.waits[scheme]
+                judged[scheme].append(Judgement(found))
+        for block in blocks:
+            scheme = block.content["scheme"]
+            rows = make_rows(scheme, block.content, AXES, replicates, judged[scheme])
+            yield block, rows
 
     def drawings(
         self,
@@ -37,3 +95,22 @@ class MatingEngine(ContestEngine):
 
         figures = super().drawings(config, tables, rows, metadata)
         return {**figures, **list_figures(config, tables, metadata)}
+
+
+def _describe_content(config: MatingConfig) -> dict[str, object]:
+    """Return what the rows of every block depend on: both other configurations without a cell."""
+    grid = config.grid
+    blade = as_mapping(configure_blade(config, grid.sigma[0], grid.outage[0], config.schemes[:1]))
+    hub = as_mapping(configure_hub(config, grid.hub_sigma[0]))
+    for other, axes in ((blade, ("sigma", "outage")), (hub, ())):
+        for name in ("replicates", *axes):
+            other["grid"].pop(name)
+        for name in NOT_CONTENT:
+            other.pop(name, None)
+    hub["sensors"]["gnss"].pop("sigma")
+    return {
+        "limits": as_mapping(config)["limits"],
+        "blade": blade,
+        "hub": hub,
+        "hub_scheme": config.hub_scheme,
+    }

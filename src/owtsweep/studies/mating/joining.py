@@ -6,7 +6,7 @@ the hub moves horizontally. A root at its reference and a hub at rest are togeth
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -120,7 +120,12 @@ def find_told_motion(
     return told._replace(covariance=covariance)
 
 
-def _subtract(blade: EstimatedRecord, root: Any, hub: EstimatedRecord, moved: Any) -> Relative:
+def _subtract(
+    blade: EstimatedRecord,
+    root: Mapping[str, Array],
+    hub: EstimatedRecord,
+    moved: Mapping[str, Array],
+) -> Relative:
     at = _match(blade, hub)
     return Relative(
         root["root"] - blade.at_rest["root"] - moved["position"][at] @ TO_BLADE.T,
@@ -128,7 +133,7 @@ def _subtract(blade: EstimatedRecord, root: Any, hub: EstimatedRecord, moved: An
     )
 
 
-def _match(blade: EstimatedRecord, hub: EstimatedRecord) -> Any:
+def _match(blade: EstimatedRecord, hub: EstimatedRecord) -> slice[int]:
     """Return which samples of the hub's record are those of the blade's."""
     every = round(float(blade.time[1] / hub.time[1]))
     return slice(0, every * len(blade.time), every)

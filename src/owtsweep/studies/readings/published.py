@@ -14,17 +14,6 @@ MEASURES = {"x": "mse_x_m2", "y": "mse_y_m2", "vx": "mse_vx_m2_s2", "vy": "mse_v
 #: Boundaries of section 5.3: natural period (s) -> amplitude (m) below which HME2 is better than
 #: HME1, and above which HME1 is.
 BOUNDARIES = {4.0: 0.3, 6.0: 1.0}
-#: A published boundary is known to a factor of 2, because it is read off a logarithmic axis: the
-#: paper's amplitudes on either side of the boundary are 0.2 and 0.5 m at 4 s, 0.7 and 2 m at 6 s.
-TOLERANCE = 2.0
-
-
-def tolerated(period: float) -> tuple[float, float]:
-    """Return the least and greatest amplitude (m) that agree with the published boundary.
-
-    `period` is a natural period at which a boundary is published: 4 or 6 s.
-    """
-    return BOUNDARIES[period] / TOLERANCE, BOUNDARIES[period] * TOLERANCE
 
 
 def mse_tables() -> pd.DataFrame:

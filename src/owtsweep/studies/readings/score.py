@@ -19,7 +19,7 @@ import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.results.superposition import superpose
-from owtsweep.studies.hub.public import HubConfig, Lanes, make_records, resolve, sum_errors
+from owtsweep.studies.hub.public import HubConfig, Known, Lanes, make_records, resolve, sum_errors
 from owtsweep.studies.readings.published import BOUNDARIES, published_numbers
 
 #: Natural periods (s) that the published numbers need.
@@ -66,7 +66,7 @@ def scheme_products(
         sensors = batch.records.sensors
         settled = round(config.measures.settling_time / sensors.step)
         if chain is None:  # its gains do not depend on the period, and take most of the time
-            chain = resolved.kernel(sensors, config, batch.records.steps)  # type: ignore[attr-defined]
+            chain = resolved.kernel(Known(sensors, config), batch.records.steps)
         (sums,) = sum_errors([chain], batch.records, settled, consistency=False)
         parts = slice(0, 2) if config.measures.window == "full" else slice(1, 2)
         total = sums.products[parts, :4].sum(axis=0) / sums.steps[parts].sum()

@@ -8,7 +8,7 @@ part by part of the settled record.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,7 +39,7 @@ ERRORS = {
 
 def compare(
     samples: Array, schemes: Sequence[str], *, whole: Array | None = None
-) -> dict[str, Any] | None:
+) -> dict[str, object] | None:
     """Find the best scheme and the runner-up, and whether the difference of their errors matters.
 
     Parameters
@@ -80,7 +80,7 @@ def compare(
     best, second = int(ranking.best[0]), int(ranking.runner_up[0])
     same = np.flatnonzero(ranking.like_best[:, 0])
     names = [schemes[int(i)] for i in took_part]
-    row: dict[str, Any] = {
+    row: dict[str, object] = {
         "best": names[best],
         "same_as": " ".join(names[i] for i in same if i != best),
         "value_best": float(mean[best]),
@@ -106,7 +106,7 @@ def compare(
 
 def advise_from_record(
     values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
-) -> dict[str, Any] | None:
+) -> dict[str, object] | None:
     """Advise which scheme to run, from the schemes' errors on one record.
 
     If the record has no reference position, squared distances to later position fixes are used
@@ -144,7 +144,7 @@ def advise_from_record(
     if compared is None:
         return None
     names = [*schemes, *BASELINE_ROWS.values()]
-    chosen = choosing.recommend(samples, names, compared["best"], whole=whole)
+    chosen = choosing.recommend(samples, names, str(compared["best"]), whole=whole)
     told = {"source": source, "criterion": criterion, "window": window}
     return {**told, **compared, **chosen, "advises": True}
 
@@ -164,17 +164,16 @@ def recommend(advised: pd.DataFrame) -> str:
     if advised.empty:
         return ""
     own = advised[advised["source"] != "map"]
-    if "noise" in own and (own["noise"] == ESTIMATED).any():
+    if (own["noise"] == ESTIMATED).any():
         own = own[own["noise"] == ESTIMATED]
     row = (own if len(own) else advised).iloc[0].dropna().to_dict()
-    if not row.get("advises", True):
+    if not row["advises"]:
         return ""  # the map covers too little of the record
     unit = "m/s" if row["criterion"] == "velocity" else "m"
     what = ERRORS.get(row["criterion"], f"error of {row['criterion']}")
-    chosen = row.get("recommended", row["best"])
-    size = np.sqrt(row.get("value_recommended", row["value_best"]))
+    chosen, size = row["recommended"], np.sqrt(row["value_recommended"])
     what_to_do = f"{INSTEAD[chosen]} ({chosen})" if chosen in INSTEAD else f"run {chosen}"
-    if row.get("noise") == ESTIMATED:
+    if row["noise"] == ESTIMATED:
         what_to_do += " with the noise that the record shows (noise.csv), not the stated one"
     told = f"{what_to_do}; its {what} is {size:.3g} {unit}"
     told = f"recommended: {told} (root mean square)"

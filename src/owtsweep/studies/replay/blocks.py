@@ -6,19 +6,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.public import (
+    SCHEMES,
     WIDTH,
     Scheme,
     Sensors,
     backend,
     compile_kernels,
-    explain_anew,
     make_sensors,
     resolve_all,
     scheme_content,
@@ -28,8 +28,7 @@ from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
-from owtsweep.studies.replay.identification.estimated import use_estimates
-from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise
+from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
 from owtsweep.studies.replay.identification.rows import (
     ESTIMATED,
     NOISE,
@@ -37,8 +36,13 @@ from owtsweep.studies.replay.identification.rows import (
     name_second_run,
 )
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import count_replicates, listen
-from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
+from owtsweep.studies.replay.record import (
+    LONG,
+    ReplayRecord,
+    count_replicates,
+    listen,
+    release_memory,
+)
 from owtsweep.sweep.study import FAILED, OK, Block
 
 if TYPE_CHECKING:
@@ -81,8 +85,8 @@ def plan(config: ReplayConfig) -> list[Block]:
             "estimator": contents[facts.choose_describer(config)],
         }
         blocks.append(Block(label, f"{label}, the record", first, 1))
-        for scheme, entry, part in zip(schemes, config.schemes, contents, strict=True):
-            name, anew = f"{label}, {scheme.name}", explain_anew(entry, scheme)
+        for scheme, part in zip(schemes, contents, strict=True):
+            name, anew = f"{label}, {scheme.name}", SCHEMES.explain_anew(scheme)
             group = name if apart else label
             blocks.append(Block(group, name, {**content, **part}, 1, anew=anew))
         blocks += _plan_noise(config, label, file, content, apart=apart)
@@ -90,7 +94,7 @@ def plan(config: ReplayConfig) -> list[Block]:
 
 
 def _plan_noise(
-    config: ReplayConfig, label: str, file: str, content: Mapping[str, Any], *, apart: bool
+    config: ReplayConfig, label: str, file: str, content: Mapping[str, object], *, apart: bool
 ) -> Iterator[Block]:
     """Yield a block on a record's noise; if the stated noise is not that, those of a second run.
 
@@ -112,12 +116,12 @@ def _plan_noise(
     shared = {**content, **_collect_shared_content(other), "noise": ESTIMATED}
     yield Block(label, f"{label}, its baselines again", {**shared, "scheme": RECORD}, 1)
     for scheme, entry in zip(resolve_all(other.schemes, other), other.schemes, strict=True):
-        name, anew = f"{label}, {name_second_run(scheme.name)}", explain_anew(entry, scheme)
+        name, anew = f"{label}, {name_second_run(scheme.name)}", SCHEMES.explain_anew(scheme)
         second = {**shared, **scheme_content(other, entry, scheme)}
         yield Block(name if apart else label, name, second, 1, anew=anew)
 
 
-def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
+def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
     whole = as_mapping(config)
     names = ("seed", "engine", "sensors", "band", "gaps", "columns", "units")
     content = {key: whole[key] for key in names}
@@ -278,7 +282,7 @@ def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int
         Number of steps of the longest piece of the record. One piece of each replicate is in
         memory.
     """
-    if config.engine != "batch" or not hasattr(scheme, "kernel"):
+    if config.engine != "batch" or scheme.batched != "chain":
         return 1
     return max(1, min(WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
 

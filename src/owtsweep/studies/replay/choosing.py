@@ -10,7 +10,6 @@ told apart, the baseline is recommended.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -40,7 +39,7 @@ COLUMNS = (
 
 def recommend(
     samples: Array, names: Sequence[str], best: str, *, whole: Array | None = None
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Choose the simplest of the schemes and baselines that are not worse than another.
 
     Parameters
@@ -76,7 +75,11 @@ def recommend(
     least = min(able, key=lambda i: means[i])
     good = [i for i in able if not _is_worse(samples[:, common], means, i, least)]
     chosen = min(good, key=lambda i: (SIMPLICITY.get(names[i], len(SIMPLICITY)), -i))
-    row = {"recommended": names[chosen], "value_recommended": float(means[chosen]), "baseline": ""}
+    row: dict[str, object] = {
+        "recommended": names[chosen],
+        "value_recommended": float(means[chosen]),
+        "baseline": "",
+    }
     rivals = [i for i in able if names[i] in BASELINES]
     if not rivals:
         return row
@@ -114,8 +117,8 @@ def _compare(samples: Array, means: Array, one: int, other: int) -> tuple[float,
 
 
 def relate_to_record(
-    values: Mapping[str, float], by_record: Mapping[str, Any] | None, share: float
-) -> dict[str, Any]:
+    values: Mapping[str, float], by_record: Mapping[str, object] | None, share: float
+) -> dict[str, object]:
     """Say whether the expected map advises for a record, and whether it contradicts the record.
 
     Parameters
@@ -135,9 +138,10 @@ def relate_to_record(
         larger than the least one by `LEAST_MARGIN` or more.
     """
     contradicts = False
-    if by_record is not None and by_record["recommended"] in values:
+    chosen = "" if by_record is None else str(by_record["recommended"])
+    if chosen in values:
         least = min(values.values())
-        contradicts = values[by_record["recommended"]] - least >= LEAST_MARGIN * least > 0.0
+        contradicts = values[chosen] - least >= LEAST_MARGIN * least > 0.0
     return {
         "fit_share": share,
         "advises": bool(share >= LEAST_COVERED),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from owtsweep.config import Positive, Section, key, require
 from owtsweep.motion.recorded import MotionKind, Rotation
@@ -76,10 +76,6 @@ class Columns(Roles):
         "from 4.0 on; small: the small angles of FAST and of OpenFAST before",
         default="zyx",
     )
-
-    def settings(self) -> dict[str, Any]:
-        """Return the keys that are no roles, as arguments of `owtsweep.motion.recorded.read`."""
-        return {name: getattr(self, name) for name in ("motion", "tower_height", "rotation")}
 
 
 class ReplaySettings(Section):

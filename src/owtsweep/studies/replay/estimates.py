@@ -10,7 +10,6 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,8 +17,13 @@ from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.public import make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
+from owtsweep.studies.replay.record import (
+    LONG,
+    ReplayRecord,
+    cut_into_pieces,
+    listen,
+    release_memory,
+)
 from owtsweep.studies.replay.session import SchemeFailed, run_scheme
 
 STATES = ("x", "y", "vx", "vy")
@@ -118,7 +122,7 @@ def _replace_when_written(path: Path) -> Iterator[str]:
 
 def _make_columns(
     record: ReplayRecord, pieces: Iterator[Trajectory], name: str
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[dict[str, object]]:
     origin = np.concatenate([record.origin, np.zeros(2)])
     first = 0
     for estimated in pieces:

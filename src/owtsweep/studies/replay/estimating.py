@@ -13,13 +13,13 @@ from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
 from owtsweep.studies.hub.public import (
     Chain,
     HubConfig,
+    Known,
     OnePassSeries,
     Scheme,
     Sensors,
-    chain_for_runs,
     chunks,
 )
-from owtsweep.studies.replay.measuring import PIECE, Signals
+from owtsweep.studies.replay.record import PIECE, Signals
 
 
 def estimate_pieces(
@@ -57,16 +57,14 @@ def estimate_pieces(
         If an estimate lacks a quantity, has the wrong shape or is not finite; the message names
         the step.
     """
-    start = scheme.start
+    known, start = Known(sensors, config), scheme.start
     if config.engine == "batch":
         complete = all(bool(np.all(np.isfinite(signals.fixes))) for signals in replicates)
-        if complete and hasattr(scheme, "kernel"):
-            chain = chain_for_runs(scheme, sensors, config, replicates[0].steps)
+        if complete and scheme.batched == "chain":
+            chain = scheme.kernel_for_runs(known, replicates[0].steps)
             return _run_kernel(chain, sensors, replicates, edges)
-        start = getattr(scheme, "stream", start)
-    runs = [
-        _run_estimator(start(sensors, config), sensors, signals, edges) for signals in replicates
-    ]
+        start = scheme.stream
+    runs = [_run_estimator(start(known), sensors, signals, edges) for signals in replicates]
     return zip(*runs, strict=True)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,8 +19,10 @@ from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measures import Measured
-from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import ReplayRecord, release_memory
+from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen, release_memory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: The periodogram is kept up to this multiple of the upper edge of the band.
 BEYOND = 2.0
@@ -34,6 +37,12 @@ FACTS = (
 )  # fmt: skip
 #: At most this many peaks of the spectrum are facts about a record.
 MOST_MODES = 3
+
+
+def pick_facts(records: pd.DataFrame) -> dict[str, float]:
+    """Return the facts in the first row of a table of records; NaN for a fact that is not there."""
+    line = records.iloc[0]
+    return {name: float(line.get(name, np.nan)) for name in FACTS}
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ import shlex
 from collections import OrderedDict
 from dataclasses import replace
 from threading import Lock
-from typing import Any
 
 import numpy as np
 
@@ -25,9 +24,9 @@ from owtsweep.studies.replay.record import ReplayRecord, release_memory
 
 #: Number of records kept in memory, and the bytes above which older ones are dropped.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
-_RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
+_RECORDS: OrderedDict[tuple[object, ...], ReplayRecord] = OrderedDict()
 #: What each record that was read says of a platform that turns.
-_LEANS: dict[Any, str] = {}
+_LEANS: dict[tuple[object, ...], str] = {}
 _LOCK = Lock()
 #: Quantity that alone gives no record -> the quantity its channels can be instead, and when.
 INSTEAD = {
@@ -74,7 +73,7 @@ def tell_lean(config: ReplayConfig, file: str) -> str:
     return _LEANS[key]
 
 
-def _make_key(config: ReplayConfig, file: str) -> tuple[Any, ...]:
+def _make_key(config: ReplayConfig, file: str) -> tuple[object, ...]:
     settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
     judged = (config.measures.settling_time, config.measures.window)
     return (file, hash_file(file), repr(settings), *judged)
@@ -86,7 +85,9 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
         columns=config.columns.given(),
         units=config.units.given(),
         gaps=config.gaps,
-        **config.columns.settings(),
+        motion=config.columns.motion,
+        tower_height=config.columns.tower_height,
+        rotation=config.columns.rotation,
     )
     sensors = make_sensors(config.sensors)
     if _holds_sensors(config, recording):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -29,7 +30,8 @@ def make_record_of_motion(
         than the GNSS delay.
     """
     rate = config.sensors.imu.rate
-    gridded = derive(recording, rate, cutoff=config.replay.cutoff)
+    with blame_cutoff(recording):
+        gridded = to_motion(recording, rate, cutoff=config.replay.cutoff)
     lowest = config.fit_band[0]
     kept = gridded.cutoff or 0.0
     require(
@@ -88,19 +90,17 @@ def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Arr
     return np.array(position[at])
 
 
-def derive(recording: Recording, rate: float, **settings: Any) -> Gridded:
-    """Resample recorded motion at `rate` (Hz), and compute its derivatives, by calling `to_motion`.
-
-    `settings` are further arguments of `to_motion`.
+@contextmanager
+def blame_cutoff(recording: Recording) -> Iterator[None]:
+    """Name file and key in a message of `to_motion` on its argument `cutoff`.
 
     Raises
     ------
     InputError
-        If `to_motion` refuses the recording. A message on its argument `cutoff` is changed, so that
-        it names the file and the key replay.cutoff.
+        If `to_motion` refuses the recording inside the `with` block.
     """
     try:
-        return to_motion(recording, rate, **settings)
+        yield
     except InputError as error:
         if str(error).startswith("cutoff: "):
             raise InputError(f"{recording.path}: replay.{error}") from None

@@ -16,11 +16,12 @@ from owtsweep.motion.recorded import (
     find_clear_band,
     find_common_grid,
     to_grid,
+    to_motion,
 )
 from owtsweep.motion.recorded.gridding import FULL_BAND
 from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.of_motion import derive, make_fixes
+from owtsweep.studies.replay.of_motion import blame_cutoff, make_fixes
 from owtsweep.studies.replay.record import ReplayRecord
 
 #: A record with fewer fixes is refused.
@@ -238,16 +239,17 @@ def _derive_reference(
     InputError
         If the reference and the specific force do not overlap in time.
     """
-    gridded = derive(
-        recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
-        grid=grid,
-    )  # fmt: skip
+    with blame_cutoff(recording):
+        gridded = to_motion(
+            recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
+            grid=grid,
+        )  # fmt: skip
     position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
     notes = list(gridded.notes)
     clear = _find_clear_band(config, recording, grid)
     if clear > MOTION_CUTOFF:
         del gridded  # of a long record, free this velocity before the next one is made
-        velocity = derive(
+        velocity = to_motion(
             recording, grid.rate, quantity="reference", orders=2, cutoff=clear, grid=grid
         ).pairs["velocity"]
         notes.append(

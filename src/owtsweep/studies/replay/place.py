@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -19,6 +19,7 @@ from owtsweep.studies.hub.public import (
     Chain,
     ErrorSpectrum,
     HubConfig,
+    Known,
     NoiseFloor,
     Sensors,
     error_spectrum,
@@ -87,7 +88,7 @@ def expect_errors(
     InputError
         If the scheme's errors do not settle.
     """
-    chain = scheme.kernel(sensors, config, steps)
+    chain = scheme.kernel(Known(sensors, config), steps)
     return _compute(chain, sensors, *band)
 
 
@@ -129,48 +130,34 @@ def check_band(config: ReplayConfig) -> None:
         )
 
 
-def find_place(config: ReplayConfig, record: Any) -> Spectrum | None:
+def find_place(config: ReplayConfig, record: Mapping[str, float]) -> Spectrum | None:
     """Return the spectrum fitted to a record, if the spectrum's peak lies inside the band.
 
-    The spectrum is Eq. (1) of Ren et al. (2019). `record` is the record's row of records.csv.
+    The spectrum is Eq. (1) of Ren et al. (2019). `record` holds the facts about the record.
     Returns None if no spectrum could be fitted, or if the peak lies outside the band.
     """
     shape, (low, high) = read_fit(record), config.fit_band
     return shape if shape is not None and low <= shape.peak_frequency <= high else None
 
 
-def read_fit(record: Any) -> Spectrum | None:
+def read_fit(record: Mapping[str, float]) -> Spectrum | None:
     """Return the spectrum fitted to a record; None if no spectrum could be fitted.
 
-    The spectrum is Eq. (1) of Ren et al. (2019). `record` is the record's row of records.csv.
+    The spectrum is Eq. (1) of Ren et al. (2019). `record` holds the facts about the record.
     """
-    values = [record.get(name, np.nan) for name in "abc"]
-    if not np.all(np.isfinite(values)):
-        return None
-    return Spectrum(*(float(value) for value in values))
+    values = [record[name] for name in "abc"]
+    return Spectrum(*values) if np.all(np.isfinite(values)) else None
 
 
-def compute_rms_in_band(record: Any) -> float:
+def compute_rms_in_band(record: Mapping[str, float]) -> float:
     """Compute the root mean square (m) of the part of a record's displacement inside the band.
 
-    `record` is the record's row of records.csv, with a fitted spectrum.
+    `record` holds the facts about the record, with a fitted spectrum.
     """
-    return float(record["rms"]) * float(np.sqrt(record["band_share"]))
+    return record["rms"] * float(np.sqrt(record["band_share"]))
 
 
-def compute_fit_share(record: Any) -> float:
-    """Compute the share (0 to 1) of a record's variance that the fitted spectrum covers.
-
-    This is the share of the variance inside the band, times the share of the band's variance that
-    lies under the fitted curve (`Fit.explained`). A curve of the right shape covers about 0.87 of
-    the band's share, because the periodogram scatters. `record` is the record's row of records.csv,
-    with a fitted spectrum. A row stored before the column fit_share existed gives the band's share.
-    """
-    share = float(record.get("fit_share", np.nan))
-    return share if np.isfinite(share) else float(record["band_share"])
-
-
-def compute_rms_error(config: ReplayConfig, record: Any, shape: Spectrum) -> float:
+def compute_rms_error(config: ReplayConfig, record: Mapping[str, float], shape: Spectrum) -> float:
     """Compute the relative standard error of the rms displacement of records of a sea state.
 
     That is how far the rms of records of this record's duration scatters around that of the sea
@@ -183,22 +170,24 @@ def compute_rms_error(config: ReplayConfig, record: Any, shape: Spectrum) -> flo
     config
         The configuration; its band holds the spectrum.
     record
-        The record's row of records.csv.
+        The facts about the record.
     shape
         The spectrum S(f) fitted to the record.
     """
     frequency = np.linspace(*config.fit_band, 4000)
     density = shape.density(frequency)
     total = np.trapezoid(density, frequency)
-    square = np.trapezoid(density**2, frequency) / float(record["duration"])
+    square = np.trapezoid(density**2, frequency) / record["duration"]
     return float(0.5 * np.sqrt(square) / total)
 
 
-def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
+def expect_at_record(
+    config: ReplayConfig, record: Mapping[str, float]
+) -> dict[str, tuple[float, float]] | None:
     """Compute the settled errors expected of each scheme and baseline for a record's motion.
 
-    The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). `record` is the
-    record's row of records.csv.
+    The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). `record` holds
+    the facts about the record.
 
     Returns
     -------
@@ -222,7 +211,7 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
 
 
 def expect_map(
-    config: ReplayConfig, record: Any, periods: Array, amplitudes: Array
+    config: ReplayConfig, record: Mapping[str, float], periods: Array, amplitudes: Array
 ) -> dict[str, Array]:
     """Compute the settled MSE expected for motions of many periods and amplitudes.
 
@@ -235,7 +224,7 @@ def expect_map(
     config
         The configuration of the replay.
     record
-        The record's row of records.csv, with a fitted spectrum.
+        The facts about the record, with a fitted spectrum.
     periods
         Natural periods in s.
     amplitudes
@@ -252,7 +241,7 @@ def expect_map(
         If no errors can be computed for one of the schemes.
     """
     band = config.fit_band
-    ratio = compute_rms_in_band(record) / float(record["peak"])
+    ratio = compute_rms_in_band(record) / record["peak"]
     which = 1 if config.measures.criterion == "velocity" else 0
     result: dict[str, Array] = {}
     for name, expectation in _expect_all(config, record):
@@ -271,15 +260,17 @@ def list_left_out(config: ReplayConfig) -> list[str]:
     These are the schemes without a chain (`kernel`): their errors depend on more than sensors and
     tuning, e.g. on what SKFA has tracked.
     """
-    return [s.name for s in resolve_all(config.schemes, config) if not hasattr(s, "kernel")]
+    return [s.name for s in resolve_all(config.schemes, config) if s.batched != "chain"]
 
 
-def _expect_all(config: ReplayConfig, record: Any) -> Iterator[tuple[str, Expectation]]:
+def _expect_all(
+    config: ReplayConfig, record: Mapping[str, float]
+) -> Iterator[tuple[str, Expectation]]:
     """Yield the names and expected errors of schemes, then baselines, for motions as long as a
     record.
 
     A baseline that stands among the schemes comes once; the schemes of `list_left_out` do not come.
-    `record` is the record's row of records.csv.
+    `record` holds the facts about the record.
 
     Raises
     ------
@@ -292,7 +283,7 @@ def _expect_all(config: ReplayConfig, record: Any) -> Iterator[tuple[str, Expect
         f"schemes: {', '.join(left_out)}: no expected errors can be computed of a scheme without a "
         "kernel",
     )
-    steps = round(float(record["duration"]) / sensors.step)
+    steps = round(record["duration"] / sensors.step)
     baselines = [name for name in BASELINES if name not in config.schemes]
     for scheme in resolve_all([*config.schemes, *baselines], config):
         if scheme.name not in left_out:

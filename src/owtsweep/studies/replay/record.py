@@ -1,16 +1,32 @@
-"""The record of a replay: a recording at the IMU's rate, from the first moment a fix is due."""
+"""The record of a replay: a recording at the IMU's rate, from the first moment a fix is due.
+
+Its measurements come replicate by replicate; sensors that were not recorded are simulated.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.freed_memory import give_back_freed_memory
+from owtsweep.streams import stream
+from owtsweep.studies.hub.public import (
+    ForceNoise,
+    Sensors,
+    fix_noise,
+    simulate_bias,
+)
+from owtsweep.studies.replay.config import ReplayConfig
 
 #: Steps beyond which a record is long: its memory is watched, and slow work is announced.
 LONG = 1_000_000
+STUDY = "replay"
+#: Steps of specific force that are computed at once.
+PIECE = 1 << 16
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +82,7 @@ class ReplayRecord:
         """The time of the last step on the file's clock, in s."""
         return self.begin + self.step * (self.steps - 1)
 
-    def time_at(self, part: slice) -> Array:
+    def time_at(self, part: slice[int]) -> Array:
         """Return the times of the steps in a slice, on the file's clock, in s."""
         return np.asarray(self.begin + self.step * np.arange(*part.indices(self.steps)))
 
@@ -91,3 +107,86 @@ def release_memory(record: ReplayRecord) -> None:
     """
     if record.steps > LONG:
         give_back_freed_memory()
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The measurements of one replicate; the specific force comes in pieces, to save memory.
+
+    Attributes
+    ----------
+    steps
+        Number of IMU samples.
+    fixes
+        Position fixes in NED coordinates, shape (fixes, 2) in m; NaN where no fix came.
+    force
+        Function that takes a number of steps n and yields the specific force in the IMU's frame
+        (m/s^2), in pieces of shape (n, 2); the last piece may be shorter. Each call begins at the
+        start of the record.
+    """
+
+    steps: int
+    fixes: Array
+    force: Callable[[int], Iterator[Array]]
+
+
+def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
+    """Return the number of replicates of a record; 1 if nothing is simulated."""
+    return 1 if record.gnss == "recorded" else config.replay.replicates
+
+
+def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replicate: int) -> Signals:
+    """Return the measurements of one replicate; sensors that were not recorded are simulated.
+
+    The simulated noise of a replicate depends neither on the file nor on the length of the pieces
+    in which the specific force comes.
+    """
+    steps, streams = record.steps, _streams_of(config, replicate)
+    fixes = record.fixes
+    if record.gnss != "recorded":
+        fixes = fixes + fix_noise(config.sensors, sensors, steps, streams)
+    if record.specific_force is not None:  # recorded data already contain noise
+        recorded = record.specific_force
+        return Signals(
+            steps,
+            fixes,
+            lambda size: (recorded[begin : begin + size] for begin in range(0, steps, size)),
+        )
+    acceleration = record.given("acceleration")
+
+    def force(size: int) -> Iterator[Array]:
+        noise = ForceNoise(config.sensors, sensors, streams)
+        for begin in range(0, steps, size):
+            stop = begin + size
+            felt = acceleration[begin:stop]
+            if sensors.tilt != 0.0:
+                felt = felt - sensors.lean * record.given("position")[begin:stop]
+            part = felt @ sensors.rotation  # R' (a - g tilt d)
+            part += noise.next(len(part))
+            yield part
+
+    return Signals(steps, fixes, force)
+
+
+def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:
+    """Return the steps at which pieces of a record begin, and the step at which the last ends.
+
+    Each piece has `size` steps; the last one may be shorter. `steps` is the length of the record.
+    """
+    return [*range(0, steps, size), steps]
+
+
+def simulate_true_bias(
+    config: ReplayConfig, sensors: Sensors, steps: int, replicate: int
+) -> Iterator[Array]:
+    """Yield the simulated accelerometer bias of a replicate in pieces of shape (n, 2), in m/s^2.
+
+    The bias is R b^b: b^b in the IMU's frame, rotated to NED coordinates. `steps` is the length of
+    the record.
+    """
+    streams = _streams_of(config, replicate)
+    return simulate_bias(config.sensors, sensors, steps, streams, piece=PIECE)
+
+
+def _streams_of(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
+    return partial(stream, config.seed, STUDY, (0.0,), replicate)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +13,10 @@ from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.words import describe_table, warn_of_noise
 from owtsweep.studies.replay.loading import load_record, tell_lean
-from owtsweep.studies.replay.place import compute_fit_share
 from owtsweep.studies.replay.record import ReplayRecord
 from owtsweep.studies.replay.sentences import describe_modes, describe_tilt
 from owtsweep.studies.replay.terminal import (
@@ -120,17 +120,16 @@ def _describe_one(
 def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
     if records.empty:
         return []
-    line: Any = records.iloc[0]
+    line = pick_facts(records)
     facts = [
         f"displacement: rms {line['rms']:.3g} m, largest {line['peak']:.3g} m along "
         f"{line['direction']:.0f} deg from x, which carries "
         f"{100 * line['direction_share']:.0f} % of the variance"
     ]
-    if modes := describe_modes(config, line):
-        facts.append(modes)
+    facts.append(describe_modes(config, line))
     if tilt := describe_tilt(config, line):
         facts.append(tilt)
-    if np.isfinite(line.get("natural_period", np.nan)):
+    if np.isfinite(line["natural_period"]):
         facts.append(
             f"Eq. (1): natural period {line['natural_period']:.4g} ± "
             f"{1.96 * line['natural_period_error']:.2g} s, half-bandwidth "
@@ -138,7 +137,7 @@ def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
             + ", ".join(f"{name} = {line[name]:.4g}" for name in "abc")
             + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
             f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz, and "
-            f"{100 * compute_fit_share(line):.0f} % under the curve, which is what the expected "
+            f"{100 * line['fit_share']:.0f} % under the curve, which is what the expected "
             "map judges"
         )
         facts += [
@@ -146,7 +145,7 @@ def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
             for warning in list_fit_warnings(config, config.grid.files[0])
         ]
         low, high = config.fit_band
-        if not low <= 1.0 / float(line["natural_period"]) <= high:
+        if not low <= 1.0 / line["natural_period"] <= high:
             facts.append("its peak lies outside band, so it has no place in the expected map")
     else:
         facts.append("Eq. (1) could not be fitted, so the record has no place in the expected map")

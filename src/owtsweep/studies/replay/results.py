@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from owtsweep.studies.replay import advice, choosing
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.rows import (
     ESTIMATED,
@@ -135,9 +136,7 @@ def _advise(
     schemes: Sequence[str],
     files: Sequence[str],
     records: pd.DataFrame,
-) -> Iterator[dict[str, Any]]:
-    import pandas as pd
-
+) -> Iterator[dict[str, object]]:
     criterion, window = config.measures.criterion, config.measures.window
     for file in files:
         advised = []
@@ -148,12 +147,10 @@ def _advise(
         if not record.empty:
             by_record = advised[0] if advised else None
             with suppress(InputError):  # a scheme has no expectation; the report says so
-                advised.append(advise_from_map(config, schemes, record.iloc[0], by_record))
+                advised.append(advise_from_map(config, schemes, pick_facts(record), by_record))
         yield from ({"file": file, **row, "noise": STATED} for row in advised if row is not None)
         again = pick_second_run(rows[rows["file"] == file], [*schemes, *BASELINE_ROWS])
         if not again.empty:
-            if not again["scheme"].isin(BASELINE_ROWS).any():  # stored before baselines were rerun
-                again = pd.concat([again, values[values["scheme"].isin(BASELINE_ROWS)]])
             row = advice.advise_from_record(again, schemes, criterion, window)
             if row is not None:
                 yield {"file": file, **row, "noise": ESTIMATED}
@@ -162,9 +159,9 @@ def _advise(
 def advise_from_map(
     config: ReplayConfig,
     schemes: Sequence[str],
-    record: Any,
-    by_record: Mapping[str, Any] | None = None,
-) -> dict[str, Any] | None:
+    record: Mapping[str, float],
+    by_record: Mapping[str, object] | None,
+) -> dict[str, object] | None:
     """Advise which scheme to run, by the settled errors expected for a record's motion.
 
     Parameters
@@ -174,7 +171,7 @@ def advise_from_map(
     schemes
         Names of the schemes to compare.
     record
-        The record's row of records.csv.
+        The facts about the record.
     by_record
         The row of the table of advice by the record's own errors; None if there is none.
 
@@ -189,7 +186,7 @@ def advise_from_map(
     InputError
         If no errors can be computed for one of the schemes.
     """
-    from owtsweep.studies.replay.place import compute_fit_share, expect_at_record
+    from owtsweep.studies.replay.place import expect_at_record
 
     expected = expect_at_record(config, record)
     if expected is None:
@@ -206,6 +203,6 @@ def advise_from_map(
         "criterion": criterion,
         "window": "settled",
         **compared,
-        **choosing.recommend(samples, list(errors), compared["best"]),
-        **choosing.relate_to_record(errors, by_record, compute_fit_share(record)),
+        **choosing.recommend(samples, list(errors), str(compared["best"])),
+        **choosing.relate_to_record(errors, by_record, record["fit_share"]),
     }

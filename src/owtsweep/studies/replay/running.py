@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,6 @@ from owtsweep.studies.replay.checking import verify
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.seastates import read_table
-from owtsweep.studies.replay.words import quote_texts, tell_missing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,6 +33,10 @@ logger = logging.getLogger(__name__)
 
 #: Bytes of the name of a replay; its folder's name has 11 more, and file systems allow 255.
 LONGEST_EXPERIMENT = 244
+#: An override whose value is the name of a channel or of a unit.
+_TEXT = re.compile(r"((?:columns|units)\.\w+)=(.*)", re.DOTALL)
+#: Values that Hydra takes as they are.
+_PLAIN = re.compile(r"[\w./-]*")
 
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
@@ -124,6 +128,47 @@ def expand(words: Sequence[str]) -> list[str]:
             require(len(matches) > 0, tell_missing(word, path))
         paths.update({str(match.resolve()): None for match in matches})
     return list(paths)
+
+
+def quote_texts(overrides: Sequence[str]) -> list[str]:
+    """Quote names of channels and units that Hydra would not take as they are.
+
+    So `units.specific_force_x=m/s^2` and `columns.position_x=TwHt1TPxi [m]` work as they are typed.
+    Other overrides, and values that have quotes or refer to another key (`${...}`), are returned
+    unchanged.
+    """
+    return [_quote(word) for word in overrides]
+
+
+def _quote(word: str) -> str:
+    found = _TEXT.fullmatch(word)
+    if found is None:
+        return word
+    key, value = found.groups()
+    value = value.strip()
+    if _PLAIN.fullmatch(value) or value[0] in "'\"" or "${" in value:
+        return word
+    escaped = re.sub(r"(\\*)'", r"\1\1\\'", value)
+    return f"{key}='{escaped}'"
+
+
+def tell_missing(word: str, path: Path) -> str:
+    """Return why a word names no file; name the most similar file of its folder, if there is one.
+
+    `word` is a path or a pattern as the user wrote it; `path` is the same with the home folder
+    written out.
+    """
+    if any(sign in word for sign in "*?["):
+        return f"{word}: nothing matches this pattern"
+    if "://" in word:
+        return f"{word}: files are not read from the network; download this one first"
+    try:
+        names = [entry.name for entry in path.parent.iterdir() if entry.is_file()]
+    except OSError:  # the folder is not there, or may not be read
+        return f"{word}: there is no such file, and no folder {path.parent}"
+    near = get_close_matches(path.name, names, n=1)
+    hint = f"; did you mean {Path(word).parent / near[0]}?" if near else ""
+    return f"{word}: there is no such file{hint}"
 
 
 def execute(

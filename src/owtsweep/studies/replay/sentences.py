@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Hashable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from owtsweep.studies.hub.public import BASELINES, INSTEAD, believe, make_sensor
 from owtsweep.studies.replay.choosing import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES
+from owtsweep.studies.replay.identification.rows import ESTIMATED
 from owtsweep.studies.replay.place import expect_at_record
 
 #: A margin (an error / the best error - 1) of at least this is stated as a factor, not in percent.
@@ -23,90 +25,107 @@ SOURCES = {
 }
 
 
-def write_sentence(row: Any) -> str:
-    """Write one row of the table of advice as a sentence that begins with what is recommended.
+class Advice(NamedTuple):
+    """A row of the table of advice: its texts, "" where there is none, and the numbers it has."""
 
-    Columns about baselines and coverage may be missing, as in a table stored before these existed.
-    """
-    clean = {name: value for name, value in row.items() if value == value}
-    noise = " with the estimated noise" if clean.get("noise") == "estimated" else ""
-    text = f"by {SOURCES[row['source']]}{noise}: {_recommend(clean)}"
-    if row["source"] != "map" or "fit_share" not in clean:
+    texts: Mapping[str, str]
+    numbers: Mapping[str, float]
+
+
+def read_advice(row: Mapping[Hashable, object]) -> Advice:
+    """Tell the texts of a row of the table of advice from its numbers; NaN stands for neither."""
+    known = {str(name): value for name, value in row.items() if value == value}
+    texts = {name: value for name, value in known.items() if isinstance(value, str)}
+    numbers = {name: value for name, value in known.items() if isinstance(value, int | float)}
+    return Advice({"same_as": "", "runner_up": "", "baseline": "", **texts}, numbers)
+
+
+def write_sentence(row: Mapping[Hashable, object]) -> str:
+    """Write one row of the table of advice as a sentence that begins with what is recommended."""
+    advice = read_advice(row)
+    texts, numbers = advice
+    noise = " with the estimated noise" if texts["noise"] == ESTIMATED else ""
+    text = f"by {SOURCES[texts['source']]}{noise}: {_recommend(advice)}"
+    if texts["source"] != "map":
         return text
-    covered = f"{100.0 * row['fit_share']:.0f} % of the variance"
-    if row["advises"]:
+    covered = f"{100.0 * numbers['fit_share']:.0f} % of the variance"
+    if numbers["advises"]:
         text += f"; the fit of Eq. (1) covers {covered}"
     else:
         text = f"no advice, only for the {covered} that the fit of Eq. (1) covers: {text}"
-    if row["contradicts_record"]:
+    if numbers["contradicts_record"]:
         text += "; this contradicts the record's own errors, which count because they judge all of "
         text += "its motion"
     return text
 
 
-def _recommend(row: dict[str, Any]) -> str:
+def _recommend(advice: Advice) -> str:
     """Say what is recommended, its error, and the errors of what comes next."""
-    chosen = row.get("recommended", row["best"])
-    if chosen in BASELINES and row.get("baseline") == chosen:
-        return _recommend_baseline(row, chosen)
-    value = row.get("value_recommended", row["value_best"])
-    size = _describe_size(row, value)
-    same = row["same_as"].split()
-    best = _name(row["best"], same)
-    more = f"; {rival}" if (rival := _describe_rival(row)) else ""
-    if chosen != row["best"] and chosen not in same:
-        ends = []
-        if chosen == row["runner_up"] and row["source"] != "map" and "ci_low" in row:
-            ends = [-row["ci_high"], -row["ci_low"]]
-        less = f"{best} has {_describe_difference(row['value_best'] - value, value, *ends)}"
+    texts, numbers = advice
+    chosen, runner_up = texts["recommended"], texts["runner_up"]
+    if chosen in BASELINES and texts["baseline"] == chosen:
+        return _recommend_baseline(advice)
+    value, least = numbers["value_recommended"], numbers["value_best"]
+    size = _describe_size(texts["criterion"], value)
+    same = texts["same_as"].split()
+    best = _name(texts["best"], same)
+    more = f"; {rival}" if (rival := _describe_rival(advice)) else ""
+    ends = _list_ends(advice, "ci_low", "ci_high")
+    if chosen != texts["best"] and chosen not in same:
+        ends = [-end for end in reversed(ends)] if chosen == runner_up else []
+        less = f"{best} has {_describe_difference(least - value, value, *ends)}"
         return f"no difference that matters: run {chosen}, the simplest, {size}; {less}{more}"
-    if not row["runner_up"]:
+    if not runner_up:
         return f"{best}, {size}; there is nothing to compare it with{more}"
-    ends = [row[end] for end in ("ci_low", "ci_high") if row["source"] != "map" and end in row]
-    told = _describe_difference(row["margin"] * row["value_best"], row["value_best"], *ends)
-    margin = f"{row['runner_up']} has {told}"
-    if not row["matters"]:
+    told = _describe_difference(numbers["margin"] * least, least, *ends)
+    margin = f"{runner_up} has {told}"
+    if not numbers["matters"]:
         return f"no difference that matters; {best}, {size}; {margin}{more}"
     return f"run {best}, {size}; {margin}{more}"
 
 
-def _recommend_baseline(row: dict[str, Any], chosen: str) -> str:
+def _recommend_baseline(advice: Advice) -> str:
     """Say that a baseline is recommended, and how far the best scheme is from its error."""
-    value, best = row["value_baseline"], _name(row["best"], row["same_as"].split())
-    ends = [
-        row[end]
-        for end in ("baseline_ci_low", "baseline_ci_high")
-        if row["source"] != "map" and end in row
-    ]
-    told = _describe_difference(row["baseline_difference"], value, *ends)
+    texts, numbers = advice
+    chosen, best = texts["baseline"], _name(texts["best"], texts["same_as"].split())
+    value, difference = numbers["value_baseline"], numbers["baseline_difference"]
+    ends = _list_ends(advice, "baseline_ci_low", "baseline_ci_high")
+    told = _describe_difference(difference, value, *ends)
     better = "no scheme is better"
-    if row["baseline_difference"] < 0.0:
+    if difference < 0.0:
         better += " by a difference that matters"
-    size = _describe_size(row, value)
+    size = _describe_size(texts["criterion"], value)
     if best == chosen:  # a baseline that stands among the schemes
         return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}"
     return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}; {best}, the best scheme, has {told}"
 
 
-def _describe_rival(row: dict[str, Any]) -> str:
+def _list_ends(advice: Advice, *names: str) -> list[float]:
+    """Return the ends of an interval; [] if there is none, as by the map."""
+    numbers = {} if advice.texts["source"] == "map" else advice.numbers
+    return [numbers[name] for name in names if name in numbers]
+
+
+def _describe_rival(advice: Advice) -> str:
     """Say how much larger the error of the best baseline is; "" if no baseline was judged."""
-    if not row.get("baseline") or row["baseline"] == row["best"]:
+    baseline, least = advice.texts["baseline"], advice.numbers["value_best"]
+    if baseline in ("", advice.texts["best"]):
         return ""
-    told = _describe_difference(row["value_baseline"] - row["value_best"], row["value_best"])
-    return f"{row['baseline']}, the best baseline, has {told}"
+    told = _describe_difference(advice.numbers["value_baseline"] - least, least)
+    return f"{baseline}, the best baseline, has {told}"
 
 
 def _name(best: str, same: list[str]) -> str:
     return f"{best} (= {' = '.join(same)})" if same else best
 
 
-def _describe_size(row: dict[str, Any], value: float) -> str:
+def _describe_size(criterion: str, value: float) -> str:
     """Say how large a mean squared error is, with its unit and its root."""
-    unit = "m/s" if row["criterion"] == "velocity" else "m"
+    unit = "m/s" if criterion == "velocity" else "m"
     size = f"{value:.3g} {unit.replace('m', 'm²', 1).replace('/s', '/s²')}"
-    if row["criterion"] == "fix_residual":
+    if criterion == "fix_residual":
         return size + f" from a fix, its noise included (root {np.sqrt(value):.2g} {unit})"
-    return size + f" {row['criterion']} MSE (root {np.sqrt(value):.2g} {unit})"
+    return size + f" {criterion} MSE (root {np.sqrt(value):.2g} {unit})"
 
 
 def _describe_difference(difference: float, base: float, *ends: float) -> str:
@@ -135,18 +154,15 @@ def _describe_difference(difference: float, base: float, *ends: float) -> str:
     return f"{told[0]} {unit} {word}{interval}"
 
 
-def describe_modes(config: ReplayConfig, record: Any) -> str:
+def describe_modes(config: ReplayConfig, record: Mapping[str, float]) -> str:
     """Name the peaks of a record's spectrum: period, share of the variance, whether in the band.
 
-    `record` is the record's row of records.csv. Returns "" if the row was stored before peaks were
-    searched for.
+    `record` holds the facts about the record.
     """
-    if not np.isfinite(record.get("slow_share", np.nan)):
-        return ""
     low, high = config.fit_band
     told = []
     for number in range(1, MOST_MODES + 1):
-        period = float(record.get(f"mode_{number}_period", np.nan))
+        period = record[f"mode_{number}_period"]
         if np.isfinite(period):
             outside = "" if low <= 1.0 / period <= high else ", outside the band"
             share = 100.0 * record[f"mode_{number}_share"]
@@ -154,18 +170,18 @@ def describe_modes(config: ReplayConfig, record: Any) -> str:
     text = f"peaks of the spectrum: {', '.join(told)}"
     if not told:
         text = f"the spectrum has no peak that is more than scatter (p < {LEVEL:g})"
-    slow = float(record["slow_share"])
+    slow = record["slow_share"]
     if slow >= LEAST_SHARE:
         text += f"; {100.0 * slow:.0f} % of the variance has periods beyond "
         text += f"{record['slow_period']:.3g} s, too long for this record to time"
     return text
 
 
-def describe_tilt(config: ReplayConfig, record: Any) -> str:
+def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
     """Say in a sentence what the tilt of the IMU costs at a record's period and size.
 
     The errors are those expected of the schemes for the fitted spectrum: by filters that know the
-    tilt, and by filters that take the IMU for level. `record` is the record's row of records.csv.
+    tilt, and by filters that take the IMU for level. `record` holds the facts about the record.
     Returns "" if no tilt is stated (`sensors.imu.tilt`).
     """
     tilt = config.sensors.imu.tilt
@@ -181,7 +197,7 @@ def describe_tilt(config: ReplayConfig, record: Any) -> str:
     if not unaware or not aware:
         return f"{told}: the record has no place in the map, so what it costs is not known"
     lean = make_sensors(config.sensors).lean
-    period = float(record["natural_period"])
+    period = record["natural_period"]
     share = abs(lean) * (period / (2.0 * np.pi)) ** 2
     which = 1 if config.measures.criterion == "velocity" else 0
     unit = ("m", "m/s")[which]

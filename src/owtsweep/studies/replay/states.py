@@ -12,9 +12,9 @@ from owtsweep.arrays import Array
 from owtsweep.figures.lines import POINTS, Envelope
 from owtsweep.studies.hub.public import (
     Chain,
+    Known,
     OnePassSeries,
     bias_of,
-    chain_for_runs,
     has_acceleration,
     lag_of,
     resolve_all,
@@ -22,7 +22,7 @@ from owtsweep.studies.hub.public import (
 )
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import make_lanes
-from owtsweep.studies.replay.measuring import cut_into_pieces, simulate_true_bias
+from owtsweep.studies.replay.record import cut_into_pieces, simulate_true_bias
 from owtsweep.studies.replay.session import Alike, Session, raise_bound, skip_start
 
 
@@ -118,10 +118,11 @@ def collect_filter_states(config: ReplayConfig, session: Session) -> FilterState
 def _make_chains(config: ReplayConfig, session: Session) -> dict[str, Chain]:
     if not np.all(np.isfinite(session.signals.fixes)):
         return {}
+    known = Known(session.sensors, config)
     return {
-        scheme.name: chain_for_runs(scheme, session.sensors, config, session.record.steps)
+        scheme.name: scheme.kernel_for_runs(known, session.record.steps)
         for scheme in resolve_all(config.schemes, config)
-        if scheme.name in session.names and hasattr(scheme, "kernel")
+        if scheme.name in session.names and scheme.batched == "chain"
     }
 
 

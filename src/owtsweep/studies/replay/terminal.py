@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.studies.hub.public import OTHER_WINDOW
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.facts import pick_facts, summarise_motion
 from owtsweep.studies.replay.identification.rows import ESTIMATED
 from owtsweep.studies.replay.identification.words import count_doubted, warn_of_noise
 from owtsweep.studies.replay.loading import tell_lean
@@ -45,12 +46,12 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     from rich.console import Group
     from rich.text import Text
 
-    parts: list[Any] = []
+    parts: list[RenderableType] = []
     if len(config.grid.files) == 1:
         parts.append(_make_table(config, tables["errors"]))
-        for record in tables["records"].to_dict("records"):
-            if modes := describe_modes(config, record):
-                parts.append(Text(f"motion: {modes}"))
+        if len(tables["records"]):
+            record = pick_facts(tables["records"])
+            parts.append(Text(f"motion: {describe_modes(config, record)}"))
             if tilt := describe_tilt(config, record):
                 parts.append(Text(f"tilt: {tilt}"))
         if lean := tell_lean(config, config.grid.files[0]):
@@ -84,8 +85,7 @@ def _count_advice(advised: pd.DataFrame) -> str:
     `advised` is the run's table of advice. Rows by expected errors are not counted.
     """
     by_record = advised[(advised["source"] != "map") & (advised["noise"] != ESTIMATED)]
-    choice = "recommended" if "recommended" in by_record else "best"
-    counts = by_record[choice].value_counts()
+    counts = by_record["recommended"].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())
     alike = int((~by_record["matters"].astype(bool)).sum())
     return (
@@ -99,13 +99,10 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
 
     If the table has several records, each sentence begins with the name of its record.
     """
-    # a table stored before has fewer columns; one that was read back has NaN for no text
-    texts = {"same_as", "runner_up", "baseline", "recommended"} & set(advised.columns)
-    clean = advised.astype(dict.fromkeys(texts, object)).fillna(dict.fromkeys(texts, ""))
-    many = clean["file"].nunique() > 1
+    many = advised["file"].nunique() > 1
     return [
         (f"{row['file']}: " if many else "") + write_sentence(row)
-        for row in clean.to_dict("records")
+        for row in advised.to_dict("records")
     ]
 
 
@@ -137,8 +134,6 @@ def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
 
     If no spectrum could be fitted, the reason is the only warning.
     """
-    from owtsweep.studies.replay.facts import summarise_motion
-
     fit = summarise_motion(config, file).fit
     return (fit,) if isinstance(fit, str) else fit.warnings
 
@@ -160,12 +155,13 @@ def make_error_cells(
             continue  # the baseline has a row among the schemes
         row = [baseline or str(scheme)]
         for name in names:
-            row.append(_format(name, by_measure.loc[name]) if name in by_measure.index else "")
+            row.append(_format(name, by_measure) if name in by_measure.index else "")
         rows.append(row)
     return ["scheme", *(SHOWN[name] for name in names)], rows
 
 
-def _format(name: str, line: Any) -> str:
+def _format(name: str, by_measure: pd.DataFrame) -> str:
+    line = by_measure.loc[name]
     if name.startswith("coverage"):
         return f"{100.0 * line['mean']:.1f} %"
     text = f"{line['mean']:.3g}"

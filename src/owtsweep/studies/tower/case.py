@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -11,13 +11,16 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.streams import stream
-from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.channels import Place, list_places
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Setting
-from owtsweep.studies.tower.measuring import add_errors, take_signals
+from owtsweep.studies.tower.measuring import Place, add_errors, list_places, take_signals
 from owtsweep.studies.tower.recorded_truth import load_motions
-from owtsweep.studies.tower.setting import Substructure, make_setting, model_substructure
+from owtsweep.studies.tower.setting import (
+    Substructure,
+    make_believed,
+    make_setting,
+    model_substructure,
+)
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 
@@ -90,17 +93,6 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
             for direction in motion
         },
     )
-
-
-def place_sensors(config: TowerConfig, case: Case) -> Case:
-    """Return a record with the sensors of a configuration in place of its own."""
-    places = list_places(config.sensors, config.nodes)
-    where = [(place.kind, place.node) for place in places]
-    signals = {
-        direction: take_signals(motion, case.part.strain, where, config.faults)
-        for direction, motion in case.motion.items()
-    }
-    return replace(case, places=places, signals=signals)
 
 
 def list_channels(config: TowerConfig, case: Case, direction: str, noise: float) -> list[Channel]:

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.grid_size import check_blocks
-from owtsweep.studies.tower.channels import count_rotations, list_places
-from owtsweep.studies.tower.loads.recorded import read_loads
-from owtsweep.studies.tower.loads.wind import NAMES
+from owtsweep.studies.tower.measuring import count_rotations, list_places
 from owtsweep.studies.tower.recorded_truth import load_motions
 from owtsweep.studies.tower.schemes import SCHEMES
+from owtsweep.studies.tower.wind import NAMES, read_loads
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.config import TowerConfig

@@ -13,15 +13,14 @@ from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
+from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.schemes import SchemeEntries
-from owtsweep.studies.tower.loads.config import SeaState, Wind
-from owtsweep.studies.tower.measuring import Faults
 from owtsweep.studies.tower.recorded import Recorded
-from owtsweep.studies.tower.sections import Grid, Model, Sensors, Truth
+from owtsweep.studies.tower.sections import Faults, Grid, Model, SeaState, Sensors, Truth, Wind
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 
-class TowerConfig(TunedConfig):
+class TowerConfig(TunedConfig, ContestConfig):
     """The configuration of the tower study, with all its keys.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and

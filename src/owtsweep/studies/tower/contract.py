@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Literal
 from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
-from owtsweep.studies.base.contract import Ready
+from owtsweep.studies.base import contract
+from owtsweep.studies.base.knowledge import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.tuning import Tuning
@@ -63,8 +64,8 @@ class Believed:
     length: Array
 
 
-@dataclass(frozen=True)
-class Setting:
+@dataclass(frozen=True, eq=False)
+class Setting(Knowledge):
     """All that a scheme may know of one direction of a case.
 
     Attributes
@@ -137,5 +138,7 @@ class Estimates:
     wait: float = 0.0
 
 
-#: A scheme made ready for one setting; measurements have the shape (steps, channels).
-Prepared = Ready[Array, Estimates]
+class Scheme(contract.Scheme[Setting, Array, Estimates]):
+    """A scheme of the tower study; measurements have the shape (steps, channels)."""
+
+    study = "tower"

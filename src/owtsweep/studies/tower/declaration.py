@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -63,17 +63,19 @@ class Record(NamedTuple):
     measured: dict[str, Array]
 
 
-def list_content(config: TowerConfig) -> dict[str, Any]:
+def list_content(config: TowerConfig) -> dict[str, object]:
     """Return what the rows of every block depend on, without names; files by their bytes."""
     whole = as_mapping(config)
     content = {name: whole[name] for name in CONTENT}
     for section, names in (("structure", ("name", "source")), ("sensors", ("name",))):
-        content[section] = {k: v for k, v in content[section].items() if k not in names}
+        content[section] = {k: v for k, v in whole[section].items() if k not in names}
     content["cuts"] = list(config.heights)
     if config.wind.file is not None:
         content["loads"] = hash_file(expand_home(config.wind.file))
     if config.recorded.file is not None:
-        content["recorded"] |= {"file": hash_file(expand_home(config.recorded.file))}
+        content["recorded"] = whole["recorded"] | {
+            "file": hash_file(expand_home(config.recorded.file))
+        }
     return content
 
 

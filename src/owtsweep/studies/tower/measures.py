@@ -35,8 +35,6 @@ CRITERIA = {
     "base_moment": "base moment: std of its error over its own std, fore-aft",
     "displacement": "displacement: std of its error over its own std, worst node",
 }
-#: The only window: after the settling time.
-WINDOW = "settled"
 #: Heights above the ground (m) at which displacement and rotation are compared (Table 3).
 LEVELS = (0.0, 15.0)
 #: Welds count for `damage` if their true damage is more than this part of the largest.

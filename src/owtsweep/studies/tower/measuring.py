@@ -1,37 +1,74 @@
-"""What sensors on the structure measure: signals of the truth, and their noise."""
+"""Where sensors are on the structure, and what they measure: signals of the truth, and noise."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import NotNegative, Section, key
+from owtsweep.errors import require
 from owtsweep.gravity import GRAVITY
 from owtsweep.sensing.faults import Losses
 from owtsweep.sensing.noise import WienerBias
+from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.contract import Kind
+from owtsweep.studies.tower.sections import KINDS, Faults, Sensors
 from owtsweep.studies.tower.truth import Motion
 
 
-class Faults(Section):
-    """The section `faults`: what is wrong with sensors besides white noise, told to no scheme.
+class Place(NamedTuple):
+    """Where a channel is: its kind, its node, and whether it is a GNSS receiver's."""
 
-    Sizes are parts of each channel's own standard deviation.
+    kind: Kind
+    node: int
+    gnss: bool = False
+
+
+def list_places(sensors: Sensors, nodes: Array) -> list[Place]:
+    """Return the channels of each direction: displacements, rotations, accelerations, strains.
+
+    Parameters
+    ----------
+    sensors
+        The section `sensors`.
+    nodes
+        Heights of the nodes of the cut structure above the ground in m.
+
+    Raises
+    ------
+    InputError
+        If a sensor's height has no node.
     """
+    places = []
+    for name, kind in KINDS.items():
+        if name in sensors.every_node:
+            places += [Place(kind, node) for node in range(len(nodes))]
+        places += [
+            Place(kind, find_node(nodes, height, f"sensors.{name}"))
+            for height in getattr(sensors, name)
+        ]
+    places += [
+        Place("x", find_node(nodes, height, "sensors.gnss"), gnss=True) for height in sensors.gnss
+    ]
+    return places
 
-    bias: NotNegative = key("constant offset, with a random sign", default=0.0)
-    drift: NotNegative = key("Wiener process: its standard deviation after 100 s", default=0.0)
-    loss: float = key(
-        "probability that an outage begins at a sample; lost samples repeat the last one",
-        default=0.0,
-        ge=0.0,
-        lt=1.0,
+
+def find_node(nodes: Array, height: float, what: str) -> int:
+    """Return the node at a height above the ground; raise `InputError` if there is none."""
+    near = abs(nodes - height) <= NEAR
+    require(
+        bool(near.any()),
+        f"{what}: no node of the mesh is {height:g} m above the ground; take one of "
+        f"{', '.join(f'{z:g}' for z in nodes)}",
     )
-    loss_length: int = key("of an outage, in samples", default=100, ge=1)
-    tilted_accelerometers: bool = key("whether accelerometers read a - g theta", default=False)
-    accelerated_inclinometers: bool = key("whether inclinometers read theta - a/g", default=False)
+    return int(near.argmax())
+
+
+def count_rotations(places: Sequence[Place]) -> int:
+    """Count the inclinometers and displacement sensors of a direction."""
+    return sum(place.kind in ("theta", "x") for place in places)
 
 
 def take_signals(

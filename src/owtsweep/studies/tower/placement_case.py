@@ -1,4 +1,4 @@
-"""Set up the choice of inclinometers, and check a choice on simulated records.
+"""Set up the choice of inclinometers on a structure.
 
 Structure, loads, noise and the sensors that are there already are those of the tower study's
 configuration. A record gives the size of every signal, and so the noise of its sensor, and the
@@ -8,7 +8,7 @@ scale of its error.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
@@ -21,14 +21,17 @@ from owtsweep.streams import stream
 from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.structures.stress import stress_matrix
-from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.channels import Place, find_node, list_places
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Kind, Setting
-from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
+from owtsweep.studies.tower.measuring import (
+    Place,
+    find_node,
+    list_places,
+    take_signals,
+)
 from owtsweep.studies.tower.placement import Problem, pose
-from owtsweep.studies.tower.sections import KINDS
-from owtsweep.studies.tower.setting import make_setting, model_substructure
+from owtsweep.studies.tower.sections import KINDS, Faults
+from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 #: Accelerometers where the user names no sensor.
@@ -190,39 +193,6 @@ def make_case(
         ground=low,
         wave=config.waves.hs > 0.0,
     )
-
-
-def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[float, float]:
-    """Run the AKF on the records with some of the candidates; return its real errors.
-
-    `first` is the number of the first sample that is judged. The errors are root mean squares of
-    the stress at the worst weld and of M0, each over its scale and averaged over the records.
-
-    Raises
-    ------
-    Unable
-        If the sensors see too little.
-    """
-    from owtsweep.studies.tower.schemes import SCHEMES
-
-    channels = (*case.setting.channels, *(case.candidates[number] for number in chosen))
-    setting = replace(case.setting, channels=channels)
-    prepared = SCHEMES.resolve("AKF_STEADY").prepare(setting)
-    sigma = np.array([channel.sigma for channel in channels])
-    places = [(channel.kind, channel.node) for channel in channels]
-    names = [f"{kind}_{node}" for kind, node in places]
-    faults = Faults()
-    errors = []
-    for number, motion in enumerate(case.motions):
-        signals = take_signals(motion, setting.strain, places, faults)
-        draw = partial(stream, 0, "tower", [], number)
-        guess = prepared.run(add_errors(signals, sigma, faults, draw, names, setting.step))
-        wrong = (guess.displacement - motion.displacement)[first:] @ case.stress.T
-        stress = np.sqrt(np.mean(wrong**2, axis=0)) / case.stress_scale
-        moment = np.sqrt(np.mean((guess.inputs - motion.inputs)[first:, 1] ** 2))
-        errors.append((stress.max(), moment / case.moment_scale))
-    stress_error, moment_error = np.mean(errors, axis=0)
-    return float(stress_error), float(moment_error)
 
 
 def _list_given(config: TowerConfig, sizes: Mapping[Kind, Array], spread: bool) -> list[Channel]:

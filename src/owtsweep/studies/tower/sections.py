@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
+from owtsweep.errors import require
 
 #: Name of a list of sensors in the section `sensors` -> kind of its channels.
 KINDS: dict[str, Literal["x", "theta", "a", "strain"]] = {
@@ -39,6 +40,55 @@ class Truth(Section):
     )
 
 
+class TopLoad(Section):
+    """One load on the top of the structure: its mean and its standard deviation."""
+
+    mean: Finite = key("mean, in N or N m")
+    sigma: NotNegative = key("standard deviation, in N or N m")
+
+
+class Wind(Section):
+    """The section `wind`: loads of the rotor on the top of the structure.
+
+    They stand for a controlled rotor in turbulence; there is no rotor in the truth. Sizes are those
+    that a rough estimate for the IEA 15 MW turbine at 8 m/s gives (docs/tower.md).
+    """
+
+    speed: Positive = key("mean wind speed at the hub", unit="m/s")
+    rotor_area: Positive = key("swept area, which averages the gusts", unit="m^2")
+    rotor_speed: Positive = key("revolutions of the rotor", unit="Hz")
+    thrust: TopLoad = key("force fore-aft, N")
+    moment: TopLoad = key("moment fore-aft, N m; negative: it leans the tower upwind")
+    side: TopLoad = key("force side-side, N")
+    side_moment: TopLoad = key("moment side-side, N m")
+    line_1p: float = key("share of the variance once per revolution", ge=0.0, le=1.0)
+    line_3p: float = key("share of the variance three times per revolution", ge=0.0, le=1.0)
+    damping: NotNegative = key("aerodynamic damping fore-aft, at the top", unit="N s/m")
+    side_damping: NotNegative = key("aerodynamic damping side-side, at the top", unit="N s/m")
+    file: str | None = key(
+        "CSV of recorded loads in place of the numbers above, with the columns time, thrust, "
+        "moment, side, side_moment; null: none",
+        default=None,
+    )
+
+    def check(self) -> None:
+        """Raise `InputError` if the lines have more than all of the variance."""
+        require(
+            self.line_1p + self.line_3p <= 1.0,
+            f"wind.line_1p: with line_3p the lines have {self.line_1p + self.line_3p:g} of the "
+            "variance; they may have 1 at most",
+        )
+
+
+class SeaState(Section):
+    """The section `waves`: a JONSWAP sea, or none."""
+
+    hs: NotNegative = key("significant wave height; 0: no waves", unit="m")
+    tp: Positive = key("period of the spectrum's peak", unit="s")
+    gamma: float = key("peak enhancement factor", default=3.3, ge=1.0)
+    yaw: Finite = key("direction of the waves against the wind", unit="deg", default=0.0)
+
+
 class Sensors(Section):
     """The section `sensors`: where sensors are; each measures fore-aft and side-side.
 
@@ -59,6 +109,25 @@ class Sensors(Section):
         "rate.record / rate.fixes",
         unit="m",
     )
+
+
+class Faults(Section):
+    """The section `faults`: what is wrong with sensors besides white noise, told to no scheme.
+
+    Sizes are parts of each channel's own standard deviation.
+    """
+
+    bias: NotNegative = key("constant offset, with a random sign", default=0.0)
+    drift: NotNegative = key("Wiener process: its standard deviation after 100 s", default=0.0)
+    loss: float = key(
+        "probability that an outage begins at a sample; lost samples repeat the last one",
+        default=0.0,
+        ge=0.0,
+        lt=1.0,
+    )
+    loss_length: int = key("of an outage, in samples", default=100, ge=1)
+    tilted_accelerometers: bool = key("whether accelerometers read a - g theta", default=False)
+    accelerated_inclinometers: bool = key("whether inclinometers read theta - a/g", default=False)
 
 
 class Model(Section):

@@ -18,14 +18,13 @@ from owtsweep.errors import InputError
 from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.observability import Observability, find_unobservable
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.believed import make_believed
-from owtsweep.studies.tower.channels import Place, list_places
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Kind, Setting
+from owtsweep.studies.tower.measuring import Place, list_places
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import check_seen
-from owtsweep.studies.tower.setting import make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
 
 #: Noise by which a set-up is judged before there is a record, in SI units. Only orders of magnitude
 #: matter for what is seen.

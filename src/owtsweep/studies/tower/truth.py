@@ -2,7 +2,7 @@
 
 The turbine is a linear beam with soil, rotor-nacelle and aerodynamic dampers at the top. It is not
 the servo-aero-elastic model that Simpson et al. (2025) used (section 4): loads of the rotor are
-series with declared statistics (`owtsweep.studies.tower.loads`).
+series with declared statistics (`owtsweep.studies.tower.wind`).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut, assemble_whole
 from owtsweep.structures.response import Outputs, respond
 from owtsweep.studies.tower.contract import DIRECTIONS
-from owtsweep.studies.tower.loads.config import SeaState, Wind
-from owtsweep.studies.tower.loads.waves import WaveLoads, make_wave_loads
-from owtsweep.studies.tower.loads.wind import make_top_loads
+from owtsweep.studies.tower.sections import SeaState, Wind
+from owtsweep.studies.tower.waves import WaveLoads, make_wave_loads
+from owtsweep.studies.tower.wind import make_top_loads
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from owtsweep.estimation.double_integration import PADDING, integrate_twice, pas
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.boom import estimate_boom
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.complementary import Complementary
 
 
@@ -70,7 +70,7 @@ def merge(acceleration: Array, step: float, at: NDArray[np.intp], positions: Arr
     return slow + pass_high(moved - slow, 1.0 / step)
 
 
-class ChainScheme:
+class ChainScheme(Scheme):
     """Double integration in the frequency domain."""
 
     name = "DOUBLE_INTEGRATION"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.inertial_smoother import smooth_lag
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.mekf import Navigator
 from owtsweep.studies.blade.schemes.navigation import Found, report
 from owtsweep.studies.blade.schemes.smoother import link_samples
@@ -32,7 +32,7 @@ class FixedLag:
         )
 
 
-class FixedLagScheme:
+class FixedLagScheme(Scheme):
     """The smoother of fixed lag."""
 
     name = "FIXED_LAG"

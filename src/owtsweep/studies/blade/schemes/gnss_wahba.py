@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.wahba import carry_point, find_pose
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.hold import hold_last
 from owtsweep.studies.blade.schemes.navigation import require_antennas
 
@@ -30,7 +30,7 @@ class Geometry:
         return Estimates(root=root, root_velocity=np.zeros_like(root), rotation=rotation)
 
 
-class GeometryScheme:
+class GeometryScheme(Scheme):
     """Three antennas and Wahba's problem."""
 
     name = "GNSS_WAHBA"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def hold_last(values: Array, given: Array) -> Array:
     return held
 
 
-class HoldScheme:
+class HoldScheme(Scheme):
     """Holding the last fix."""
 
     name = "HOLD"

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_invariant import filter_invariant
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     begin,
     find_noise,
@@ -50,7 +50,7 @@ def _turn_errors(states: Array) -> Array:
     return turn
 
 
-class InvariantScheme:
+class InvariantScheme(Scheme):
     """The invariant filter."""
 
     name = "INVARIANT_EKF"

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.estimation.inertial_smoother import link, smooth_all
-from owtsweep.studies.blade.contract import Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.mekf import Navigator
 from owtsweep.studies.blade.schemes.navigation import Found, find_noise, report
 
@@ -28,8 +29,8 @@ class Smoother:
 
 
 def link_samples(
-    setting: Setting, measured: Measured, states: np.ndarray, covariances: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    setting: Setting, measured: Measured, states: Array, covariances: Array
+) -> tuple[Array, Array, Array]:
     """Return how samples follow from later ones, as of `inertial_smoother.link`."""
     links = (np.empty_like(states), np.empty_like(covariances), np.empty_like(covariances))
     link(
@@ -39,7 +40,7 @@ def link_samples(
     return links
 
 
-class SmootherScheme:
+class SmootherScheme(Scheme):
     """The smoother of the whole record."""
 
     name = "SMOOTHER"

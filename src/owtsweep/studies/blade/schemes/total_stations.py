@@ -12,7 +12,7 @@ import numpy as np
 
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Setting
+from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Scheme, Setting
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Stations:
         )
 
 
-class StationsScheme:
+class StationsScheme(Scheme):
     """Three total stations and Wahba's problem."""
 
     name = "TOTAL_STATIONS"

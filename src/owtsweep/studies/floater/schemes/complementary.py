@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import (
     ANGLES,
     read_inputs,
@@ -30,7 +31,7 @@ class Complementary:
     """The filter with its crossover of each degree of freedom in rad/s, shape (6,)."""
 
     setting: Setting
-    crossover: np.ndarray
+    crossover: Array
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
@@ -68,7 +69,7 @@ def find_crossover(setting: Setting, column: int) -> float:
     return float(max(root.real for root in roots))
 
 
-class ComplementaryScheme:
+class ComplementaryScheme(Scheme):
     """The complementary filter."""
 
     name = "COMPLEMENTARY"

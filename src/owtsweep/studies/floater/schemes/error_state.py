@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.estimation.error_state import ERRORS, STATES, filter_body, find_quaternion
 from owtsweep.estimation.kinematic_filter import snap
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import find_age, find_bias, keep_reports
 
 
@@ -54,7 +55,7 @@ class ErrorState:
             )  # fmt: skip
         return Estimates(*found)
 
-    def _begin(self, report: np.ndarray, bias: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _begin(self, report: Array, bias: Array) -> tuple[Array, Array]:
         """Return state and covariance at the first report, at rest, without a bias."""
         setting = self.setting
         state = np.zeros(STATES)
@@ -70,7 +71,7 @@ class ErrorState:
         return state, np.diag(sigma**2)
 
 
-class ErrorStateScheme:
+class ErrorStateScheme(Scheme):
     """The error-state filter."""
 
     name = "ERROR_STATE"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from owtsweep.estimation.kinematic_filter import smooth_all
-from owtsweep.studies.floater.contract import Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import Linear, report
 
 
@@ -25,7 +25,7 @@ class FixedLag:
         return report(smooth_all(*self.filter.read(measured), lag), wait=lag * measured.step)
 
 
-class FixedLagScheme:
+class FixedLagScheme(Scheme):
     """The smoother of fixed lag."""
 
     name = "FIXED_LAG"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.kinematic_predictor import predict_varying
-from owtsweep.studies.floater.contract import Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import read_inputs
 from owtsweep.studies.floater.schemes.printed import (
     begin,
@@ -54,7 +54,7 @@ class VaryingPredictor:
         )
 
 
-class Kf:
+class Kf(Scheme):
     """The time-varying predictor as printed."""
 
     name = "KF"

@@ -13,7 +13,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.kinematic_predictor import make_transition, predict_steady, solve_steady
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import read_inputs
 from owtsweep.studies.floater.schemes.printed import (
     begin,
@@ -51,7 +51,7 @@ class SteadyPredictor:
         )
 
 
-class KfSteady:
+class KfSteady(Scheme):
     """The steady-state predictor as printed."""
 
     name = "KF_STEADY"

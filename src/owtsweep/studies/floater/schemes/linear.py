@@ -16,8 +16,8 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.kinematic import Noise
 from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, snap
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
-from owtsweep.studies.floater.levelling import hold, level, turn_rates
+from owtsweep.studies.floater.attitude import hold, level, turn_rates
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 
 #: The degrees of freedom whose rates are measured: the angles (Eq. 5, matrix C).
 ANGLES = range(3, 6)
@@ -61,7 +61,7 @@ class Linear:
 
 
 @dataclass(frozen=True)
-class LinearScheme:
+class LinearScheme(Scheme):
     """A scheme of one linear filter; attributes are those of `Linear`, and the scheme's name."""
 
     name: str

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from owtsweep.studies.floater.contract import Estimates, Measured, Setting
-from owtsweep.studies.floater.levelling import hold
-from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
+from owtsweep.arrays import Array
+from owtsweep.studies.floater.attitude import hold
+from owtsweep.studies.floater.contract import Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import keep_reports
 
 #: The cut-off is at most this part of the sampling frequency: a digital filter ends at a half.
@@ -43,7 +43,22 @@ class LowPass:
         return Estimates(position, velocity)
 
 
-class LowPassScheme:
+def balance_lag_and_noise(setting: Setting) -> Array:
+    """Return the cut-off in rad/s that is best for the velocity, shape (6,).
+
+    A Butterworth filter of order 2 with the cut-off w is late by sqrt(2) / w, which moves the
+    velocity by sqrt(2) / w times the acceleration. White noise of the variance R in reports at
+    intervals h gives its derivative the variance R h w^3 / sqrt(8). The sum is least at
+
+        w^5 = 8 sqrt(2) / 3 x sigma_a^2 / (R h)
+
+    with the standard deviation sigma_a of the motion's acceleration.
+    """
+    ratio = setting.motion_sigma[2] / setting.position_sigma
+    return np.asarray((8.0 * np.sqrt(2.0) / 3.0 * ratio**2 / setting.step) ** 0.2)
+
+
+class LowPassScheme(Scheme):
     """Low-pass filter and numerical differentiation."""
 
     name = "LOWPASS"

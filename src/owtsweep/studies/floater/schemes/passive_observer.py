@@ -15,9 +15,9 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Setting
-from owtsweep.studies.floater.schemes.bandwidth import balance_lag_and_noise
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.floater.schemes.linear import keep_reports
+from owtsweep.studies.floater.schemes.lowpass import balance_lag_and_noise
 from owtsweep.studies.floater.schemes.printed import find_start
 
 #: Damping ratio of the slow motion in the observer's model.
@@ -58,7 +58,7 @@ class PassiveObserver:
         return Estimates(position, velocity)
 
 
-class PassiveObserverScheme:
+class PassiveObserverScheme(Scheme):
     """The non-linear passive observer."""
 
     name = "PASSIVE_OBSERVER"

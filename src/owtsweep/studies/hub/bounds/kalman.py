@@ -21,8 +21,8 @@ from owtsweep.errors import InputError
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import LEAST_BIAS_DENSITY
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.models import sigma_2
 
 

@@ -15,10 +15,10 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.error_curves import inputs, nodes
 from owtsweep.studies.hub.error_curves.inputs import Probe
 from owtsweep.studies.hub.error_curves.probing import Workspace
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sensors import fix_count
 
 #: An interval between two nodes is halved if interpolation at its middle is wrong by more than

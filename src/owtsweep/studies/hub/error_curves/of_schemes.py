@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
@@ -15,10 +14,11 @@ from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.error_curves.shares import expected_ratio, lines_of
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.peak import peak_factors
-from owtsweep.studies.hub.planning import explain_anew, scheme_content
-from owtsweep.studies.hub.resolving import resolve
+from owtsweep.studies.hub.planning import scheme_content
+from owtsweep.studies.hub.resolving import SCHEMES, resolve
 
 #: Version of the expected errors. Raise it when they change and the study's `numerics_version`
 #: stays the same.
@@ -36,7 +36,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     settled = round(config.measures.settling_time / sensors.step)
     band = (config.band[0], config.band[1])
     entry = {resolve(entry).name: entry for entry in list_entries(config)}[name]
-    scheme: Any = resolve(entry)
+    scheme = resolve(entry)
     what = {
         "what": "curves",
         "version": EXPECTED_VERSION,
@@ -48,10 +48,10 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     }
 
     def compute() -> dict[str, Array]:
-        chain = scheme.kernel(sensors, config, steps)
+        chain = scheme.kernel(Known(sensors, config), steps)
         return vars(curves(chain, sensors, steps=steps, settled=settled, band=band))
 
-    if explain_anew(entry, scheme):
+    if SCHEMES.explain_anew(scheme):
         return Curves(**compute())
     return Curves(**cached(what, compute))
 

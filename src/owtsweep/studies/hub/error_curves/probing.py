@@ -14,11 +14,11 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.error_curves.inputs import Probe
 from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
 from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 

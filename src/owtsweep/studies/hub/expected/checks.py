@@ -38,11 +38,11 @@ def check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
             f"use engine=batch, or leave {fault} at its default",
         )
     for scheme in schemes:
-        if scheme.name == "SKF":
-            _check_skf(config)
+        if scheme.told_motion:
+            _check_told(config, scheme.name)
             continue
         require(
-            scheme.linear and hasattr(scheme, "kernel"),
+            scheme.linear and scheme.batched == "chain",
             f"schemes: {scheme.name} has no kernel or is not linear, and engine=expected needs a "
             "linear scheme with a kernel; use `sweep` with engine=batch, or leave the scheme out "
             "(HME2 is linear if hme.mhe.constraints is null, every scheme only with "
@@ -50,18 +50,18 @@ def check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
         )
 
 
-def _check_skf(config: HubConfig) -> None:
+def _check_told(config: HubConfig, name: str) -> None:
     """Raise InputError unless SKF has errors that do not depend on the length of the record."""
     require(
         config.measures.window == "settled",
-        "measures.window: engine=expected knows the errors of SKF once they have settled, not "
-        "those of its start; use measures.window=settled, or leave SKF out of schemes",
+        f"measures.window: engine=expected knows the errors of {name} once they have settled, not "
+        f"those of its start; use measures.window=settled, or leave {name} out of schemes",
     )
     walk = config.sensors.imu.bias_walk if config.skf.q_b is None else config.skf.q_b
     require(
         walk > 0.0,
-        "schemes: without a bias walk SKF never settles, so engine=expected has no error to tell; "
-        "give skf.q_b above zero, e.g. skf.q_b=1e-6, or leave SKF out of schemes",
+        f"schemes: without a bias walk {name} never settles, so engine=expected has no error to "
+        "tell; give skf.q_b above zero, e.g. skf.q_b=1e-6, or leave SKF out of schemes",
     )
 
 

@@ -12,13 +12,14 @@ import numpy as np
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
 from owtsweep.studies.hub import winners
-from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD, criteria
+from owtsweep.studies.hub.conditions import criteria
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import MEANING, describe_origin
 from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.schemes.skf import SCHEME
+from owtsweep.studies.hub.spectrum import AMPLITUDE, NATURAL_PERIOD
 
 if TYPE_CHECKING:
     import pandas as pd

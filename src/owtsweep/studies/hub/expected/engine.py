@@ -22,9 +22,8 @@ from owtsweep.studies.hub.error_curves.of_schemes import EXPECTED_VERSION, curve
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
-from owtsweep.studies.hub.planning import explain_anew, scheme_content, shared_content
-from owtsweep.studies.hub.resolving import resolve_all
-from owtsweep.studies.hub.schemes.skf import SpectralScheme
+from owtsweep.studies.hub.planning import scheme_content, shared_content
+from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
 from owtsweep.sweep.study import Block
 
 
@@ -48,8 +47,8 @@ def plan(config: HubConfig) -> list[Block]:
             "expected_version": EXPECTED_VERSION,
             "natural_periods": periods,
         }
-        anew = explain_anew(entry, scheme)
-        if isinstance(scheme, SpectralScheme):
+        anew = SCHEMES.explain_anew(scheme)
+        if scheme.told_motion:
             for amplitude in map(float, config.grid.amplitude):
                 name = f"{scheme.name}, {amplitude:g} m"
                 of_cell = {**content, "amplitude": amplitude}

@@ -19,6 +19,7 @@ from owtsweep.estimation.late_errors import find_motion_errors, find_noise_error
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.known_motion import find_known_motion
 from owtsweep.studies.hub.schemes.skf import SCHEME
 from owtsweep.studies.hub.spectral_axis import LONGEST_TRANSIENT
@@ -59,8 +60,8 @@ def find_expected_errors(
     """
     sensors = sensing.sensors(config.sensors)
     truth = find_known_motion(config, natural_period, amplitude)
-    told = SCHEME.told(config, natural_period, amplitude)
-    axes = told.own_kernel(sensors, config, LONGEST_TRANSIENT).axes
+    known = Known(sensors, config, natural_period, amplitude)
+    axes = SCHEME.own_kernel(known, LONGEST_TRANSIENT).axes
     omega = 2.0 * np.pi * truth.frequency[truth.density > 0.0]
     power = truth.density[truth.density > 0.0] * truth.spacing
     seen = (omega, sensing.force_per_displacement(omega, sensors), sensors.step)

@@ -18,12 +18,13 @@ from matplotlib.ticker import NullFormatter
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
+from owtsweep.studies.base.schemes import StoredScheme
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
+from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
 from owtsweep.studies.hub.resolving import resolve_all
-from owtsweep.studies.hub.stored_schemes import StoredScheme
 
 #: Points of a curve, evenly spaced in log frequency.
 POINTS = 150
@@ -66,10 +67,10 @@ def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeError
     frequency = frequency[np.abs(phase - np.round(phase)) > 0.02]
     errors: dict[str, SchemeErrors] = {}
     for scheme in resolve_all(config.schemes, config):
-        if not hasattr(scheme, "kernel"):
+        if scheme.batched != "chain":
             continue
         try:
-            chain = scheme.kernel(sensors, config)
+            chain = scheme.kernel(Known(sensors, config))
             spectrum = error_spectrum(chain, sensors, frequency)
         except InputError:
             continue

@@ -11,7 +11,6 @@ from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.hub.conditions import (
     CRITERIA,
-    describe_values,
     get_map_conditions,
     list_maps,
     make_cube,
@@ -21,6 +20,7 @@ from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import describe_one_record, describe_origin
 from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
+from owtsweep.studies.hub.worlds import find_world
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,6 +109,10 @@ def drawings_of_plant(
     }
 
 
+#: Name of a world -> the function that lists the figures of a run.
+DRAWINGS = {"spectrum": drawings, "plant": drawings_of_plant}
+
+
 def save_each(
     figures: Mapping[str, Draw], origin: str, metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
@@ -173,7 +177,7 @@ def draw_cells(
 
     window = config.measures.window
     best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
-    told = f", {describe_values(config, at)}" if at else ""
+    told = f", {find_world(config).describe_values(at)}" if at else ""
     return best_scheme_map.draw(
         select(best, at or {}),
         names,

@@ -21,17 +21,12 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import HANDLERS, Shades
 from owtsweep.results.best_scheme import find_coinciding, tell_winners
-from owtsweep.studies.hub.conditions import (
-    CRITERIA,
-    describe_values,
-    get_map_conditions,
-    make_cube,
-    select,
-)
+from owtsweep.studies.hub.conditions import CRITERIA, get_map_conditions, make_cube, select
 from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
+from owtsweep.studies.hub.worlds import find_world
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -134,7 +129,7 @@ def draw(
         handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
     )
     title = f"Best scheme by {criterion} MSE, {style.describe_window(window)}"
-    title += f", {describe_values(config, at)}" if at else ""
+    title += f", {find_world(config).describe_values(at)}" if at else ""
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
     second = [RUNNER_UP] if room else []

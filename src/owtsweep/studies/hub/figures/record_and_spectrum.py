@@ -18,12 +18,12 @@ from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
 from owtsweep.motion.spectra import Spectrum, spectrum, translated
-from owtsweep.studies.hub.conditions import describe_values
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.histories import choose_sea, natural_period_of
 from owtsweep.studies.hub.origin import MEANING
-from owtsweep.studies.hub.plant import is_plant, make_plant
+from owtsweep.studies.hub.plant import PLANT, make_plant
 from owtsweep.studies.hub.records import make_records, make_records_at
+from owtsweep.studies.hub.worlds import find_world
 
 #: Segment length of Welch's estimate, s: long enough to resolve the peak of Eq. (1), whose
 #: half-bandwidth is 1/64 Hz.
@@ -121,7 +121,7 @@ def draw_spectrum(config: HubConfig) -> Figure:
         scaled = np.var(values) * given
         axes.semilogy(fine, scaled, color=GIVEN, linewidth=1.6, label=record.given_label)
         highest = scaled.max()
-        if is_plant(config):
+        if record.peaks:
             _mark_peaks(axes, record.peaks)
             highest = max(highest, estimate.max())
         else:
@@ -137,7 +137,7 @@ def draw_spectrum(config: HubConfig) -> Figure:
     title = f"Displacement spectrum, {record.title} ({own})"
     figure.suptitle(title, x=0.01, ha="left", fontsize=12)
     segments = 2 * (len(series) // length) - 1
-    outside = "" if is_plant(config) else "; what it shows outside the band leaks from inside"
+    outside = "" if record.peaks else "; what it shows outside the band leaks from inside"
     style.footnote(
         figure,
         f"Record 0, {record.size}. Welch's estimate from {segments}"
@@ -156,7 +156,7 @@ def _mark_peaks(axes: Axes, peaks: dict[str, float]) -> None:
 
 def _first_record(config: HubConfig) -> Displacement:
     """Make record 0; with motion=plant that of the sea state nearest to `SEA`."""
-    if is_plant(config):
+    if not find_world(config).has_spectrum:
         return _first_record_of_plant(config)
     period = natural_period_of(config)
     records = make_records(config, period, [0])
@@ -182,7 +182,7 @@ def _first_record_of_plant(config: HubConfig) -> Displacement:
         series=np.outer(position, records.direction),
         step=records.sensors.step,
         natural_period=1.0 / first,
-        title=f"{describe_values(config, conditions)}: natural period {1.0 / first:.2f} s",
+        title=f"{PLANT.describe_values(conditions)}: natural period {1.0 / first:.2f} s",
         made_of="answer of the structure to a sea",
         size=f"along the waves rms {position.std():.2f} m, largest displacement "
         f"{np.abs(position).max():.2f} m",

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
+from owtsweep.studies.hub.known import ZERO, Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
-from owtsweep.studies.hub.online.coordinates import ZERO, check_origin, start_at_first_fix
+from owtsweep.studies.hub.online.coordinates import check_origin, start_at_first_fix
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.online.registers import filter_settings, horizon_settings
 

@@ -16,8 +16,6 @@ from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.online_layout import OnlineEstimates
 from owtsweep.studies.hub.models import AxisFilter
 
-#: Where the coordinates of the studies begin. An origin of None stands for the first fix.
-ZERO = (0.0, 0.0)
 #: Largest distance in m of the first fix from a stated origin: no motion goes so far, so the fixes
 #: are in coordinates of a map and the origin is not.
 FARTHEST = 1e5

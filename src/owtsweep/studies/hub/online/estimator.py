@@ -13,7 +13,6 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.kernels.online_layout import (
     LINKS,
     STEP,
@@ -22,6 +21,7 @@ from owtsweep.studies.hub.kernels.online_layout import (
     OnlineEstimates,
     OnlineRegisters,
 )
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.online.coordinates import FARTHEST, make_estimates
 from owtsweep.studies.hub.online.registers import new_registers
 

@@ -9,7 +9,6 @@ from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.estimation.predictor import prediction_noise
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.fix_rules import FIX_RULES, FixRule
 from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
 from owtsweep.studies.hub.kernels.layout import NO_LEAN
@@ -21,6 +20,7 @@ from owtsweep.studies.hub.kernels.online_layout import (
     HorizonSettings,
     OnlineRegisters,
 )
+from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.models import POSITION, AxisFilter
 
 

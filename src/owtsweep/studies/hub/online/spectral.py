@@ -10,8 +10,8 @@ from owtsweep.errors import require
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.axis_filters import AxisFilter
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.online.coordinates import ZERO, check_origin
+from owtsweep.studies.hub.known import ZERO, Sensors
+from owtsweep.studies.hub.online.coordinates import check_origin
 
 
 class SpectralEstimator:

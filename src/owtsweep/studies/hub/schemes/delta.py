@@ -5,16 +5,15 @@ A baseline: where its error is less than that of every scheme, the IMU is of no 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
-from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, shared
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.fix_chain import fix_chain
 from owtsweep.studies.hub.fix_lines import Line
+from owtsweep.studies.hub.known import Known, Sensors
+from owtsweep.studies.hub.schemes.chained import ChainScheme
 
 
 class ExtrapolatingEstimator:
@@ -45,21 +44,19 @@ class ExtrapolatingEstimator:
         return Estimate(self.fix + ahead * self.velocity, self.velocity)
 
 
-class Delta:
+class Delta(ChainScheme):
     """The baseline DELTA, which no key tunes."""
 
     name = "DELTA"
-    linear = True
     sections = ()
 
-    def start(self, sensors: Sensors, tuning: Any) -> ExtrapolatingEstimator:
+    def start(self, known: Known) -> ExtrapolatingEstimator:
         """Return a new estimator that runs step by step."""
-        return ExtrapolatingEstimator(sensors)
+        return ExtrapolatingEstimator(known.sensors)
 
-    @shared
-    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+    def make_chain(self, known: Known, steps: int) -> Chain:
         """Return the baseline as a `Chain` for the batch engine."""
-        return fix_chain(sensors, Line(holds=True, moves=True))
+        return fix_chain(known.sensors, Line(holds=True, moves=True))
 
 
 SCHEME = Delta()

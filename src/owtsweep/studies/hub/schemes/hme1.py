@@ -7,7 +7,7 @@ Register 1 delays the samples of the IMU by the delay of the GNSS. Source: Algor
 from __future__ import annotations
 
 from collections import deque
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,17 +16,22 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.predictor import predict
 from owtsweep.estimation.smoother import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
-from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.chain import Chain, chain
+from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
+from owtsweep.studies.hub.known import ZERO, Known, Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.chain import online_chain
-from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
+from owtsweep.studies.hub.scheme_checks import check_window
 from owtsweep.studies.hub.scheme_sections import FilterTuning
+from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
 from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
 
 
 class DelayedChain:
@@ -136,7 +141,8 @@ class DelayedChain:
 class HME1Estimator:
     """HME1 as an estimator that runs step by step: Algorithm 1 of Ren et al. (2019)."""
 
-    def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
+    def __init__(self, known: Known, gains: Chain) -> None:
+        sensors, tuning = known.sensors, known.tuning
         self.sensors = sensors
         window, hold = tuning.hme.smoother_window, tuning.hme.predictor.hold
         fix_rule = make_fix_rule(tuning.hme1)
@@ -153,7 +159,7 @@ class HME1Estimator:
         return self.chain.step(delayed, position)[0]
 
 
-class HME1:
+class HME1(ChainScheme):
     """The scheme HME1 (hub motion estimator 1 of Ren et al. 2019).
 
     Its tuning is the configuration's sections `hme1` and `hme.predictor`, and the key
@@ -161,33 +167,36 @@ class HME1:
     """
 
     name = "HME1"
-    linear = True
+    on_board = True
     sections = ("hme1", "hme.smoother_window", "hme.predictor")
 
-    def start(self, sensors: Sensors, tuning: Any) -> HME1Estimator:
+    def start(self, known: Known) -> HME1Estimator:
         """Return a new estimator that runs step by step."""
-        return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
+        return HME1Estimator(known, self.kernel(known))
 
-    def stream(
-        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> OnlineEstimator:
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
         """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
+        tuning = known.tuning
         return online_chain(
             tuning.hme1,
-            sensors,
+            known.sensors,
             window=tuning.hme.smoother_window,
-            delay=sensors.delay,
+            delay=known.sensors.delay,
             hold=tuning.hme.predictor.hold,
             origin=origin,
         )
 
-    def under(self, tuning: Any) -> HME1 | Stepwise:
+    def under(self, config: HubConfig) -> Scheme:
         """Return the scheme for a tuning: `Stepwise` if fixes lose weight, else `self`."""
-        return self if tuning.hme1.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
+        return self if config.hme1.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
 
-    @shared
-    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+    def check(self, config: HubConfig) -> None:
+        """Refuse a smoother whose window is longer than the record, or needs too much memory."""
+        check_window(config, "hme.smoother_window", config.hme.smoother_window)
+
+    def make_chain(self, known: Known, steps: int) -> Chain:
         """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
+        sensors, tuning = known.sensors, known.tuning
         return chain(
             axis_filter(tuning.hme1, sensors),
             sensors,

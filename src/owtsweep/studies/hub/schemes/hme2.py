@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,17 +17,22 @@ from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.predictor import predict
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
-from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.chain import Chain, chain
+from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
+from owtsweep.studies.hub.known import ZERO, Known, Sensors
 from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
 from owtsweep.studies.hub.online.chain import online_chain
-from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator
+from owtsweep.studies.hub.scheme_checks import check_mhe, check_window
+from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
 
 
 class MovingHorizonEstimator:
@@ -149,7 +154,8 @@ class MovingHorizonEstimator:
 class HME2Estimator:
     """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019)."""
 
-    def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
+    def __init__(self, known: Known, gains: Chain) -> None:
+        sensors, tuning = known.sensors, known.tuning
         mhe = make_horizon(tuning, sensors)
         self.sensors = sensors
         window, hold = choose_window(tuning), tuning.hme.predictor.hold
@@ -191,7 +197,7 @@ class HME2Estimator:
         return estimate
 
 
-def choose_window(tuning: Any) -> int:
+def choose_window(tuning: HubConfig) -> int:
     """Return the length of HME2's smoother window, in IMU steps.
 
     `tuning` is the study's configuration. The length is the value of its key
@@ -202,30 +208,29 @@ def choose_window(tuning: Any) -> int:
     return int(tuning.hme.smoother_window if window is None else window)
 
 
-def make_horizon(tuning: Any, sensors: Sensors) -> Horizon:
+def make_horizon(tuning: HubConfig, sensors: Sensors) -> Horizon:
     """Return HME2's moving horizon estimator as numbers; `tuning` is the study's configuration."""
     mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
     return replace(mhe, fix_rule=make_fix_rule(tuning.hme2))
 
 
-class HME2:
+class HME2(ChainScheme):
     """The scheme HME2 (hub motion estimator 2 of Ren et al. 2019).
 
     Its tuning is the configuration's sections `hme2` and `hme`.
     """
 
     name = "HME2"
-    linear = True
+    on_board = True
     sections = ("hme2", "hme")
 
-    def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
+    def start(self, known: Known) -> HME2Estimator:
         """Return a new estimator that runs step by step."""
-        return HME2Estimator(sensors, tuning, self.kernel(sensors, tuning))
+        return HME2Estimator(known, self.kernel(known))
 
-    def stream(
-        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> OnlineEstimator:
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
         """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
+        sensors, tuning = known.sensors, known.tuning
         return online_chain(
             tuning.hme2,
             sensors,
@@ -237,18 +242,23 @@ class HME2:
             origin=origin,
         )
 
-    def under(self, tuning: Any) -> HME2 | Stepwise:
+    def under(self, config: HubConfig) -> Scheme:
         """Return the scheme for a tuning: `Stepwise` if it is not linear, else `self`.
 
         It is not linear with constraints, or if fixes lose weight.
         """
-        if np.any(np.isfinite(tuning.hme.mhe.bounds)):
+        if np.any(np.isfinite(config.hme.mhe.bounds)):
             return Stepwise(self, "its constraints leave")
-        return self if tuning.hme2.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
+        return self if config.hme2.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
 
-    @shared
-    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+    def check(self, config: HubConfig) -> None:
+        """Refuse windows that do not fit the record or the memory, and a step that fits no fix."""
+        check_window(config, "hme.smoother_window", config.hme.smoother_window)
+        check_mhe(config)
+
+    def make_chain(self, known: Known, steps: int) -> Chain:
         """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
+        sensors, tuning = known.sensors, known.tuning
         return chain(
             axis_filter(tuning.hme2, sensors),
             sensors,

@@ -7,22 +7,26 @@ delay of the GNSS makes the estimate lag.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
-from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.chain import Chain, chain
+from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.fix_rules import make_fix_rule
+from owtsweep.studies.hub.known import ZERO, Known, Sensors
 from owtsweep.studies.hub.models import axis_filter
 from owtsweep.studies.hub.online.chain import online_chain
-from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.scheme_sections import FilterTuning
+from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
 
 
 class FilterEstimator:
@@ -45,44 +49,38 @@ class FilterEstimator:
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
 
-class FilterScheme:
+class FilterScheme(ChainScheme):
     """A scheme that consists of a multirate Kalman filter alone, such as EKF and MKF.
 
     `section` is the section of the configuration that tunes the filter.
     """
 
-    linear = True
+    on_board = True
 
     def __init__(self, name: str, section: str) -> None:
         self.name = name
         self.sections = (section,)
 
-    def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
+    def start(self, known: Known) -> FilterEstimator:
         """Return a new estimator that runs step by step."""
-        return FilterEstimator(self._choose(tuning), sensors)
+        return FilterEstimator(self._choose(known.tuning), known.sensors)
 
-    def stream(
-        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> OnlineEstimator:
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
         """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
-        return online_chain(self._choose(tuning), sensors, origin=origin)
+        return online_chain(self._choose(known.tuning), known.sensors, origin=origin)
 
-    def under(self, tuning: Any) -> FilterScheme | Stepwise:
+    def under(self, config: HubConfig) -> Scheme:
         """Return the scheme for a tuning: `Stepwise` if fixes lose weight, else `self`."""
-        return (
-            self
-            if self._choose(tuning).fix_rule == "plain"
-            else Stepwise(self, "its fix_rule leaves")
-        )
+        plain = self._choose(config).fix_rule == "plain"
+        return self if plain else Stepwise(self, "its fix_rule leaves")
 
-    @shared
-    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+    def make_chain(self, known: Known, steps: int) -> Chain:
         """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
-        chosen = self._choose(tuning)
+        chosen, sensors = self._choose(known.tuning), known.sensors
         return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
 
-    def _choose(self, tuning: Any) -> FilterTuning:
-        chosen: FilterTuning = getattr(tuning, self.sections[0])
+    def _choose(self, config: HubConfig) -> FilterTuning:
+        chosen: FilterTuning = getattr(config, self.sections[0])
         return chosen
 
 

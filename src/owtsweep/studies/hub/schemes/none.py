@@ -6,16 +6,15 @@ sensors.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
-from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, shared
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.fix_chain import fix_chain
 from owtsweep.studies.hub.fix_lines import Line
+from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.schemes.chained import ChainScheme
 
 
 class ZeroEstimator:
@@ -26,21 +25,19 @@ class ZeroEstimator:
         return Estimate(np.zeros(2), np.zeros(2))
 
 
-class NoEstimator:
+class NoEstimator(ChainScheme):
     """The baseline NONE, which no key tunes."""
 
     name = "NONE"
-    linear = True
     sections = ()
 
-    def start(self, sensors: Sensors, tuning: Any) -> ZeroEstimator:
+    def start(self, known: Known) -> ZeroEstimator:
         """Return a new estimator that runs step by step."""
         return ZeroEstimator()
 
-    @shared
-    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+    def make_chain(self, known: Known, steps: int) -> Chain:
         """Return the baseline as a `Chain` for the batch engine."""
-        return fix_chain(sensors, Line(holds=False, moves=False))
+        return fix_chain(known.sensors, Line(holds=False, moves=False))
 
 
 SCHEME = NoEstimator()

@@ -11,63 +11,48 @@ elsewhere the keys skf.natural_period and skf.amplitude give them.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from owtsweep.errors import require
+from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.axis_filters import CompiledAxisFilter, KalmanAxisFilter
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.known import ZERO, Known
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
-from owtsweep.studies.hub.online.coordinates import ZERO
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_model import make_axes, tune_axes
 from owtsweep.studies.hub.spectral_run import SpectralKernel
+from owtsweep.studies.hub.worlds import require_spectrum
 from owtsweep.vectors import choose
 
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
 
-class SpectralScheme:
-    """The scheme SKF, which must be told the motion.
 
-    Attributes
-    ----------
-    known
-        What SKF was told of the motion; None before.
-    """
+class SpectralScheme(Scheme):
+    """The scheme SKF, which must be told the motion."""
 
     name = "SKF"
-    #: Estimates are linear in the measurements, but the gains are those of one amplitude (`told`).
+    #: Estimates are linear in the measurements, but the gains are those of one amplitude.
     linear = True
     sections = ("skf", "spectrum", "normalise", "band", "wave_direction")
+    told_motion = True
+    batched = "own"
+    on_board = True
 
-    def __init__(self, known: KnownMotion | None = None) -> None:
-        self.known = known
-
-    def told(self, tuning: Any, natural_period: float, amplitude: float) -> SpectralScheme:
-        """Return the scheme with the knowledge of a motion of a natural period and an amplitude.
-
-        `tuning` is the study's configuration. Its keys skf.natural_period and skf.amplitude, if
-        given, replace the arguments (s and m).
-        """
-        own = tuning.skf
-        period = natural_period if own.natural_period is None else own.natural_period
-        size = amplitude if own.amplitude is None else own.amplitude
-        return SpectralScheme(find_known_motion(tuning, period, size))
-
-    def start(self, sensors: Sensors, tuning: Any) -> SpectralEstimator:
+    def start(self, known: Known) -> SpectralEstimator:
         """Return a new estimator that runs step by step.
 
         Raises
         ------
         InputError
-            If neither `told` nor the configuration has said what the motion is.
+            If nothing has said what the motion is.
         """
-        x, y = make_axes(self._recall(tuning), tuning.skf, sensors)
-        return SpectralEstimator((KalmanAxisFilter(x), KalmanAxisFilter(y)), sensors)
+        x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
+        return SpectralEstimator((KalmanAxisFilter(x), KalmanAxisFilter(y)), known.sensors)
 
-    def stream(
-        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> SpectralEstimator:
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
         """Return a new compiled estimator that runs step by step; `origin` is the hub at rest, m.
 
         Raises
@@ -75,10 +60,11 @@ class SpectralScheme:
         InputError
             If nothing has said what the motion is, or the origin is not stated.
         """
-        x, y = make_axes(self._recall(tuning), tuning.skf, sensors)
-        return SpectralEstimator((CompiledAxisFilter(x), CompiledAxisFilter(y)), sensors, origin)
+        x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
+        filters = (CompiledAxisFilter(x), CompiledAxisFilter(y))
+        return SpectralEstimator(filters, known.sensors, origin)
 
-    def own_kernel(self, sensors: Sensors, tuning: Any, steps: int) -> SpectralKernel:
+    def own_kernel(self, known: Known, steps: int) -> SpectralKernel:
         """Return the scheme in its form for the batch engine, for records of `steps` IMU steps.
 
         Raises
@@ -86,20 +72,37 @@ class SpectralScheme:
         InputError
             If nothing has said what the motion is.
         """
-        choose(tuning.compute.vectors)
-        return SpectralKernel(tune_axes(self._recall(tuning), tuning.skf, sensors, steps))
+        choose(known.tuning.compute.vectors)
+        return SpectralKernel(tune_axes(find_motion(known), known.tuning.skf, known.sensors, steps))
 
-    def _recall(self, tuning: Any) -> KnownMotion:
-        """Return what is known of the motion: what was told, or what the configuration gives."""
-        if self.known is not None:
-            return self.known
-        own = tuning.skf
+    def check(self, config: HubConfig) -> None:
+        """Refuse a motion without a spectrum, and a number of states that is odd."""
+        require_spectrum(config, "SKF")
+        states = config.skf.states
         require(
-            own.natural_period is not None and own.amplitude is not None,
-            "skf.natural_period, skf.amplitude: SKF must be told the motion; give the period of "
-            "its peak and its amplitude, e.g. skf.natural_period=4 skf.amplitude=0.5",
+            states % 2 == 0,
+            f"skf.states: {states} is odd, and the states of a shaping filter come in pairs; use "
+            f"{states - 1} or {states + 1}",
         )
-        return find_known_motion(tuning, own.natural_period, own.amplitude)
+
+
+def find_motion(known: Known) -> KnownMotion:
+    """Return what SKF takes for the motion: what its keys say, else what it is told.
+
+    Raises
+    ------
+    InputError
+        If nothing says what the motion is.
+    """
+    own = known.tuning.skf
+    period = known.natural_period if own.natural_period is None else own.natural_period
+    amplitude = known.amplitude if own.amplitude is None else own.amplitude
+    if period is None or amplitude is None:
+        raise InputError(
+            "skf.natural_period, skf.amplitude: SKF must be told the motion; give the period of "
+            "its peak and its amplitude, e.g. skf.natural_period=4 skf.amplitude=0.5"
+        )
+    return find_known_motion(known.tuning, period, amplitude)
 
 
 SCHEME = SpectralScheme()

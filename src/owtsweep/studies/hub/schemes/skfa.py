@@ -8,33 +8,40 @@ follows from it.
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from owtsweep.studies.hub.axis_filters import KalmanAxisFilter
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.online.coordinates import ZERO
+from owtsweep.motion.tracking import LEAST
+from owtsweep.studies.hub.axis_filters import AxisFilter, KalmanAxisFilter
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.known import ZERO, Known
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.scheduled_filter import ScheduledFilter
+from owtsweep.studies.hub.spectral_axis import SpectralAxis
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
 
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
 
-class AdaptiveSpectralScheme:
+logger = logging.getLogger(__name__)
+
+
+class AdaptiveSpectralScheme(Scheme):
     """The scheme SKFA. Its gains depend on the measurements, so it is not linear."""
 
     name = "SKFA"
-    linear = False
+    on_board = True
     sections = ("skf", "band")
 
-    def start(self, sensors: Sensors, tuning: Any) -> SpectralEstimator:
+    def start(self, known: Known) -> SpectralEstimator:
         """Return a new estimator that runs step by step."""
-        return self._start(sensors, tuning, KalmanAxisFilter, ZERO)
+        return _start(known, KalmanAxisFilter, ZERO)
 
-    def stream(
-        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> SpectralEstimator:
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
         """Return a new compiled estimator that runs step by step; `origin` is the hub at rest, m.
 
         Raises
@@ -42,14 +49,27 @@ class AdaptiveSpectralScheme:
         InputError
             If the origin is not stated.
         """
-        return self._start(sensors, tuning, ScheduledFilter, origin)
+        return _start(known, ScheduledFilter, origin)
 
-    def _start(
-        self, sensors: Sensors, tuning: Any, filter: Any, origin: ArrayLike | None
-    ) -> SpectralEstimator:
-        band = (float(tuning.band[0]), float(tuning.band[1]))
-        make = partial(TrackingFilter, tuning.skf, sensors, band, filter)
-        return SpectralEstimator((make(), make()), sensors, origin)
+    def check(self, config: HubConfig) -> None:
+        """Warn of records that are too short to choose a spectrum."""
+        if config.record.duration < LEAST:
+            logger.warning(
+                "schemes: SKFA chooses a spectrum after %g s; records of %g s leave it no time, so "
+                "it assumes next to nothing of the motion",
+                LEAST,
+                config.record.duration,
+            )
+
+
+def _start(
+    known: Known,
+    filter: Callable[[SpectralAxis, float], AxisFilter],
+    origin: ArrayLike | None,
+) -> SpectralEstimator:
+    low, high = known.tuning.band
+    make = partial(TrackingFilter, known.tuning.skf, known.sensors, (low, high), filter)
+    return SpectralEstimator((make(), make()), known.sensors, origin)
 
 
 SCHEME = AdaptiveSpectralScheme()

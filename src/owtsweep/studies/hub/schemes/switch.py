@@ -7,68 +7,69 @@ the period of the motion.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.online.coordinates import ZERO
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.known import ZERO, Estimator, Known
 from owtsweep.studies.hub.switching.boundary import Boundary, compute_boundary, read_boundary
+from owtsweep.studies.hub.switching.checks import check_switch
 from owtsweep.studies.hub.switching.estimator import SwitchingEstimator
 from owtsweep.studies.hub.switching.sea import SeaWatch
 from owtsweep.studies.hub.switching.supervisor import Supervisor
 
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
 
-class SupervisorySwitching:
+
+class SupervisorySwitching(Scheme):
     """The scheme SWITCH. Its tuning is the section `switch` and the sections of its two schemes."""
 
     name = "SWITCH"
-    linear = False
+    on_board = True
     sections: tuple[str, ...] = ("switch", "ekf", "mkf", "hme1", "hme2", "hme")
 
-    def under(self, tuning: Any) -> SupervisorySwitching:
+    def under(self, config: HubConfig) -> SupervisorySwitching:
         """Return the scheme with the sections of those two schemes that the tuning names."""
-        below, above = _choose_schemes(tuning)
+        below, above = _choose_schemes(config)
         chosen = SupervisorySwitching()
         named = (*below.sections, *above.sections)
         chosen.sections = ("switch", *dict.fromkeys(named))
         return chosen
 
-    def start(self, sensors: Sensors, tuning: Any) -> SwitchingEstimator:
+    def start(self, known: Known) -> SwitchingEstimator:
         """Return a new estimator that runs step by step."""
-        return _start(sensors, tuning, lambda scheme: scheme.start(sensors, tuning))
+        return _start(known, lambda scheme: scheme.start(known))
 
-    def stream(
-        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
-    ) -> SwitchingEstimator:
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SwitchingEstimator:
         """Return a new estimator whose two schemes are compiled where they can be.
 
         `origin` is that of both schemes, as in `online_chain`.
         """
+        return _start(known, lambda scheme: scheme.stream(known, origin))
 
-        def started(scheme: Any) -> Any:
-            if hasattr(scheme, "stream"):
-                return scheme.stream(sensors, tuning, origin)
-            return scheme.start(sensors, tuning)
-
-        return _start(sensors, tuning, started)
+    def check(self, config: HubConfig) -> None:
+        """Refuse names of schemes, or a boundary, with which it cannot work."""
+        check_switch(config.switch)
 
 
-def _choose_schemes(tuning: Any) -> tuple[Any, Any]:
+def _choose_schemes(config: HubConfig) -> tuple[Scheme, Scheme]:
     """Return the schemes below and above the boundary."""
-    from owtsweep.studies.hub.resolving import resolve, under
+    from owtsweep.studies.hub.resolving import resolve
 
-    settings = tuning.switch
-    return under(resolve(settings.below), tuning), under(resolve(settings.above), tuning)
+    settings = config.switch
+    below, above = resolve(settings.below), resolve(settings.above)
+    return below.under(config), above.under(config)
 
 
-def _start(sensors: Sensors, tuning: Any, started: Callable[[Any], Any]) -> SwitchingEstimator:
+def _start(known: Known, started: Callable[[Scheme], Estimator]) -> SwitchingEstimator:
     """Return a new estimator; `started` makes that of each of the two schemes."""
-    settings = tuning.switch
-    below, above = _choose_schemes(tuning)
+    sensors, settings = known.sensors, known.tuning.switch
+    below, above = _choose_schemes(known.tuning)
     supervisor = Supervisor(
         SeaWatch(sensors.step, settings.memory, settings.crest),
-        _make_boundary(tuning),
+        _make_boundary(known.tuning),
         hysteresis=settings.hysteresis,
         step=sensors.step,
         memory=settings.memory,
@@ -78,12 +79,12 @@ def _start(sensors: Sensors, tuning: Any, started: Callable[[Any], Any]) -> Swit
     return SwitchingEstimator(started(below), started(above), supervisor)
 
 
-def _make_boundary(tuning: Any) -> Boundary:
+def _make_boundary(config: HubConfig) -> Boundary:
     """Return the boundary that the tuning states, or else the one of the two schemes' errors."""
-    settings = tuning.switch
+    settings = config.switch
     if settings.boundary is not None:
         return read_boundary(settings.boundary)
-    return compute_boundary(tuning, settings.below, settings.above, settings.crest)
+    return compute_boundary(config, settings.below, settings.above, settings.crest)
 
 
 SCHEME = SupervisorySwitching()

@@ -97,7 +97,7 @@ def compute_boundary(config: Any, below: str, above: str, crest: float) -> Bound
     alone = changed(config, schemes=[below, above], baselines=[])
     for name in (below, above):
         scheme = under(resolve(name), alone)
-        if not (scheme.linear and hasattr(scheme, "kernel")):
+        if not (scheme.linear and scheme.batched == "chain"):
             raise InputError(
                 f"switch.boundary: {name} is not linear or has no kernel, so its boundary cannot "
                 "be computed; give a table of periods and amplitudes"

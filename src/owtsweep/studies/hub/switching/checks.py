@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
-from owtsweep.studies.hub.names import ALL
+from owtsweep.studies.hub.names import LISTED
 from owtsweep.studies.hub.switching.boundary import read_boundary
 
 if TYPE_CHECKING:
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 def check_switch(settings: Switch) -> None:
     """Raise `InputError` unless `switch` names two schemes and its boundary is a table."""
-    others = ", ".join(name for name in ALL if name != "SWITCH")
+    others = ", ".join(name for name in LISTED if name != "SWITCH")
     for key, name in (("below", settings.below), ("above", settings.above)):
         require(
-            name in ALL,
+            name in LISTED,
             f"switch.{key}: there is no scheme {name!r}; use {others}",
         )
         require(

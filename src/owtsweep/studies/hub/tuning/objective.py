@@ -6,8 +6,6 @@ between two tunings.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from owtsweep.arrays import Array
@@ -17,6 +15,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.error_curves.curves import curves
 from owtsweep.studies.hub.error_curves.of_schemes import motion_of
+from owtsweep.studies.hub.known import Known
 
 #: Length of the records of whose settled part the errors are the mean, and the part left out, s. A
 #: tuning is judged by how an estimator runs on, not by how it starts: the bias takes up to 100 s.
@@ -34,10 +33,10 @@ def amplitudes(config: HubConfig) -> Array:
 
 def has_curves(scheme: Scheme) -> bool:
     """Return whether a scheme's errors can be computed without records."""
-    return bool(scheme.linear and hasattr(scheme, "kernel"))
+    return scheme.linear and scheme.batched == "chain"
 
 
-def expected_errors(config: HubConfig, scheme: Any) -> Array:
+def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
     """Compute a scheme's settled MSE, m^2 or (m/s)^2, shape (periods, amplitudes).
 
     Raises
@@ -47,7 +46,7 @@ def expected_errors(config: HubConfig, scheme: Any) -> Array:
     """
     sensors = sensing.sensors(config.sensors)
     steps, settled = (round(seconds / sensors.step) for seconds in (DURATION, SETTLING))
-    chain = scheme.kernel(sensors, config, steps)
+    chain = scheme.kernel(Known(sensors, config), steps)
     band = (config.band[0], config.band[1])
     curve = curves(chain, sensors, steps=steps, settled=settled, band=band)
     measure, shares = _parts(config)

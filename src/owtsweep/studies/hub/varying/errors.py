@@ -26,10 +26,10 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.answers import expected
 from owtsweep.studies.hub.expected.engine import rows
 from owtsweep.studies.hub.names import list_baselines
-from owtsweep.studies.hub.plant import require_spectrum
 from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.varying.facts import list_common_facts
 from owtsweep.studies.hub.varying.notes import list_notes
+from owtsweep.studies.hub.worlds import require_spectrum
 
 #: The overrides that the command puts before the user's: a tuning whose numbers follow from the
 #: sensors, and one motion in the middle of the grid, at which an estimator is needed.

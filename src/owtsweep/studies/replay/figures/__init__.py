@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from owtsweep.errors import printable
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.studies.replay.config import ReplayConfig
 
@@ -13,10 +15,26 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+#: The number of characters that fit into a title.
+LONGEST = 80
 #: Figures that show a quantity over time; those ending in `_zoom` show some seconds only.
 HISTORIES = (
     "position", "position_zoom", "velocity", "velocity_zoom", "acceleration_zoom", "bias",
 )  # fmt: skip
+
+
+def as_plain(text: str) -> str:
+    """Return a text in a form that matplotlib draws as it is, without reading a part as a formula.
+
+    Characters that cannot be printed are replaced by escape sequences, and each `$` is escaped.
+    """
+    return printable(text).replace("$", r"\$")
+
+
+def name_file(path: str) -> str:
+    """Return the name of the file at `path` for a title, cut to `LONGEST` characters."""
+    name = Path(path).name
+    return as_plain(name if len(name) <= LONGEST else f"{name[:LONGEST]}...")
 
 
 def overview(config: ReplayConfig) -> str:
@@ -60,6 +78,7 @@ def drawings(
 def _figures_of_one(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
 ) -> dict[str, Callable[[], Figure]]:
+    from owtsweep.studies.replay.facts import pick_facts
     from owtsweep.studies.replay.figures import histories, place, spectrum
     from owtsweep.studies.replay.session import run_session
     from owtsweep.studies.replay.states import collect_filter_states
@@ -67,9 +86,8 @@ def _figures_of_one(
     recorded = cache(lambda: run_session(config, config.grid.files[0]))
     states = cache(lambda: collect_filter_states(config, recorded()))
     advice = tables["advice"]
-    # a baseline has no lines in the figures; a table stored before has no column `recommended`
-    choice = "recommended" if "recommended" in advice else "best"
-    advised = str(advice.iloc[0][choice]) if len(advice) else None
+    # a baseline has no lines in the figures
+    advised = str(advice.iloc[0]["recommended"]) if len(advice) else None
 
     def history(name: str) -> Callable[[], Figure]:
         quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")
@@ -79,6 +97,6 @@ def _figures_of_one(
 
     return {
         **{name: history(name) for name in HISTORIES},
-        "spectrum": lambda: spectrum.draw(config, tables["records"].iloc[0]),
-        "place_in_map": lambda: place.draw(config, tables["records"].iloc[0]),
+        "spectrum": lambda: spectrum.draw(config, pick_facts(tables["records"])),
+        "place_in_map": lambda: place.draw(config, pick_facts(tables["records"])),
     }

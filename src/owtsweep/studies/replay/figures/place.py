@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +14,10 @@ from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.hub.public import BASELINES
 from owtsweep.studies.replay.choosing import LEAST_COVERED, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.figures.words import name_file
+from owtsweep.studies.replay.figures import name_file
+from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.place import (
-    compute_fit_share,
     compute_rms_error,
     compute_rms_in_band,
     expect_map,
@@ -35,11 +36,11 @@ ACROSS = Condition("natural_period", "natural period", "s")
 UPWARDS = Condition("amplitude", "amplitude: largest displacement", "m", scale="log")
 
 
-def draw(config: ReplayConfig, record: Any) -> Figure:
+def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
     The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
-    `record` is the record's row of records.csv.
+    `record` holds the facts about the only record.
 
     Raises
     ------
@@ -55,11 +56,12 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             "no spectrum with a peak inside the band could be fitted to the record, so the "
             "record has no place in the map"
         )
-    period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
+    period, amplitude = 1.0 / shape.peak_frequency, record["peak"]
     ends = (
-        QUANTILE * float(record["natural_period_error"]),
+        QUANTILE * record["natural_period_error"],
         QUANTILE * compute_rms_error(config, record, shape),
     )
+    (label,) = label_files(config.grid.files)
     names, baselines, field = _make_field(config, record, (period, amplitude))
     ratio = amplitude / compute_rms_in_band(record)
     alike = group_coinciding(names, lambda i, j: bool(np.all(agree(*field.values[[i, j]]))))
@@ -67,7 +69,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         figure = smooth_map.draw(
             field,
             names,
-            title=f"Place of {name_file(str(record['file']))} in the map of the best scheme\n"
+            title=f"Place of {name_file(label)} in the map of the best scheme\n"
             f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}\n"
             f"{_describe_coverage(record)}",
             origin="Bars of the star: 95 % intervals. That of the period comes from the fit of Eq."
@@ -89,18 +91,15 @@ def _name_left_out(config: ReplayConfig) -> str:
     return f" Not in the map: {', '.join(names)}." if names else ""
 
 
-def _describe_coverage(record: Any) -> str:
-    """Say in a title how much of a record's variance the fitted spectrum covers.
-
-    `record` is the record's row of records.csv.
-    """
-    share = compute_fit_share(record)
+def _describe_coverage(record: Mapping[str, float]) -> str:
+    """Say in a title how much of a record's variance the fitted spectrum covers."""
+    share = record["fit_share"]
     told = f"the fit of Eq. (1) covers {100.0 * share:.0f} % of this record's variance"
     return told if share >= LEAST_COVERED else f"{told}: no advice for the record"
 
 
 def _make_field(
-    config: ReplayConfig, record: Any, place: tuple[float, float]
+    config: ReplayConfig, record: Mapping[str, float], place: tuple[float, float]
 ) -> tuple[list[str], list[str], Field]:
     """Make the names of the schemes, those of the baselines, and the data of the map.
 
@@ -150,13 +149,13 @@ def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> 
     half that of the logarithm of the amplitude; NaN for no bar.
     """
     period, amplitude = place
-    bars: dict[str, Any] = {
-        "xerr": [[ends[0]], [ends[0]]],
-        "yerr": [[amplitude - amplitude / np.exp(ends[1])], [amplitude * np.expm1(ends[1])]],
-        "linestyle": "none",
-    }
+    across = np.full((2, 1), ends[0])
+    upwards = [[amplitude - amplitude / np.exp(ends[1])], [amplitude * np.expm1(ends[1])]]
     for width, color in ((4.5, "white"), (1.8, "black")):
-        axes.errorbar(period, amplitude, ecolor=color, elinewidth=width, zorder=6, **bars)
+        axes.errorbar(
+            period, amplitude, xerr=across, yerr=upwards, linestyle="none", ecolor=color,
+            elinewidth=width, zorder=6,
+        )  # fmt: skip
     axes.plot(
         period, amplitude, marker="*", markersize=14, color="white", markeredgecolor="black",
         markeredgewidth=1.3, zorder=7,

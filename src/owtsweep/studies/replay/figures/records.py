@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
@@ -11,11 +13,13 @@ from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.studies.hub.public import BASELINES, OTHER_WINDOW
 from owtsweep.studies.replay.choosing import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.figures.words import as_plain
+from owtsweep.studies.replay.figures import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 #: If a column of the table has at most this many different values, they are the ticks of the axis.
@@ -61,7 +65,12 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
         axes = figure.add_subplot()
         width, height = _measure_cell(shown[first]), _measure_cell(shown[second])
         for line in shown.to_dict("records"):
-            _mark(axes, line, (first, second), (width, height), names)
+            place = float(line[first]), float(line[second])
+            fill = margin.fill_cell(style_of(line["best"], names), 1.0 + line["margin"])
+            text = _name_schemes(
+                line["best"], line["runner_up"], line["margin"], line["recommended"]
+            )
+            _mark(axes, place, (width, height), fill, text, hatched=not line["matters"])
         axes.set_xlim(shown[first].min() - width, shown[first].max() + width)
         axes.set_ylim(shown[second].min() - height, shown[second].max() + height)
         if config.replay.table is not None:  # the values of the table as ticks, if there are few
@@ -78,7 +87,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             loc="left",
         )
         best = sorted(set(shown["best"]))
-        handles: list[Any] = [
+        handles: list[Artist] = [
             Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
             for name in best
         ]
@@ -123,7 +132,7 @@ def _choose_coordinates(
     return records, ("natural_period", "peak")
 
 
-def _measure_cell(values: pd.Series[Any]) -> float:
+def _measure_cell(values: pd.Series[float]) -> float:
     """Return the width of the marks along one axis of the map, in the unit of the axis.
 
     The width is the least distance between different values, but at least a twelfth of the range of
@@ -141,30 +150,32 @@ def _measure_cell(values: pd.Series[Any]) -> float:
     return max(min(steps), (coordinates[-1] - coordinates[0]) / 12.0)
 
 
+def _name_schemes(best: str, runner_up: str, margin: float, recommended: str) -> str:
+    """Name the best scheme, the runner-up and the margin; before them a baseline that is better."""
+    text = best if np.isnan(margin) else f"{best}\n{runner_up} +{100.0 * margin:.0f} %"
+    return f"{recommended}!\n{text}" if recommended in BASELINES and recommended != best else text
+
+
 def _mark(
-    axes: Any,
-    line: dict[Any, Any],
-    names: tuple[str, str],
+    axes: Axes,
+    place: tuple[float, float],
     size: tuple[float, float],
-    schemes: list[str],
+    fill: str,
+    text: str,
+    *,
+    hatched: bool,
 ) -> None:
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Rectangle
 
     from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
 
-    x, y = float(line[names[0]]), float(line[names[1]])
-    fill = margin.fill_cell(style_of(line["best"], schemes), 1.0 + line["margin"])
     color = text_color_on(fill)
-    corner = (x - size[0] / 2.0, y - size[1] / 2.0)
+    corner = (place[0] - size[0] / 2.0, place[1] - size[1] / 2.0)
     axes.add_patch(Rectangle(corner, *size, facecolor=fill, edgecolor="white"))
-    if not line["matters"]:
+    box = None
+    if hatched:
         edge = to_rgba(color, HATCH_OPACITY)
         axes.add_patch(Rectangle(corner, *size, facecolor="none", edgecolor=edge, hatch=HATCH))
-    text = line["best"]
-    if line["margin"] == line["margin"]:
-        text += f"\n{line['runner_up']} +{100.0 * line['margin']:.0f} %"
-    if line.get("recommended") in BASELINES and line["recommended"] != line["best"]:
-        text = f"{line['recommended']}!\n{text}"
-    box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
-    axes.text(x, y, text, ha="center", va="center", color=color, fontsize=9, bbox=box)
+        box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0}
+    axes.text(*place, text, ha="center", va="center", color=color, fontsize=9, bbox=box)

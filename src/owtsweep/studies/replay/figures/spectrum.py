@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +14,8 @@ from owtsweep.figures.lines import decimate
 from owtsweep.motion.modes import LEVEL, Modes
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import BEYOND, MOST_MODES, summarise_motion
-from owtsweep.studies.replay.figures.words import name_file
-from owtsweep.studies.replay.place import compute_fit_share, read_fit
+from owtsweep.studies.replay.figures import name_file
+from owtsweep.studies.replay.place import read_fit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 SMOOTHED, SHARE = 7, 500
 
 
-def draw(config: ReplayConfig, record: Any) -> Figure:
+def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw the periodogram of a record's displacement, its running mean, and a fitted spectrum.
 
     The fitted spectrum is Eq. (1) of Ren et al. (2019); it is left out if it could not be fitted.
@@ -35,7 +36,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     config
         The configuration of a replay of one record.
     record
-        The record's row of records.csv.
+        The facts about the record.
 
     Raises
     ------
@@ -125,12 +126,12 @@ def _smooth(power: Array, count: int) -> Array:
     return np.convolve(power, np.full(count, 1.0 / count), mode="same")
 
 
-def _describe_fit(record: Any, has_fit: bool) -> str:
+def _describe_fit(record: Mapping[str, float], has_fit: bool) -> str:
     if not has_fit:
         return "Eq. (1) could not be fitted inside the band"
     return (
         f"natural period {record['natural_period']:.3g} ± "
         f"{1.96 * record['natural_period_error']:.1g} s, half-bandwidth "
         f"{record['half_bandwidth']:.2g} ± {1.96 * record['half_bandwidth_error']:.1g} Hz; "
-        f"the fit covers {100.0 * compute_fit_share(record):.0f} % of the variance"
+        f"the fit covers {100.0 * record['fit_share']:.0f} % of the variance"
     )

@@ -117,7 +117,7 @@ def _trace_state(session: Session, quantity: str, name: str) -> Traces:
     )
 
 
-def _take_fixes(session: Session, window: slice) -> tuple[Array, Array]:
+def _take_fixes(session: Session, window: slice[int]) -> tuple[Array, Array]:
     M = session.sensors.fix_interval
     number = slice(-(-window.start // M), -(-window.stop // M))
     due = M * np.arange(number.start, number.stop)
@@ -147,7 +147,7 @@ def _trace_acceleration(session: Session, states: FilterStates) -> Traces:
     )
 
 
-def _take_force(session: Session, window: slice) -> Array:
+def _take_force(session: Session, window: slice[int]) -> Array:
     """Return the measured specific force in NED coordinates, shape (n, 2) in m/s^2.
 
     `window` is the slice of the steps to return.

@@ -1,6 +1,7 @@
 """Estimate noise, delay and clock offset of the recorded sensors in a replay's record.
 
 The IMU's white noise is read from the upper half of its own spectrum, where no hub moves.
+The estimates may take the place of what the configuration states.
 """
 
 from __future__ import annotations
@@ -8,7 +9,6 @@ from __future__ import annotations
 from collections import OrderedDict
 from dataclasses import dataclass
 from threading import Lock
-from typing import Any
 
 import numpy as np
 from scipy.signal import welch
@@ -16,7 +16,7 @@ from scipy.signal import welch
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.public import Sensors, make_sensors
+from owtsweep.studies.hub.public import Sensors, follow_sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.identification.disagreement import describe_disagreement
@@ -104,7 +104,7 @@ class Noise:
         return all(one.inside for one in self.parameters if one.parameter != "clock_offset")
 
 
-_KEPT: OrderedDict[Any, Noise] = OrderedDict()
+_KEPT: OrderedDict[tuple[object, ...], Noise] = OrderedDict()
 _MOST_KEPT = 256
 _LOCK = Lock()
 
@@ -223,3 +223,35 @@ def measure_floor(force: Array) -> float:
     if level <= 0.0 or np.max(np.abs(levels / level - 1.0)) > FLAT:
         return np.nan
     return float(np.sqrt(level))
+
+
+def use_estimates(config: ReplayConfig, noise: Noise) -> ReplayConfig:
+    """Return the configuration with the estimated sensors.
+
+    A parameter that the record bounds from both sides gets its estimate. Another keeps its stated
+    value if this lies in the interval, and else gets the interval's nearest end. Numbers that
+    `tuning=matched` computes from the sensors are computed again; all others of a tuning stay.
+    """
+    chosen = {one.parameter: _choose(one) for one in noise.parameters if not one.inside}
+    gnss, imu = config.sensors.gnss, config.sensors.imu
+    deviations = 1.0 if config.sensors.accuracy == "sigma" else 3.0
+    if (sigma := chosen.get("sensors.gnss.sigma")) is not None:
+        gnss = changed(gnss, sigma=_round(deviations * sigma))
+    if (delay := chosen.get("sensors.gnss.delay")) is not None:
+        gnss = changed(gnss, delay=max(round(delay * imu.rate), 0) / imu.rate)
+    if (sigma := chosen.get("sensors.imu.sigma")) is not None:
+        imu = changed(imu, sigma=_round(deviations * sigma))
+    if (walk := chosen.get("sensors.imu.bias_walk")) is not None:
+        imu = changed(imu, bias_walk=_round(walk))
+    return follow_sensors(config, changed(config.sensors, gnss=gnss, imu=imu))
+
+
+def _choose(one: Estimated) -> float:
+    if one.bounded:
+        return one.estimate
+    return one.high if one.stated > one.high else one.low
+
+
+def _round(value: float) -> float:
+    """Return a value with three digits: no more are known, and other machines find the same."""
+    return float(np.format_float_scientific(value, precision=2, unique=False))

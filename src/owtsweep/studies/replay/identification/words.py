@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 RIGHT_NIS = (0.5, 2.0)
 #: Degrees of freedom of a fix.
 FREEDOM = 2
+#: Columns of the table of noise that tell an estimate.
+BOUNDS = ("estimate", "low", "high", "unit")
 
 
 def warn_of_noise(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
@@ -65,7 +67,7 @@ def _warn_of_nis(
 
 def _compare(noise: pd.DataFrame) -> list[str]:
     lines = []
-    rows: list[dict[Any, Any]] = noise.to_dict("records")
+    rows = noise.to_dict("records")
     for row in rows:
         if row["parameter"] == TAILS:
             lines.append(
@@ -74,21 +76,20 @@ def _compare(noise: pd.DataFrame) -> list[str]:
                 "describes"
             )
         elif not row["inside"]:
-            also = ""
+            found, also = _format_estimate(*(row[name] for name in BOUNDS)), ""
             if row["parameter"] == "sensors.gnss.delay":
                 also = "; with the offset between the clocks of GNSS and IMU"
             lines.append(
                 f"{row['parameter']}: {row['stated']:.4g} {row['unit']} stated, the record says "
-                f"{_format_estimate(row)}{also}"
+                f"{found}{also}"
             )
     if rows and not lines:
         lines.append("the stated noise agrees with the record, so no second run with estimates")
     return lines
 
 
-def _format_estimate(row: Mapping[Any, Any]) -> str:
+def _format_estimate(estimate: float, low: float, high: float, unit: str) -> str:
     """Return an estimate with its interval and unit, or only the bound that the record sets."""
-    low, high, unit = row["low"], row["high"], row["unit"]
     open_below = np.isnan(low) or (low == 0.0 and unit != "s")
     if open_below and np.isnan(high):
         return "nothing about it"
@@ -96,7 +97,7 @@ def _format_estimate(row: Mapping[Any, Any]) -> str:
         return f"less than {high:.3g} {unit}"
     if np.isnan(high):
         return f"more than {low:.3g} {unit}"
-    return f"{row['estimate']:.3g} {unit} ({low:.3g} to {high:.3g})"
+    return f"{estimate:.3g} {unit} ({low:.3g} to {high:.3g})"
 
 
 def describe_table(tables: Mapping[str, pd.DataFrame]) -> list[str]:
@@ -104,17 +105,14 @@ def describe_table(tables: Mapping[str, pd.DataFrame]) -> list[str]:
     noise = tables.get("noise")
     if noise is None or noise.empty:
         return []
-    rows: list[dict[Any, Any]] = noise.to_dict("records")
-    cells = [
-        [
-            row["parameter"],
-            row["source"],
-            "" if np.isnan(row["stated"]) else f"{row['stated']:.4g} {row['unit']}",
-            f"{row['estimate']:.2g}" if row["parameter"] == TAILS else _format_estimate(row),
-            "yes" if row["inside"] else "no",
-        ]
-        for row in rows
-    ]
+    cells = []
+    for row in noise.to_dict("records"):
+        found = _format_estimate(*(row[name] for name in BOUNDS))
+        if row["parameter"] == TAILS:
+            found = f"{row['estimate']:.2g}"
+        stated = "" if np.isnan(row["stated"]) else f"{row['stated']:.4g} {row['unit']}"
+        inside = "yes" if row["inside"] else "no"
+        cells.append([row["parameter"], row["source"], stated, found, inside])
     headings = ["parameter", "from", "stated", "from the record (95 %)", "inside"]
     return [
         "",

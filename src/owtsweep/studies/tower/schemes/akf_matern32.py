@@ -10,7 +10,7 @@ from __future__ import annotations
 from functools import partial
 
 from owtsweep.studies.tower.models import model_cut
+from owtsweep.studies.tower.schemes.akf_matern12 import tune
 from owtsweep.studies.tower.schemes.filtered import FilterScheme
-from owtsweep.studies.tower.schemes.latent import tune
 
 SCHEME = FilterScheme("AKF_MATERN32", model_cut, partial(tune, kernel="matern32"), any_input=False)

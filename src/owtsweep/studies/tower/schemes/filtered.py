@@ -18,7 +18,7 @@ from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.lagged import Lagged
 from owtsweep.estimation.observability import find_unobservable
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Estimates, Setting
+from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import Model
 
 #: A settled filter is unstable if an eigenvalue of its closed loop exceeds 1 by more.
@@ -62,7 +62,7 @@ class Filtered:
 
 
 @dataclass(frozen=True)
-class FilterScheme:
+class FilterScheme(Scheme):
     """A scheme that consists of a model and of a filter on it.
 
     Attributes

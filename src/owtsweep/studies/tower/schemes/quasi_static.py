@@ -15,7 +15,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Estimates, Setting
+from owtsweep.studies.tower.contract import Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import see
 
 
@@ -43,7 +43,7 @@ class Shapes:
         return Estimates(coordinates @ self.shapes.T, coordinates @ self.loads.T)
 
 
-class QuasiStatic:
+class QuasiStatic(Scheme):
     """The scheme QUASI_STATIC."""
 
     name = "QUASI_STATIC"

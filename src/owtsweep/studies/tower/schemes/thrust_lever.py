@@ -15,7 +15,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.tower.contract import Channel, Estimates, Setting
+from owtsweep.studies.tower.contract import Channel, Estimates, Scheme, Setting
 from owtsweep.studies.tower.models import list_whole_dof, respond_statically, see
 
 
@@ -46,7 +46,7 @@ class Lever:
         return Estimates(np.outer(thrust, self.shape), np.outer(thrust, self.loads))
 
 
-class ThrustLever:
+class ThrustLever(Scheme):
     """The scheme THRUST_LEVER."""
 
     name = "THRUST_LEVER"

@@ -1,0 +1,75 @@
+"""Figures of Ren et al. (2019), from a run; 15 to 17 with the published numbers as marks.
+
+    python -m experiments.ren2019.figures [RUN] [FIGURE ...]
+
+RUN is the folder of a run. Without RUN, the default study is used; it is run first if needed.
+FIGURE is figure_03, figure_04, figure_09 to figure_18; without any, all are drawn into the run's
+folder figures/.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import cast
+
+import pandas as pd
+
+from experiments.command import open_run
+from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.studies.hub.conditions import CRITERIA, make_cube
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.figures.listing import over_amplitude, save_each
+from owtsweep.studies.hub.origin import describe_origin
+from owtsweep.studies.readings.published import mse_tables
+from owtsweep.sweep.runs import Run
+
+#: Figure -> its name among the figures of a run.
+OF_RUN = {
+    "figure_03": "figure_03_record",
+    "figure_04": "figure_04_spectrum",
+    "figure_09": "figure_09_position",
+    "figure_10": "figure_10_position_zoom",
+    "figure_11": "figure_11_velocity",
+    "figure_12": "figure_12_velocity_zoom",
+    "figure_13": "figure_13_acceleration",
+    "figure_14": "figure_14_bias",
+    "figure_18": "figure_18_best_scheme",
+}
+#: Figure of the MSE over amplitude -> its natural period, s.
+PERIODS = {"figure_15": 4.0, "figure_16": 6.0, "figure_17": 8.0}
+#: Published measure -> the measure to which it contributes.
+PARTS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity"}
+
+
+def draw_mse(run: Run, period: float) -> Iterator[Path]:
+    """Draw the MSE over amplitude at a natural period (s) into figures/; yield the files."""
+    for tuning, part in run.by_tuning().items():
+        config = cast(HubConfig, part.config)
+        same = find_coinciding(make_cube(config, part.cases()), CRITERIA)
+        figures = over_amplitude(config, part.summary(), [period], same, printed=sum_printed())
+        end = f"_{tuning}" if tuning else ""
+        for name, draw in save_each(figures, describe_origin(config), part.metadata()).items():
+            yield from draw(run.place / "figures", f"{name}{end}")
+
+
+def sum_printed() -> pd.DataFrame:
+    """Return the published MSEs of position and velocity, as `mse_over_amplitude.draw` takes them.
+
+    Columns: table, natural_period (s), amplitude (m), scheme, measure, value, note.
+    """
+    table = mse_tables()
+    keys = ["table", "natural_period", "amplitude", "scheme"]
+    whole = table.assign(measure=table["measure"].map(PARTS))
+    sums = whole.groupby([*keys, "measure"], sort=False).agg(
+        value=("published", "sum"), note=("note", lambda notes: "; ".join(filter(None, notes)))
+    )
+    return sums.reset_index()
+
+
+if __name__ == "__main__":
+    run = open_run()
+    for name in sys.argv[2:] or sorted([*OF_RUN, *PERIODS]):
+        drawn = draw_mse(run, PERIODS[name]) if name in PERIODS else run.draw(OF_RUN[name])
+        print(*drawn, sep="\n")

@@ -1,0 +1,231 @@
+"""The worlds of the floater study: what moves, by `motion.kind`, and what follows from it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Protocol
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import require
+from owtsweep.io.reading import expand_home, hash_file
+from owtsweep.motion.lines import Series
+from owtsweep.studies.base.schemes import list_names
+from owtsweep.studies.floater.contract import DOF, Truth
+from owtsweep.studies.floater.motion_recorded import read_motion
+from owtsweep.studies.floater.motion_synthetic import decay, draw_motion
+from owtsweep.studies.floater.schemes import SCHEMES
+
+if TYPE_CHECKING:
+    from owtsweep.studies.floater.config import FloaterConfig, Motion
+
+#: Schemes that never take a roll angle for small.
+LARGE_ANGLES = ("ERROR_STATE", "PASSIVE_OBSERVER", "LOWPASS")
+
+
+class Draw(Protocol):
+    """Makes lead + steps samples of a motion, as `motion_synthetic.draw_motion`."""
+
+    def __call__(
+        self,
+        motion: Motion,
+        stream: Callable[[str], np.random.Generator],
+        /,
+        *,
+        steps: int,
+        step: float,
+        lead: int,
+        roll: float | None = None,
+    ) -> Series:
+        """Return the motion."""
+
+
+@dataclass(frozen=True)
+class World(ABC):
+    """What moves: how it is made, checked and described."""
+
+    draw: Draw
+
+    @abstractmethod
+    def check(self, config: FloaterConfig) -> None:
+        """Raise `InputError` if the section `motion` cannot be moved by."""
+
+    @abstractmethod
+    def check_outside(self, config: FloaterConfig) -> None:
+        """Raise `InputError` if a file cannot be used."""
+
+    @abstractmethod
+    def describe(self, motion: Motion) -> str:
+        """Return the motion in words."""
+
+    @abstractmethod
+    def find_frequencies(self, motion: Motion, truth: Truth) -> Array:
+        """Return natural frequencies in rad/s, shape (6,)."""
+
+    def find_periods(self, motion: Motion) -> list[float]:
+        """Return the periods in s of what moves; none if nobody says."""
+        return []
+
+    def list_files(self, motion: Motion) -> dict[str, str]:
+        """Return key of the section -> hash of the file that it names."""
+        return {}
+
+
+class Simulated(World):
+    """A structure that answers to waves, or to its release, in resonances."""
+
+    #: How many times its standard deviation, or its deflection, an angle reaches.
+    reach: ClassVar[float]
+    words: ClassVar[str]
+
+    def check(self, config: FloaterConfig) -> None:
+        """Check that all degrees of freedom move, and that angles stay below 90 degrees.
+
+        Raises
+        ------
+        InputError
+            If a degree of freedom is missing or at rest, or an angle too large for the schemes.
+        """
+        _check_freedoms(config)
+        _check_angles(config, self.reach)
+
+    def check_outside(self, config: FloaterConfig) -> None:
+        """Nothing is outside of the configuration."""
+
+    def describe(self, motion: Motion) -> str:
+        """Return kind and natural periods."""
+        slow = sorted({freedom.resonance.period for freedom in motion.freedoms.values()})
+        periods = f"{slow[0]:g} to {slow[-1]:g} s" if len(slow) > 1 else f"{slow[0]:g} s"
+        return f"{motion.kind} motion, {self.words} {periods}"
+
+    def find_frequencies(self, motion: Motion, truth: Truth) -> Array:
+        """Return those of the section `motion`."""
+        periods = [motion.freedoms[name].resonance.period for name in DOF]
+        return 2.0 * np.pi / np.array(periods)
+
+    def find_periods(self, motion: Motion) -> list[float]:
+        """Return the natural periods."""
+        return [freedom.resonance.period for freedom in motion.freedoms.values()]
+
+
+class Synthetic(Simulated):
+    """A structure in waves."""
+
+    reach = 3.0  # angles go some three standard deviations from their mean
+    words = "resonances of"
+
+    def describe(self, motion: Motion) -> str:
+        """Return natural periods and the period of the waves."""
+        return f"{super().describe(motion)}, waves of {motion.wave_period:g} s"
+
+    def find_periods(self, motion: Motion) -> list[float]:
+        """Return the natural periods, and that of the waves."""
+        return [*super().find_periods(motion), motion.wave_period]
+
+
+class Decay(Simulated):
+    """A structure that is released in still water."""
+
+    reach = 1.0
+    words = "release, natural periods"
+
+
+class Recorded(World):
+    """A motion from a file."""
+
+    def check(self, config: FloaterConfig) -> None:
+        """Raise `InputError` if there is no file, or its roll shall be another one."""
+        require(
+            config.grid.roll is None,
+            "grid.roll: a recorded motion has its own; use grid.roll=null",
+        )
+        require(
+            config.motion.file is not None,
+            "motion.file: kind=recorded needs a file; give motion.file=basin.csv",
+        )
+
+    def check_outside(self, config: FloaterConfig) -> None:
+        """Raise `InputError` if the file cannot be used."""
+        record = config.record
+        read_motion(config.motion, None, steps=record.steps, step=1.0 / record.rate, lead=0)
+
+    def describe(self, motion: Motion) -> str:
+        """Return the file."""
+        return f"motion of {motion.file}"
+
+    def find_frequencies(self, motion: Motion, truth: Truth) -> Array:
+        """Return those of zero crossings."""
+        return np.asarray(truth.velocity.std(axis=0) / truth.position.std(axis=0))
+
+    def list_files(self, motion: Motion) -> dict[str, str]:
+        """Return the hash of the file."""
+        return {"file": hash_file(expand_home(str(motion.file)))}
+
+
+WORLDS: dict[str, World] = {
+    "synthetic": Synthetic(draw_motion),
+    "decay": Decay(decay),
+    "recorded": Recorded(read_motion),
+}
+
+
+def _check_freedoms(config: FloaterConfig) -> None:
+    """Check that every degree of freedom moves, in a resonance that the samples show."""
+    motion, record = config.motion, config.record
+    for name in DOF:
+        require(
+            name in motion.freedoms,
+            f"motion.freedoms: {name} is missing; give all of {', '.join(DOF)}",
+        )
+        freedom = motion.freedoms[name]
+        require(
+            freedom.resonance.sigma + freedom.waves > 0.0,
+            f"motion.freedoms.{name}: it does not move, so no error is relative to it; give it a "
+            "small motion",
+        )
+        require(
+            freedom.resonance.damping < 1.0,
+            f"motion.freedoms.{name}.resonance.damping: {freedom.resonance.damping:g} is no "
+            "resonance; give a ratio below 1",
+        )
+        highest = 3.0 / min(freedom.resonance.period, motion.wave_period)
+        require(
+            record.rate >= 2.0 * highest,
+            f"record.rate: {record.rate:g} Hz cannot show motion up to {highest:.4g} Hz ({name}); "
+            f"give {np.ceil(2e3 * highest) / 1e3:g} Hz or more",
+        )
+
+
+def _check_angles(config: FloaterConfig, times: float) -> None:
+    """Check that pitch stays below 90 degrees, and roll, too, if a scheme takes angles for small.
+
+    At a pitch of 90 degrees roll and yaw are the same (Eq. 2 divides by its cosine). Other schemes
+    bear any roll below 180 degrees, where the angle jumps.
+    """
+    motion, grid = config.motion, config.grid
+    names = list_names(config.schemes)
+    angled = [name for name in names if name in SCHEMES.listed and name not in LARGE_ANGLES]
+    most = 90.0 if angled else 180.0
+    who = f", where Euler angles fail ({', '.join(angled)})" if angled else ""
+    instead = ", or schemes=[ERROR_STATE]" if angled else ""
+    of_roll, of_pitch = motion.freedoms["phi"], motion.freedoms["theta"]
+    for freedom, name, limit in ((of_roll, "phi", most), (of_pitch, "theta", 90.0)):
+        own = times * np.hypot(freedom.resonance.sigma, freedom.waves)
+        if name == "phi" and grid.roll is not None:
+            reach = abs(freedom.mean) + times * max(grid.roll)
+            free = max(np.floor((limit - abs(freedom.mean)) / times - 1e-9), 0.0)
+            require(
+                reach < limit,
+                f"grid.roll: {max(grid.roll):g} deg reaches {limit:g} deg{who}; give at most "
+                f"{free:g}{instead}",
+            )
+            continue
+        require(
+            abs(freedom.mean) + own < limit,
+            f"motion.freedoms.{name}: a mean of {freedom.mean:g} deg and {own:.3g} deg about it "
+            f"reach {limit:g} deg{who if name == 'phi' else ', where Euler angles fail'}; give "
+            f"less motion{instead if name == 'phi' else ''}",
+        )

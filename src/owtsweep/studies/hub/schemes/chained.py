@@ -1,0 +1,62 @@
+"""The base of the schemes that are chains, and the cache that lets all records share a chain."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections import OrderedDict
+from operator import attrgetter
+from threading import Lock
+from typing import Literal
+
+from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.known import Known
+from owtsweep.vectors import choose
+
+#: Greatest number of chains in the cache: four schemes under each of two tunings, and three
+#: baselines. A chain whose gains settle slowly takes up to 100 MB.
+_KEPT_CHAINS = 11
+_CHAINS: OrderedDict[tuple[object, ...], Chain] = OrderedDict()
+_MAKING: dict[tuple[object, ...], Lock] = {}
+_LOCK = Lock()
+
+
+class ChainScheme(Scheme):
+    """A linear scheme that the batch engine runs as a chain, beside other chains.
+
+    A chain is made once for given sensors, tuning and length of the records. The attribute
+    `sections` names the sections of the configuration on which the chain depends.
+    """
+
+    linear = True
+    batched: Literal["", "chain", "own"] = "chain"
+
+    @abstractmethod
+    def make_chain(self, known: Known, steps: int) -> Chain:
+        """Make the chain for records of `steps` IMU steps."""
+
+    def kernel(self, known: Known, steps: int | None = None) -> Chain:
+        """Return the scheme as a chain for records of `steps` IMU steps; None: of any length."""
+        return self._share(known, LONGEST_TRANSIENT if steps is None else steps, for_runs=False)
+
+    def kernel_for_runs(self, known: Known, steps: int) -> Chain:
+        """Return the chain without the covariances that a run does not need."""
+        return self._share(known, steps, for_runs=True)
+
+    def _share(self, known: Known, steps: int, *, for_runs: bool) -> Chain:
+        choose(known.tuning.compute.vectors)  # every run needs a chain before its first kernel
+        sections = tuple(repr(attrgetter(section)(known.tuning)) for section in self.sections)
+        key = (type(self), known.sensors, steps, for_runs, *sections)
+        with _LOCK:
+            making = _MAKING.setdefault(key, Lock())
+        with making:  # only threads that need the same chain wait
+            with _LOCK:
+                chain = _CHAINS.get(key)
+            if chain is None:
+                made = self.make_chain(known, steps)
+                chain = made.for_runs() if for_runs else made
+                with _LOCK:
+                    _CHAINS[key] = chain
+                    while len(_CHAINS) > _KEPT_CHAINS:
+                        _MAKING.pop(_CHAINS.popitem(last=False)[0], None)
+            return chain

@@ -1,0 +1,112 @@
+"""What a world of the hub study is: one kind of truth, swept over its conditions."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from owtsweep.motion.source import Source
+from owtsweep.results.conditions import Condition, Grid, Value
+from owtsweep.studies.hub.known import Sensors
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
+
+#: Value of a condition that leaves what the structure's file says.
+LAYERS = "layers"
+
+
+class World(ABC):
+    """One kind of truth: a source of motion, and the conditions that it is swept over.
+
+    Attributes
+    ----------
+    name
+        The value of the key `motion` that chooses it.
+    conditions
+        The axes of the grid.
+    section
+        The section of the configuration that holds their values.
+    has_spectrum
+        Whether the motion has the spectrum of Eq. (1) of Ren et al. (2019).
+    boundary
+        The schemes whose boundary is reported: the first is better at amplitudes below the
+        boundary, the second above. None: there are no amplitudes.
+    words, counted
+        The conditions in words, for advice to give fewer of them, and for their number: of the
+        counts of records' conditions and of amplitudes.
+    bytes_per_step, seconds_per_step
+        Memory and computing time that the motion of a record needs per IMU step, besides what
+        schemes need.
+    """
+
+    name: ClassVar[str]
+    conditions: ClassVar[tuple[Condition, ...]]
+    section: ClassVar[str]
+    has_spectrum: ClassVar[bool]
+    boundary: ClassVar[tuple[str, str] | None]
+    words: ClassVar[str]
+    counted: ClassVar[str]
+    bytes_per_step: ClassVar[int]
+    seconds_per_step: ClassVar[float]
+
+    @abstractmethod
+    def get_grid(self, config: HubConfig) -> Grid:
+        """Return name of a condition -> list of the values that the configuration gives it."""
+
+    @abstractmethod
+    def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
+        """Return the conditions, with the two first that a map has as axes."""
+
+    @abstractmethod
+    def check(self, config: HubConfig) -> None:
+        """Raise `InputError` if the settings of the motion do not fit together, or the sensors."""
+
+    @abstractmethod
+    def list_content(self, config: HubConfig) -> dict[str, Any]:
+        """Return what a block's numbers depend on because of the world, besides the conditions."""
+
+    @abstractmethod
+    def list_pairing(self, config: HubConfig) -> dict[str, Any]:
+        """Return what two runs must share so that their records can be paired."""
+
+    @abstractmethod
+    def describe(self, config: HubConfig) -> str:
+        """Return in words what is special about the motion; "" for a plain spectrum."""
+
+    @abstractmethod
+    def list_amplitudes(self, config: HubConfig) -> Sequence[float]:
+        """Return the amplitudes, m, at which schemes are run; 1 stands for the motion as it is."""
+
+    @abstractmethod
+    def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
+        """Return the source of motion under some conditions, condition -> value.
+
+        Raises
+        ------
+        InputError
+            If it cannot be computed; the message names the key.
+        """
+
+    def describe_values(self, at: Mapping[str, Value]) -> str:
+        """Return values of conditions in words, e.g. "hs 2 m, blades 0"; "" for no condition.
+
+        What is as the structure's file says is not mentioned.
+        """
+        named = {condition.name: condition for condition in self.conditions}
+        return ", ".join(
+            f"{named[name].word} {named[name].show(v)}" for name, v in at.items() if v != LAYERS
+        )
+
+    def describe_record(self, conditions: Mapping[str, Value]) -> str:
+        """Return the conditions of a record's motion in words, for the names of blocks."""
+        return self.describe_values(conditions)
+
+    def fit_sensors(self, source: Source, sensors: Sensors, config: HubConfig) -> Sensors:
+        """Return what estimators may know of the sensors on this source of motion."""
+        return sensors
+
+    def list_doubts(self, config: HubConfig) -> list[str]:
+        """Return sentences on what makes the motion doubtful."""
+        return []

@@ -1,1 +1,0 @@
-"""Loads on the turbine: wind at the top, waves on the wetted part."""

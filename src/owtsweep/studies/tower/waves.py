@@ -1,0 +1,117 @@
+"""Loads of waves on the wetted part of a structure, as loads on a beam's degrees of freedom.
+
+Forces per length are those of the hub study's plant (`owtsweep.motion.plant.compute_forces`):
+Morison's equation on the structure at rest, with MacCamy and Fuchs' inertia coefficient. They are
+spread over the nodes with the work of the elements' shape functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.motion.plant import compute_forces
+from owtsweep.structures import Structure
+from owtsweep.structures.bernoulli import PlaneBeam
+from owtsweep.studies.tower.sections import SeaState
+from owtsweep.studies.tower.wind import sample_periodic
+from owtsweep.waves import Sea, draw_waves
+
+
+@dataclass(frozen=True)
+class WaveLoads:
+    """Wave loads along the direction of the waves.
+
+    Attributes
+    ----------
+    dof
+        Numbers of the degrees of freedom that are loaded, shape (loaded,).
+    series
+        Loads on them in N and N m, shape (lead + steps, loaded).
+    force
+        Their sum of forces in N, shape (lead + steps,).
+    """
+
+    dof: NDArray[np.int64]
+    series: Array
+    force: Array
+
+
+def make_wave_loads(
+    structure: Structure,
+    beam: PlaneBeam,
+    sea: SeaState,
+    stream: Callable[[str], np.random.Generator],
+    *,
+    steps: int,
+    step: float,
+    lead: int = 0,
+) -> WaveLoads:
+    """Draw a record of wave loads.
+
+    Parameters
+    ----------
+    structure, beam
+        The structure, and a beam that covers its wetted part.
+    sea
+        The section `waves`, with a height above 0.
+    stream
+        Function that returns a new random generator, given a name; it is called with "waves".
+    steps, step
+        Number of samples and sampling interval (s).
+    lead
+        Number of samples before the record, at most `steps`.
+
+    Raises
+    ------
+    InputError
+        If the structure does not stand in water, or the record is too short for waves.
+    """
+    require(
+        structure.water is not None and structure.mudline < 0.0,
+        f"waves.hs: the structure {structure.name} does not stand in water; give waves.hs=0",
+    )
+    period = 2 * steps * step
+    waves = draw_waves(
+        Sea(sea.hs, sea.tp, sea.gamma),
+        stream("waves"),
+        period=period,
+        depth=-structure.mudline,
+        gravity=structure.gravity,
+    )
+    heights, forces = compute_forces(structure, waves)
+    shapes = beam.interpolate(heights)
+    dof = np.flatnonzero(np.any(shapes != 0.0, axis=0))
+
+    def sample(lines: NDArray[np.complex128]) -> Array:
+        bins = np.zeros(steps + 1, dtype=complex)
+        count = min(len(lines), len(bins))
+        bins[:count] = lines[:count] * steps
+        bins[0] *= 2.0  # the mean has no conjugate twin
+        return sample_periodic(bins, steps, lead)
+
+    series = np.stack([sample(shapes[:, i] @ forces) for i in dof], axis=1)
+    return WaveLoads(dof, series, sample(forces.sum(axis=0)))
+
+
+def triangular_load(structure: Structure, beam: PlaneBeam) -> Array:
+    """Return the loads on a beam for 1 N/m at sea level that falls linearly to 0 at the ground.
+
+    The shape is (dof,); zero if the structure stands in no water. It is the input vector p_2 of
+    Simpson et al. (2025), section 5.4.
+    """
+    depth = -structure.mudline
+    if structure.water is None or depth <= 0.0:
+        return np.zeros(len(beam.mass))
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    inside = beam.heights[(beam.heights > -depth) & (beam.heights < 0.0)]
+    ends = np.array([-depth, *inside, 0.0])
+    low, high = ends[:-1, None], ends[1:, None]
+    heights = (0.5 * (high - low) * nodes + 0.5 * (high + low)).reshape(-1)
+    lengths = (0.5 * (high - low) * weights).reshape(-1)
+    return np.asarray((lengths * (1.0 + heights / depth)) @ beam.interpolate(heights))

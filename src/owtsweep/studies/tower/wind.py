@@ -1,0 +1,175 @@
+"""Loads of the rotor on the top of the structure: series of a declared spectrum, or recorded ones.
+
+Turbulence has Kaimal's spectrum (IEC 61400-1:2019, Eq. C.14, longitudinal: length scale 8.1 x 42 m
+for hubs above 60 m). The rotor averages gusts smaller than itself: admittance of Vickery (1968),
+1 / (1 + (2 f sqrt(A) / U)^(4/3))^2 on the spectrum. Lines once and three times per revolution are
+narrow Gaussian peaks. The series repeat after twice their length, so nothing repeats inside one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError, require
+from owtsweep.io.reading import expand_home
+from owtsweep.motion.recorded.checks import require_possible
+from owtsweep.motion.recorded.formats.streams import TextStream
+from owtsweep.studies.tower.sections import TopLoad, Wind
+
+#: Length scale of the longitudinal component, m (IEC 61400-1:2019, 6.3.1 and C.14).
+LENGTH_SCALE = 8.1 * 42.0
+#: Width of a line over its frequency: the rotor's speed varies by some 2 %.
+LINE_WIDTH = 0.02
+#: Names of the loads, in the order of the columns: force and moment, fore-aft, then side-side.
+NAMES = ("thrust", "moment", "side", "side_moment")
+
+
+def make_top_loads(
+    wind: Wind,
+    stream: Callable[[str], np.random.Generator],
+    *,
+    steps: int,
+    step: float,
+    lead: int = 0,
+) -> Array:
+    """Draw the loads on the top, or read them from the file of the configuration.
+
+    Parameters
+    ----------
+    wind
+        The section `wind`.
+    stream
+        Function that returns a new random generator, given a name.
+    steps, step
+        Number of samples and sampling interval (s).
+    lead
+        Number of samples before the record, at most `steps`. A file has none: it must be 0.
+
+    Returns
+    -------
+    array
+        The loads in N and N m in the order of `NAMES`, shape (lead + steps, 4).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used.
+    """
+    if wind.file is not None:
+        return read_loads(wind.file, NAMES, steps=steps, step=step)
+    frequency = np.arange(1, steps) / (2 * steps * step)
+    spectrum = find_spectrum(wind, frequency)
+    loads = [getattr(wind, name) for name in NAMES]
+    return np.stack(
+        [
+            _draw(load, spectrum, stream(name), steps, lead)
+            for name, load in zip(NAMES, loads, strict=True)
+        ],
+        axis=1,
+    )
+
+
+def find_spectrum(wind: Wind, frequency: Array) -> Array:
+    """Compute the shape of the loads' spectrum at frequencies in Hz; its sum is 1."""
+    scale = LENGTH_SCALE / wind.speed
+    averaged = (
+        1.0 + (2.0 * frequency * np.sqrt(wind.rotor_area) / wind.speed) ** (4.0 / 3.0)
+    ) ** -2
+    gusts = averaged * (1.0 + 6.0 * frequency * scale) ** (-5.0 / 3.0)
+    parts = [(1.0 - wind.line_1p - wind.line_3p, gusts)]
+    for share, blade in ((wind.line_1p, 1), (wind.line_3p, 3)):
+        line = blade * wind.rotor_speed
+        parts.append((share, np.exp(-0.5 * ((frequency - line) / (LINE_WIDTH * line)) ** 2)))
+    return np.asarray(sum(share * part / np.sum(part) for share, part in parts))
+
+
+def _draw(
+    load: TopLoad, spectrum: Array, phase: np.random.Generator, steps: int, lead: int
+) -> Array:
+    """Draw a series with random phases; twice the record has exactly the standard deviation."""
+    bins = np.zeros(steps + 1, dtype=complex)
+    turns = 2.0 * np.pi * phase.random(len(spectrum))
+    bins[1:-1] = steps * load.sigma * np.sqrt(2.0 * spectrum) * np.exp(1j * turns)
+    return load.mean + sample_periodic(bins, steps, lead)
+
+
+def sample_periodic(bins: NDArray[np.complex128], steps: int, lead: int) -> Array:
+    """Sample a series that repeats after twice the record, and a lead before it.
+
+    So what came before a record is known.
+
+    Parameters
+    ----------
+    bins
+        Lines at multiples of 1 / (2 steps step), from 0 on, as `numpy.fft.irfft` takes them.
+    steps, lead
+        Number of samples of the record, and of those before it, at most `steps`.
+
+    Returns
+    -------
+    array
+        Shape (lead + steps,).
+    """
+    period = np.fft.irfft(bins, 2 * steps)
+    return np.concatenate([period[2 * steps - lead :], period[:steps]])
+
+
+def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> Array:
+    """Read loads by columns, interpolated linearly at the samples of a record.
+
+    Parameters
+    ----------
+    file
+        A CSV file with a line of names: time (s), and the loads (N, N m).
+    names
+        Names of the loads' columns.
+    steps, step
+        Number of samples and sampling interval (s) of the record, which begins at the file's first
+        time.
+
+    Returns
+    -------
+    array
+        Shape (steps, names).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, lacks a column, holds something else than finite numbers or an
+        absurdly large one, its times do not rise, or it is shorter than the record.
+    """
+    import pandas as pd
+
+    path = expand_home(file)
+    try:
+        with TextStream(path) as stream:  # refuses devices, and what unpacks to too much
+            table = pd.read_csv(stream)
+    except (OSError, ValueError) as error:
+        raise InputError(f"wind.file: {file} cannot be read ({error})") from None
+    missing = [name for name in ("time", *names) if name not in table.columns]
+    require(not missing, f"wind.file: {file} lacks the columns {', '.join(missing)}")
+    values = table[["time", *names]].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    require(len(values) > 0, f"wind.file: {file} holds no row of numbers below its names")
+    bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    require(
+        len(bad) == 0,
+        f"wind.file: {file} has no number in line {bad[0] + 2 if len(bad) else 0}; remove or "
+        "fill such lines",
+    )
+    for name, column in zip(names, values[:, 1:].T, strict=True):
+        require_possible(
+            f"wind.file: {file}: column {name}", column, "check its unit, N or N m", load=True
+        )
+    time = values[:, 0] - values[0, 0]
+    require(bool(np.all(np.diff(time) > 0.0)), f"wind.file: times of {file} do not rise")
+    length = (steps - 1) * step
+    require(
+        time[-1] >= length * (1.0 - 1e-9),
+        f"wind.file: {file} holds {time[-1]:g} s, but record.duration asks for {length + step:g} s",
+    )
+    at = step * np.arange(steps)
+    return np.stack([np.interp(at, time, column) for column in values[:, 1:].T], axis=1)

@@ -1,0 +1,102 @@
+"""Which scheme, by how much, and whether it matters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from owtsweep.studies.replay import advice, sentences
+
+NAMES = ["EKF", "MKF", "HME1"]
+
+
+def pairs(best: float, second: float, spread: float, n: int = 20) -> np.ndarray:
+    draw = np.random.default_rng(0)
+    common = 0.2 * draw.standard_normal(n)  # of the record: it cancels in pairs
+    noise = spread * draw.standard_normal(n)
+    return np.array([second + common + noise, second + common + noise, best + common])
+
+
+def test_a_clear_winner():
+    found = advice.compare(pairs(1.0, 1.2, 0.05), NAMES)
+    assert (found["best"], found["runner_up"], found["matters"]) == ("HME1", "MKF", True)
+    assert found["ci_low"] < 0.2 < found["ci_high"]
+    assert found["margin"] == pytest.approx(found["difference"] / found["value_best"])
+    assert found["n"] == 20
+
+
+def test_too_small_a_margin_does_not_matter():
+    found = advice.compare(pairs(1.0, 1.03, 0.001), NAMES)
+    assert found["best"] == "HME1"
+    assert found["ci_low"] > 0.0
+    assert not found["matters"]
+    row = {"source": "record", "criterion": "position", "noise": "stated", **found}
+    chosen = {"recommended": "HME1", "value_recommended": found["value_best"]}
+    line = sentences.write_sentence({**row, **chosen})
+    assert "no difference that matters" in line
+
+
+def test_an_interval_that_holds_zero_does_not_matter():
+    found = advice.compare(pairs(1.0, 1.1, 1.0), NAMES)
+    assert found["ci_low"] < 0.0
+    assert not found["matters"]
+
+
+def test_schemes_that_are_the_same_are_one():
+    values = pairs(1.2, 1.0, 0.0)
+    found = advice.compare(values, NAMES)
+    assert (found["best"], found["same_as"], found["runner_up"]) == ("MKF", "EKF", "HME1")
+
+
+def test_only_what_all_finished_is_compared():
+    values = pairs(1.0, 1.2, 0.05)
+    values[2, :3] = np.nan
+    assert advice.compare(values, NAMES)["n"] == 17
+    values[0] = np.nan
+    assert advice.compare(values, NAMES)["runner_up"] == "MKF"
+    assert advice.compare(np.full((3, 2), np.nan), NAMES) is None
+    alone = advice.compare(values[2:], ["HME1"])
+    assert (alone["runner_up"], alone["matters"]) == ("", False)
+
+
+def rows(measure: str, replicates: int) -> pd.DataFrame:
+    lines = []
+    for scheme, value in (("MKF", 2.0), ("HME1", 1.0)):
+        for replicate in range(replicates):
+            lines.append((scheme, replicate, measure, "settled", value + 0.01 * replicate))
+        for part in range(20):
+            wobble = 0.1 * np.sin(part)
+            lines.append((scheme, 0, measure, f"part_{part:02d}", value + value * wobble))
+    return pd.DataFrame(lines, columns=["scheme", "replicate", "measure", "window", "value"])
+
+
+def test_draws_are_compared_in_pairs_and_a_single_record_piece_by_piece():
+    found = advice.advise_from_record(rows("position", 5), ["MKF", "HME1"], "position", "settled")
+    assert (found["source"], found["n"], found["best"]) == ("record", 5, "HME1")
+    found = advice.advise_from_record(rows("position", 1), ["MKF", "HME1"], "position", "settled")
+    assert (found["n"], found["window"]) == (20, "settled")
+    assert found["ci_low"] < found["difference"] < found["ci_high"]
+    assert found["value_best"] == 1.0  # the whole settled record's; the pieces make the interval
+
+
+def test_without_errors_the_fixes_advise():
+    found = advice.advise_from_record(
+        rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled"
+    )
+    assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
+    assert "from a fix" in sentences.write_sentence({**found, "noise": "stated"})
+
+
+def test_large_margins_are_told_in_times():
+    row = {
+        "source": "record", "criterion": "position", "best": "HME1", "same_as": "",
+        "runner_up": "MKF", "value_best": 0.01, "recommended": "HME1", "value_recommended": 0.01,
+        "noise": "stated", "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
+        "matters": True,
+    }  # fmt: skip
+    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in sentences.write_sentence(row)
+    of_map = {"source": "map", "fit_share": 0.8, "advises": True, "contradicts_record": False}
+    assert "MKF has 5 times as much;" in sentences.write_sentence({**row, **of_map})
+    near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
+    assert "MKF has 50 % more (95 %: 40 to 60 %)" in sentences.write_sentence(near)

@@ -1,0 +1,62 @@
+"""Each format that can be read is replayed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+import writers
+from replay_tools import DIRECTION, motion
+
+from owtsweep.studies.replay.running import configure, execute
+
+QUICK = [
+    "schemes=[HME1]", "replay.replicates=1", "measures.settling_time=5", "columns.position_x=px",
+    "columns.position_y=py", "columns.time=Time",
+]  # fmt: skip
+
+
+def csv(folder, table):
+    frame = pd.DataFrame({name: values for name, (_, values) in table.items()})
+    frame.to_csv(folder / "a.csv.gz", index=False)
+    return folder / "a.csv.gz"
+
+
+def parquet(folder, table):
+    frame = pd.DataFrame({name: values for name, (_, values) in table.items()})
+    frame.to_parquet(folder / "a.parquet")
+    return folder / "a.parquet"
+
+
+def npz(folder, table):
+    np.savez(folder / "a.npz", **{name: values for name, (_, values) in table.items()})
+    return folder / "a.npz"
+
+
+FORMATS = {
+    "csv.gz": csv,
+    "parquet": parquet,
+    "npz": npz,
+    "out": lambda folder, table: writers.fast_text(folder / "a.out", table),
+    "outb": lambda folder, table: writers.fast_binary(folder / "a.outb", table, 2),
+    "hawc2 ascii": lambda folder, table: writers.hawc2(folder, table, "ascii"),
+    "gtsdf": lambda folder, table: writers.gtsdf(folder / "a.hdf5", table, packed=False),
+}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_format_replays(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    if name == "gtsdf":
+        pytest.importorskip("h5py")
+    time, d = motion(25.0)
+    xy = np.outer(d, DIRECTION)
+    table = {"Time": ("s", time), "px": ("m", xy[:, 0]), "py": ("m", xy[:, 1])}
+    path = FORMATS[name](tmp_path, table)
+    outcome = execute(configure([str(path)], QUICK))
+    assert not outcome.failed
+    values = outcome.run.table("replay").set_index(["measure", "window"]).query("scheme=='HME1'")
+    assert 1e-4 < values.loc[("position", "settled"), "value"] < 1e-2
+    estimates = pd.read_parquet(outcome.run.folder / "estimates.parquet")
+    late = estimates[estimates.time > 5]
+    assert np.std(late.x - np.interp(late.time, time, xy[:, 0])) < 0.1

@@ -1,0 +1,50 @@
+"""A declared study is planned again with more records of some cells."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from owtsweep.studies import compose, get_study
+from owtsweep.studies.base.axes import list_cells
+from owtsweep.sweep.keys import block_key
+
+WORDS = [
+    "study=floater", "record.duration=60", "record.rate=10", "record.settling=20",
+    "grid.delay=[0,2]", "grid.bias=[0.1]", "grid.replicates=10", "schemes=[LOWPASS,KF]",
+]  # fmt: skip
+STUDY = get_study("floater")
+
+
+def list_keys(blocks: list[Any]) -> list[str]:
+    return [block_key(STUDY, block) for block in blocks]
+
+
+def test_more_records_of_a_cell_add_only_the_missing_blocks() -> None:
+    config: Any = compose(WORDS)
+    engine: Any = STUDY.engine(config)
+    cells = list_cells(engine.contest.axes, config.grid)
+    first = engine.plan(config)
+    assert list_keys(engine.plan(config, cells, 10)) == list_keys(first)
+    more = engine.plan(config, cells[1:], 30)
+    kept = set(list_keys(first))
+    added = [block for block in more if block_key(STUDY, block) not in kept]
+    assert len(more) == len(added) + len(first) // 2
+    told = [(b.content["delay"], b.content["scheme"], b.content["replicates"]) for b in added]
+    assert told == [(2.0, name, [n, n + 10]) for n in (10, 20) for name in ("LOWPASS", "KF")]
+
+
+def test_tables_and_maps_are_made_of_cells_with_unequal_numbers_of_records() -> None:
+    config: Any = compose([*WORDS, "grid.replicates=2"])
+    engine: Any = STUDY.engine(config)
+    cells = list_cells(engine.contest.axes, config.grid)
+    blocks = [*engine.plan(config, cells[:1]), *engine.plan(config, cells[1:], 4)]
+    rows = pd.concat([
+        rows for block in blocks for _, rows in engine.run(config, [block])
+    ], ignore_index=True)  # fmt: skip
+    tables = engine.tables(config, rows)
+    summary = tables["summary"].query("measure == 'velocity'")
+    assert summary.groupby("delay")["n"].unique().map(list).to_dict() == {0.0: [2], 2.0: [4]}
+    assert len(tables["best_scheme"].query("criterion == 'velocity'")) == 2
+    assert "map_velocity" in engine.drawings(config, tables, rows, {})
