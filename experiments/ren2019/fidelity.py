@@ -30,9 +30,9 @@ from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.summaries import X_ALONE, fidelity_table
 from owtsweep.errors import InputError
 from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.origin import describe_in_a_line
-from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import report
 from owtsweep.verdicts.claims_file import Statement, read_claims
