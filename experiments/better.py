@@ -122,15 +122,9 @@ def bound_on_window(
     lags = time[:, None] - time[None, :]
     least = min(int(lags.min()), int(time.min() - steps[-1]))
     table = _Covariances(known, variance, sensors, -least)
-    K = np.where(
-        is_fix[:, None] & is_fix,
-        table.of("position", "position", lags),
-        np.where(
-            is_fix[:, None] | is_fix,
-            table.of("force", "position", lags),  # even in the lag
-            table.of("force", "force", lags),
-        ),
-    )
+    mixed = table.of("force", "position", lags)  # even in the lag
+    inertial = np.where(is_fix[:, None] | is_fix, mixed, table.of("force", "force", lags))
+    K = np.where(is_fix[:, None] & is_fix, table.of("position", "position", lags), inertial)
     earlier = np.minimum(time[:, None], time)[~is_fix][:, ~is_fix] * sensors.step
     K[np.ix_(~is_fix, ~is_fix)] += BIAS_AT_START**2 + sensors.bias_walk**2 * earlier
     K[np.diag_indices_from(K)] += np.where(

@@ -18,8 +18,8 @@ def write_paper(
     judged: Sequence[ScoreTable],
     tables: Mapping[str, pd.DataFrame],
     shown: TextTable,
+    values: Mapping[str, object],
     end: Sequence[Block] = (),
-    **values: object,
 ) -> list[Path]:
     """Write fidelity.md, fidelity.html and tables into a folder; return the files.
 
@@ -35,10 +35,10 @@ def write_paper(
         Tables to write, by name.
     shown
         The table of the page, below the heading and the paragraph of the texts.
-    end
-        What ends the page.
     values
         What the texts name in braces.
+    end
+        What ends the page.
     """
     texts = read_data(script)
     return write_verdicts(

@@ -28,7 +28,8 @@ def write_report(scores: pd.DataFrame, folder: Path) -> list[Path]:
     `scores` are as `scores.collect` makes them. The folder is made if it does not exist.
     """
     table, shown = ScoreTable(scores), show_differences(scores)
-    return write_paper(__file__, folder, [table], {"scores": scores}, shown, records=table.records)
+    values = {"records": table.records}
+    return write_paper(__file__, folder, [table], {"scores": scores}, shown, values)
 
 
 def show_differences(scores: pd.DataFrame) -> TextTable:

@@ -42,20 +42,12 @@ def write_report(
         Made if it does not exist.
     """
     stored = compare_stored(scores)
-    return write_paper(
-        __file__,
-        folder,
-        list_tables(scores, cells),
-        {"scores": scores, "cells": cells, "stored_tests": stored},
-        show_stored(stored),
-        [
-            Heading("Where velocities of a rival are as good"),
-            Bullets(list_lost_cells(cells) or ["In no cell."]),
-        ],
-        records=scores["replicate"].nunique(),
-        most=MOST,
-        config=config,
-    )
+    tables = {"scores": scores, "cells": cells, "stored_tests": stored}
+    lost = Bullets(list_lost_cells(cells) or ["In no cell."])
+    end = [Heading("Where velocities of a rival are as good"), lost]
+    values = {"records": scores["replicate"].nunique(), "most": MOST, "config": config}
+    judged, shown = list_tables(scores, cells), show_stored(stored)
+    return write_paper(__file__, folder, judged, tables, shown, values, end)
 
 
 def list_tables(scores: pd.DataFrame, cells: pd.DataFrame) -> list[ScoreTable]:

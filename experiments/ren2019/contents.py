@@ -21,8 +21,10 @@ from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, 
 from owtsweep.verdicts.report import count_verdicts, statement_section
 from owtsweep.verdicts.score_table import Boundary
 
-#: Paragraphs of the report.
+#: Paragraphs of the report, and what is said below its pictures.
 TEXTS = read_data(__file__)
+#: Pictures of the numbers of tables 6-9.
+PLOTS = ("published_against_reproduced", "ratios")
 #: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a position fix).
 FREEDOM = {"nees": 4.0, "nis": 2.0}
 
@@ -57,24 +59,18 @@ def document(
         Figure name -> PNG file: published_against_reproduced, ratios and boundaries.
     """
     numbers = tables["fidelity_numbers"]
+    window, schemes = describe_window(config.measures.window), ", ".join(evidence.schemes)
     return [
         Heading(f"How well run {name} reproduces Ren et al. (2019)", 1),
         Paragraph(
-            TEXTS["judged"].format(
-                run=describe_in_a_line(config),
-                window=describe_window(config.measures.window),
-                schemes=", ".join(evidence.schemes),
-            )
+            TEXTS["judged"].format(run=describe_in_a_line(config), window=window, schemes=schemes)
         ),
         *_summary(tables["fidelity"], numbers, judged, along_x),
         *statement_section(judged, note),
         *_x_section(evidence, judged, along_x),
         *_number_section(evidence, numbers, pictures),
         Heading("Boundary between HME1 and HME2"),
-        Picture(
-            pictures["boundaries"],
-            "Amplitude at which the mean position MSE, x + y, of HME1 and HME2 is equal.",
-        ),
+        Picture(pictures["boundaries"], TEXTS["boundaries"]),
         *own.consistency_section(tables["consistency"], evidence.schemes, FREEDOM),
         *own.missing_section(numbers, judged),
     ]
@@ -167,15 +163,7 @@ def _number_section(
     blocks: list[Block] = [
         Heading("Numbers of tables 6-9"),
         Paragraph(TEXTS["records"]),
-        Picture(
-            pictures["published_against_reproduced"],
-            f"Published against reproduced MSE; bars hold 95 % of single records.{misprints}",
-        ),
-        Picture(
-            pictures["ratios"],
-            "Reproduced over published MSE, table by table; bars hold 95 % of single records."
-            f"{misprints}",
-        ),
+        *(Picture(pictures[name], TEXTS[name] + misprints) for name in PLOTS),
     ]
     for number, cell in TABLE_CELLS.items():
         condition = f"natural period {cell.natural_period:g} s, amplitude {cell.amplitude:g} m"

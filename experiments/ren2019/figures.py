@@ -28,16 +28,12 @@ from owtsweep.sweep.runs import Run
 
 #: Figure -> its name among the figures of a run.
 OF_RUN = {
-    "figure_03": "figure_03_record",
-    "figure_04": "figure_04_spectrum",
-    "figure_09": "figure_09_position",
-    "figure_10": "figure_10_position_zoom",
-    "figure_11": "figure_11_velocity",
-    "figure_12": "figure_12_velocity_zoom",
-    "figure_13": "figure_13_acceleration",
-    "figure_14": "figure_14_bias",
+    "figure_03": "figure_03_record", "figure_04": "figure_04_spectrum",
+    "figure_09": "figure_09_position", "figure_10": "figure_10_position_zoom",
+    "figure_11": "figure_11_velocity", "figure_12": "figure_12_velocity_zoom",
+    "figure_13": "figure_13_acceleration", "figure_14": "figure_14_bias",
     "figure_18": "figure_18_best_scheme",
-}
+}  # fmt: skip
 #: Figure of the MSE over amplitude -> its natural period, s.
 PERIODS = {"figure_15": 4.0, "figure_16": 6.0, "figure_17": 8.0}
 #: Published measure -> the measure to which it contributes.

@@ -39,15 +39,9 @@ def write_report(scores: pd.DataFrame, config: TowerConfig, folder: Path) -> lis
         Made if it does not exist.
     """
     table = compare_table(scores)
-    return write_paper(
-        __file__,
-        folder,
-        [ScoreTable(scores)],
-        {"scores": scores, "table_3": table},
-        show_table(table),
-        records=scores["replicate"].nunique(),
-        config=config,
-    )
+    tables = {"scores": scores, "table_3": table}
+    values = {"records": scores["replicate"].nunique(), "config": config}
+    return write_paper(__file__, folder, [ScoreTable(scores)], tables, show_table(table), values)
 
 
 if __name__ == "__main__":

@@ -1,22 +1,13 @@
-"""Table 3 of Simpson et al. (2025) beside the study's numbers: 72 of each.
-
-    python -m experiments.simpson2025.table_3 [RECORDS]
-
-prints "printed / mean over RECORDS" (default: 2 records) in Markdown. MAE is in m and rad.
-"""
+"""Table 3 of Simpson et al. (2025) beside the study's numbers: 72 of each."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from experiments.simpson2025.scenarios import WIND, run_scenarios
-from experiments.simpson2025.scores import tabulate
-from owtsweep.io import markdown
 from owtsweep.verdicts.page import TextTable
 
 
@@ -80,12 +71,3 @@ def _format(metric: str, published: float, mean: float) -> str:
             f"{published:.0e} / {mean:.0e}" if published < 0.01 else f"{published:g} / {mean:.3g}"
         )
     return f"{published:.3f} / {mean:.4f}"
-
-
-if __name__ == "__main__":
-    tables = []
-    for replicate in range(int(sys.argv[1]) if len(sys.argv) > 1 else 2):
-        for _, outcomes in run_scenarios(WIND.values(), replicate):
-            tables.append(tabulate(outcomes.values()))
-    shown = show_table(compare_table(pd.concat(tables)))
-    print(markdown.table(shown.columns, shown.rows, numbers=shown.numbers))
