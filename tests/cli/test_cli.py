@@ -170,7 +170,7 @@ def test_fresh_asks_before_it_deletes(capsys, monkeypatch):
         (["show", "nowhere"], "nowhere"),
         (["sweep", "grid.replicats=2"], "grid.replicates"),
         (["sweep", "tuning=mached"], "matched"),
-        (["sweep", "schemes=[{_target_:user_schemes.NoScheme}]"], "start"),
+        (["sweep", "schemes=[{_target_:user_schemes.NoScheme}]"], "owtsweep.schemes.hub.Scheme"),
         (["sweep", "schemes=[{_target_:user_schemes.Nothing}]"], "user_schemes.Nothing"),
         (["sweep", "schemes=[MKF,MKF]"], "twice"),
         (["sweep", "grid=5"], "grid"),

@@ -28,7 +28,6 @@ from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import block_key, run_hash
 from owtsweep.sweep.plan import make_plan
-from owtsweep.testing import check_scheme
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -79,11 +78,6 @@ def test_both_forms_are_the_definition(name: str, changes: tuple[str, ...]) -> N
     assert stepwise.covariance is None
     assert stepwise.innovation is None
     assert not chain.has_covariance
-
-
-@pytest.mark.parametrize("name", ["HOLD", "DELTA"])  # NONE is zero whatever the data: refused
-def test_the_contract_of_a_scheme(name: str) -> None:
-    check_scheme(resolve(name))
 
 
 def test_a_missing_fix_is_bridged() -> None:

@@ -16,12 +16,6 @@ from owtsweep.testing import check_scheme
 from owtsweep.testing.hub_schemes import check_hub_scheme, example_sensors
 
 
-@pytest.mark.usefixtures("kernels")
-@pytest.mark.parametrize("name", ["EKF", "MKF", "HME1", "HME2"])
-def test_our_schemes_keep_the_contract(name: str) -> None:
-    check_scheme(resolve(name), ["tuning=matched"])
-
-
 def test_the_example_keeps_the_contract_with_the_default_tuning() -> None:
     check_scheme(HoldLastFix())
 
