@@ -23,7 +23,7 @@ import pandas as pd
 import owtsweep
 from experiments.ren2019 import plots
 from experiments.ren2019.consistency import judge_consistency
-from experiments.ren2019.contents import FREEDOM, document
+from experiments.ren2019.contents import FREEDOM, TEXTS, document
 from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, Evidence
 from experiments.ren2019.histories import MOST_REPLICATES, measure_histories
 from experiments.ren2019.numbers import compare_numbers
@@ -113,12 +113,9 @@ def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | Non
         )
     config, name = cast(HubConfig, run.config), run.metadata()["folder"]
     count = min(config.grid.replicates, MOST_REPLICATES)
-    about = (
-        f"{describe_in_a_line(config)}. Motion: {histories['history'].iloc[0]}, in place of the "
-        "natural period of 3.8 s and the amplitude of 0.5 m that the tests name; "
-        f"{count} record{'s' * (count != 1)}. The other statements of the paper need natural "
-        "periods and amplitudes as conditions, so a run with motion=plant cannot judge them."
-    )
+    records = f"{count} record{'s' * (count != 1)}"
+    motion = histories["history"].iloc[0]
+    about = TEXTS["plant"].format(run=describe_in_a_line(config), motion=motion, records=records)
     return report.write_verdicts(
         folder,
         replace(CLAIMS, statements=OF_HISTORIES),
