@@ -36,4 +36,4 @@ def identify(value: object) -> Hashable:
         return type(value), *(identify(getattr(value, field.name)) for field in fields(value))
     if isinstance(value, (list, tuple)):
         return tuple(identify(item) for item in value)
-    return value if isinstance(value, Hashable) else repr(value)
+    return value if isinstance(value, (bool, int, float, str)) else repr(value)
