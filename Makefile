@@ -40,6 +40,7 @@ sweep: $(INSTALLED)
 test: $(INSTALLED_TEST)
 	$(VENV_PYTHON) tests/compile_kernels.py online & \
 	$(VENV_PYTHON) tests/compile_kernels.py studies & \
+	$(VENV_PYTHON) tests/compile_kernels.py declared & \
 	$(VENV_PYTHON) -m ruff check . && \
 	$(VENV_PYTHON) -m ruff format --check . && \
 	$(VENV)/bin/lint-imports --no-cache --no-logo && \

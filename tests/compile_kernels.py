@@ -1,7 +1,7 @@
 """Compile every kernel that the tests use, into the cache that their processes share.
 
-`make test` runs this beside the linters, once per part (`online`, `studies`): two workers of pytest
-that start on an empty cache would both compile everything.
+`make test` runs this beside the linters, once per part (`online`, `studies`, `declared`): workers
+of pytest that start on an empty cache would all compile everything.
 """
 
 from __future__ import annotations
@@ -12,9 +12,15 @@ import tempfile
 import numpy as np
 
 import owtsweep
+from owtsweep.studies import get_study
 from owtsweep.studies.hub.compiling import compile_kernels
 
 TINY = ("grid=small", "grid.replicates=1", "record.duration=50")
+#: One cell of the studies whose schemes have kernels of their own.
+CELLS = {
+    "floater": ("grid.delay=[2]", "grid.bias=[0.1]", "record.duration=60", "record.settling=20"),
+    "blade": ("grid.sigma=[0.006]", "grid.outage=[10]", "experiment=quick"),
+}
 
 
 def online() -> None:
@@ -28,5 +34,13 @@ def studies() -> None:
             owtsweep.run([*TINY, f"results={results}", *extra])
 
 
+def declared() -> None:
+    with tempfile.TemporaryDirectory() as results:
+        for study, cell in CELLS.items():
+            schemes = f"schemes=[{','.join(get_study(study).schemes())}]"
+            words = (*cell, schemes, "grid.replicates=1", "compute=single", f"results={results}")
+            owtsweep.run([f"study={study}", *words])
+
+
 if __name__ == "__main__":
-    {"online": online, "studies": studies}[sys.argv[1]]()
+    {"online": online, "studies": studies, "declared": declared}[sys.argv[1]]()
