@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import hashlib
 import logging
 import os
 import re
@@ -29,7 +28,7 @@ from owtsweep.io.files import check_writable, refuse_in_one_line
 from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
 from owtsweep.studies.composing import Located
-from owtsweep.sweep.keys import run_folder
+from owtsweep.sweep.keys import hash_text, run_folder
 from owtsweep.sweep.multirun_record import (
     OUTCOMES,
     JobOutcome,
@@ -83,8 +82,8 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         return DONE
     given = [o.partition("=")[2] for o in options.overrides if _is_results(o)]
     results = configs[0].results if configs else ["results", *given][-1]
-    digest = hashlib.blake2b("\n".join(sorted(options.overrides)).encode(), digest_size=5)
-    folder = Path(results) / f"multirun-{digest.hexdigest()}"
+    asked = hash_text("\n".join(sorted(options.overrides)))
+    folder = Path(results) / f"multirun-{asked}"
     if options.dry_run:
         require(
             bool(configs), "--dry-run: this works with Hydra's basic sweeper only; leave it out"
@@ -152,7 +151,7 @@ class Job:
         task = [str(o) for o in HydraConfig.get().overrides.task if not _is_results(str(o))]
         if self.study:
             task.insert(0, f"study={self.study}")
-        name = "refused-" + hashlib.blake2b("\n".join(task).encode(), digest_size=5).hexdigest()
+        name = "refused-" + hash_text("\n".join(task))
         try:
             # composed anew: Hydra would lay several tunings on top of each other
             config = compose([*task, f"results={quoted(self.folder)}"], self.config_dir)

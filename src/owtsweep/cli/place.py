@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import math
 import sys
 from collections.abc import Sequence
@@ -11,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
+from owtsweep.cli.running import show_answer
 from owtsweep.errors import InputError, require
 from owtsweep.sweep.study import PlaceQuestion, Placing
 
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.io.tables import dump_tables
     from owtsweep.studies import compose, get_study, locate
     from owtsweep.studies.registry import DEFAULT, list_serving
-    from owtsweep.sweep.keys import question_hash
+    from owtsweep.sweep.keys import hash_text, question_hash
     from owtsweep.sweep.study import blame
 
     study = get_study(locate(options.overrides).study or DEFAULT)
@@ -54,8 +54,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         "by results=FOLDER",
     )
     asked = f"{question_hash(config)} {question.quantity} {question.count} {question.heights}"
-    digest = hashlib.blake2b(asked.encode(), digest_size=5).hexdigest()
-    folder = Path(config.results) / f"place-{digest}"
+    folder = Path(config.results) / f"place-{hash_text(asked)}"
     refuse_links(folder)
     check_writable(folder)
     with blame(study):
@@ -70,9 +69,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         folder.mkdir(parents=True, exist_ok=True)
         texts["configuration.yaml"] = dump(placed.config)
         write_all({folder / name: text for name, text in texts.items()})
-    from rich.console import Console
-
-    Console(width=None if sys.stdout.isatty() else 120).print(answer)
+    show_answer(answer)
     print(f"{len(texts)} files: {folder}/")
     return DONE
 

@@ -79,7 +79,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         except InputError as error:  # what was computed is stored
             print(f"failed: the report could not be written: {error}", file=sys.stderr)
             written = False
-        written &= print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
+        written &= print_answer(replayed, results)
     code = tell_end(outcome, argv, f"{replayed.place}/report.md")
     if (
         results

@@ -14,6 +14,8 @@ from owtsweep.errors import InputError, printable
 from owtsweep.freed_memory import keep_freed_memory
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from owtsweep.sweep.gather import Results
     from owtsweep.sweep.prepare import Forecast
     from owtsweep.sweep.rows import Setback
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
 MOST_LABELS = 3
+#: Columns of an answer that is not printed on a terminal.
+WIDTH = 120
 
 
 def may_start(options: argparse.Namespace, config: Config) -> bool:
@@ -106,7 +110,7 @@ def _draw_overview(outcome: Outcome) -> bool:
     return True
 
 
-def print_answer(run: Run, results: Mapping[str, Results], width: int | None = None) -> bool:
+def print_answer(run: Run, results: Mapping[str, Results]) -> bool:
     """Print the run's result in a few lines; return True, or False if the study cannot make them.
 
     The results of several tunings stand side by side, as far as they fit. The reason of a failure
@@ -116,22 +120,26 @@ def print_answer(run: Run, results: Mapping[str, Results], width: int | None = N
     ----------
     results
         The results by tuning.
-    width
-        Width in characters; None takes that of the terminal.
     """
     from rich.columns import Columns
-    from rich.console import Console
 
     from owtsweep.sweep.study import blame
 
     try:
         with blame(run.study):
             parts = [run.engine.terminal(part.config, part.tables) for part in results.values()]
-        Console(width=width).print(Columns(parts, padding=(0, 4)) if len(parts) > 1 else parts[0])
+        show_answer(Columns(parts, padding=(0, 4)) if len(parts) > 1 else parts[0])
     except InputError as error:
         print(f"failed: the result could not be shown: {error}", file=sys.stderr)
         return False
     return True
+
+
+def show_answer(answer: RenderableType) -> None:
+    """Print an answer as wide as the terminal; into a file or a pipe, in `WIDTH` columns."""
+    from rich.console import Console
+
+    Console(width=None if sys.stdout.isatty() else WIDTH).print(answer)
 
 
 def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:

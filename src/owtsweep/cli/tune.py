@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import os
 import re
 import sys
@@ -12,11 +11,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
+from owtsweep.cli.running import show_answer
 from owtsweep.config import Config, dump, require
 from owtsweep.config.tuned import GROUP
 from owtsweep.errors import InputError
 from owtsweep.io.reading import expand_home
-from owtsweep.sweep.keys import LONGEST_NAME
+from owtsweep.sweep.keys import LONGEST_NAME, hash_text
 
 #: The tuning that a search begins with, and that its result is compared with.
 START = "matched"
@@ -69,9 +69,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         except KeyboardInterrupt:
             _tell(f"interrupted; {path} is complete, but was not judged on records")
             return INTERRUPTED
-    from rich.console import Console
-
-    Console(width=None if sys.stdout.isatty() else 120).print(answer)
+    show_answer(answer)
     print(f"{path}: use it by {GROUP}={path if '/' in str(path) else f'./{path}'}")
     return DONE
 
@@ -89,8 +87,7 @@ def _choose_path(output: str | None, config: Config) -> Path:
         If `tuning=FILE` could not take the path.
     """
     if output is None:
-        digest = hashlib.blake2b(dump(config).encode(), digest_size=5).hexdigest()
-        return Path(f"tuned-{digest}.yaml")
+        return Path(f"tuned-{hash_text(dump(config))}.yaml")
     path = expand_home(output)
     require(
         path.suffix == ".yaml" and re.search(r"[,\[\]'\"]", output) is None,

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
 from owtsweep.cli.combinations import combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
-from owtsweep.config import Config, dump, dump_with_units
+from owtsweep.cli.running import show_answer
+from owtsweep.config import Config, as_mapping, dump, dump_with_units
 from owtsweep.config.section import unit_of
 from owtsweep.config.tuned import GROUP
+from owtsweep.config.typed import value_at
 from owtsweep.errors import InputError, printable, require
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.studies import compose, get_study, locate
 from owtsweep.studies.registry import DEFAULT, list_serving
-from owtsweep.sweep.keys import NOT_IDENTIFYING, question_hash
+from owtsweep.sweep.keys import NOT_IDENTIFYING, hash_text, question_hash
 from owtsweep.sweep.study import Study, Varying, blame
 
 EXAMPLE = "sensors.gnss.rate=1,2,5,10"
@@ -72,9 +72,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             text = "---\n".join(dump(config) for config in configs.values())
             write_atomically(folder / CONFIGURATIONS, text)
         answer = varied.answer()
-    from rich.console import Console
-
-    Console(width=None if sys.stdout.isatty() else 120).print(answer)
+    show_answer(answer)
     print(f"{len(files) + 1} files: {printable(str(folder))}/")
     return DONE
 
@@ -93,6 +91,8 @@ def compose_each(
         If not exactly one override has several values, the study cannot vary a key, or a
         configuration is refused.
     """
+    from hydra.core.override_parser.types import ChoiceSweep, RangeSweep
+
     located = locate(overrides)
     for word in overrides:
         require(
@@ -117,9 +117,7 @@ def compose_each(
     )
     require(
         all(
-            o.is_range_sweep() or hasattr(o.value(), "list")
-            for o in parsed
-            if o.is_sweep_override()
+            isinstance(o.value(), ChoiceSweep | RangeSweep) for o in parsed if o.is_sweep_override()
         ),
         f"{key}: list its values, e.g. {EXAMPLE}, or give a range, e.g. {key}=range(1,5)",
     )
@@ -199,9 +197,7 @@ def _read_number(config: Config, key: str) -> float | None:
 
     The key of a config group, e.g. `sensors`, holds a section.
     """
-    value: object = config
-    for name in key.split("."):
-        value = getattr(value, name, None)
+    value = value_at(as_mapping(config), key)
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     return float(value)
@@ -222,5 +218,5 @@ def _choose_scale(values: Sequence[Value]) -> Literal["linear", "log"]:
 def choose_folder(key: str, configs: Mapping[Value, Config]) -> Path:
     """Return the folder for the files: its name is a hash of the key and of what is asked."""
     asked = [key, *(f"{value} {question_hash(config)}" for value, config in configs.items())]
-    digest = hashlib.blake2b("\n".join(asked).encode(), digest_size=5).hexdigest()
-    return Path(next(iter(configs.values())).results) / f"vary-{digest}"
+    lines = "\n".join(asked)
+    return Path(next(iter(configs.values())).results) / f"vary-{hash_text(lines)}"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, TypeVar, get_args
+from typing import Annotated, TypeVar, get_args, get_origin
 
 from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
@@ -62,8 +62,8 @@ def is_axis(field: FieldInfo) -> bool:
     """Return whether a key's type is an `Axis`, or an `Axis` or null; `field` is its field."""
     marks = [*field.metadata]
     for kind in get_args(field.annotation):
-        marks += getattr(kind, "__metadata__", ())
-    return any(getattr(mark, "func", None) is expand for mark in marks)
+        marks += get_args(kind)[1:] if get_origin(kind) is Annotated else []
+    return any(isinstance(mark, BeforeValidator) and mark.func is expand for mark in marks)
 
 
 def _numbers(entry: Mapping[str, Sequence[float]]) -> list[float]:

@@ -72,6 +72,13 @@ def as_mapping(section: Section) -> Plain:
     return section.model_dump(warnings=False)  # `changed` does not check types, so nor does this
 
 
+def value_at(plain: object, key: str) -> object:
+    """Return the value of a dotted key in plain data; None if it has no such key."""
+    for part in key.split("."):
+        plain = plain.get(part) if isinstance(plain, dict) else None
+    return plain
+
+
 def with_values(section: S, values: Mapping[str, object]) -> S:
     """Return a copy of a configuration or of a section, with some keys set to new values.
 

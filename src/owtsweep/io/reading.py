@@ -93,7 +93,7 @@ def _mode(path: Path, kind: str) -> int:
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such {kind}") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in its name
-        reason = getattr(error, "strerror", None) or str(error)
+        reason = (isinstance(error, OSError) and error.strerror) or str(error)
         raise InputError(f"{path}: cannot be read ({reason})") from error
 
 

@@ -13,7 +13,6 @@ import re
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from hashlib import blake2b
 from pathlib import Path
 
 from owtsweep.config import Config, typed
@@ -21,7 +20,7 @@ from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.files import write_all
 from owtsweep.io.reading import read_text
-from owtsweep.sweep.keys import HASH_BYTES, question_hash
+from owtsweep.sweep.keys import hash_text, question_hash
 
 FOLDER = "asked"
 CONFIG = "config.yaml"
@@ -149,7 +148,7 @@ def show(
         try:  # no code that the configuration names is imported
             before = question_hash(typed(model, read_stored(run / CONFIG)[0]))
         except InputError:  # damaged, so nobody can say to which question the tables belong
-            before = blake2b(b"damaged", digest_size=HASH_BYTES).hexdigest()
+            before = hash_text("damaged")
         if before != question:
             _move_made(run, question_folder(run, before))
     write_all({run / name: text for name, text in texts.items()})

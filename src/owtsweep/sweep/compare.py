@@ -5,7 +5,6 @@ The comparison itself is the work of the study to which the runs belong.
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -24,11 +23,13 @@ from owtsweep.comparing.comparison import (
     swept_keys,
 )
 from owtsweep.config import as_mapping, require
+from owtsweep.config.typed import value_at
 from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.io.tables import write_table
+from owtsweep.sweep.keys import hash_text
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
@@ -200,7 +201,7 @@ def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.D
 def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str]) -> Comparison:
     mappings = [as_mapping(run.config) for run, _ in loaded]
     keys, following = swept_keys(mappings, preferred)
-    values: list[dict[str, object]] = [{k: _value(m, k) for k in keys} for m in mappings]
+    values: list[dict[str, object]] = [{k: value_at(m, k) for k in keys} for m in mappings]
     shown = {tuple(show(value) for value in of_run.values()) for of_run in values}
     if len(shown) < len(values):  # e.g. the runs differ in their grids or schemes
         names = [run.folder.name for run, _ in loaded]
@@ -221,19 +222,11 @@ def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str
     return Comparison(tuple(keys), tuple(following), runs, tuple(pairs))
 
 
-def _value(mapping: object, key: str) -> object:
-    for part in key.split("."):
-        mapping = mapping.get(part) if isinstance(mapping, dict) else None
-    return mapping
-
-
 def _folder(paths: Sequence[str], runs: Sequence[Run]) -> Path:
     if len(paths) == 1:
         return Path(paths[0]) / "comparison"
     identity = "\n".join(sorted(f"{run.folder.name} {run.hash}" for run in runs))
-    # a folder's name need not be UTF-8
-    digest = hashlib.blake2b(identity.encode(errors="surrogateescape"), digest_size=5).hexdigest()
-    return runs[0].folder.parent / f"comparison-{digest}"
+    return runs[0].folder.parent / f"comparison-{hash_text(identity)}"
 
 
 def _report(

@@ -51,6 +51,12 @@ def block_key(study: Study, block: Block) -> str:
     return _digest(identity, KEY_BYTES, what=f"block {block.label}")
 
 
+def hash_text(text: str) -> str:
+    """Return a short hash of a text: 10 hexadecimal digits."""
+    # the name of a folder need not be UTF-8
+    return blake2b(text.encode(errors="surrogateescape"), digest_size=HASH_BYTES).hexdigest()
+
+
 def run_hash(config: Config) -> str:
     """Return the hash that identifies a run: 10 hexadecimal digits.
 

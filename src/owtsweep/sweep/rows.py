@@ -57,7 +57,7 @@ class Setback:
     cases: int
 
 
-def require_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
+def require_rows(study: Study, config: Config, rows: object) -> None:
     """Check, before the rows of a block (unit of work) are stored, that tables can use the rows.
 
     The needed columns are those of `needed_columns`.
@@ -69,10 +69,11 @@ def require_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     ValueError
         If there is no row, a needed column is missing, or a status is unknown.
     """
-    columns = getattr(rows, "columns", None)
-    if columns is None:
+    import pandas as pd
+
+    if not isinstance(rows, pd.DataFrame):
         raise TypeError(f"the study's rows are a {type(rows).__name__}, not a DataFrame")
-    missing = [name for name in needed_columns(study, config) if name not in columns]
+    missing = [name for name in needed_columns(study, config) if name not in rows]
     if missing:
         raise ValueError(f"the study's rows have no column {', '.join(missing)}")
     if not len(rows):
