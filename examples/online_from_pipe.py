@@ -28,11 +28,9 @@ Sample = tuple[float, list[float], list[float] | None]
 
 def main(arguments: list[str]) -> int:
     scheme = arguments[0] if arguments else "HME1"
-    overrides = [word for word in arguments[1:] if not word.startswith("origin=")]
-    origin = None
-    for word in arguments[1:]:
-        if word.startswith("origin="):
-            origin = word.removeprefix("origin=").strip("()[]").split(",")
+    origins = [word for word in arguments[1:] if word.startswith("origin=")]
+    overrides = [word for word in arguments[1:] if word not in origins]
+    origin = origins[-1].removeprefix("origin=").strip("()[]").split(",") if origins else None
     try:
         estimator = owtsweep.online(scheme, overrides, origin=origin)
     except owtsweep.InputError as error:
@@ -40,15 +38,14 @@ def main(arguments: list[str]) -> int:
         return 2
     print(HEADER, flush=True)
     previous = None
-    for number, line in enumerate(sys.stdin, start=1):
+    for number, text in enumerate(sys.stdin, start=1):
+        line = text.removeprefix("\ufeff")  # byte order mark
         if not line.strip() or is_comment(line):
             continue
         try:
             time, force, fix = parse(line)
-            if (
-                previous is not None
-                and abs(time - previous - estimator.step) > 0.5 * estimator.step
-            ):
+            late = 0.0 if previous is None else time - previous - estimator.step
+            if abs(late) > 0.5 * estimator.step:
                 raise ValueError(
                     f"time: {time:.13g} s is not one IMU step of {estimator.step:g} s after "
                     f"{previous:.13g} s"
@@ -68,7 +65,7 @@ def main(arguments: list[str]) -> int:
 
 def is_comment(line: str) -> bool:
     """Say whether the line is a comment or a header, which begins with the name of the time."""
-    return line.lstrip("\ufeff \t\"'").lower().startswith(("#", "time"))
+    return line.lstrip(" \t\"'").lower().startswith(("#", "time"))
 
 
 def parse(line: str) -> Sample:

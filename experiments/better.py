@@ -27,9 +27,14 @@ from experiments.command import read_words, write
 from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.bounds.cells import BOUNDED, WINDOW, compute_bounds, find_bounds
+from owtsweep.studies.hub.bounds.cells import (
+    BOUNDED,
+    WINDOW,
+    compute_bounds,
+    find_bounds,
+    find_shape,
+)
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
-from owtsweep.studies.hub.bounds.shape import find_shape
 from owtsweep.studies.hub.figures import efficiency
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion

@@ -123,23 +123,12 @@ class Reproduction:
 
 def read_options() -> argparse.Namespace:
     """Return the options of the command line, or end the program."""
-    parser = argparse.ArgumentParser(
-        description="Make everything behind the reports and pictures of docs/."
-    )
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("replicates", nargs="?", default=100, type=int, help="records per cell")
-    parser.add_argument(
-        "--check",
-        nargs="?",
-        choices=("all", "numbers"),
-        const="all",
-        help="compute anew, compare (all, or numbers alone), copy nothing",
-    )
-    parser.add_argument(
-        "--against",
-        type=Path,
-        metavar="FOLDER",
-        help="with --check=numbers: compare with this folder, not with results/reference",
-    )
+    about = "compute anew, compare (all, or numbers alone), copy nothing"
+    parser.add_argument("--check", nargs="?", choices=("all", "numbers"), const="all", help=about)
+    about = "with --check=numbers: compare with this folder, not with results/reference"
+    parser.add_argument("--against", type=Path, metavar="FOLDER", help=about)
     options = parser.parse_args()
     if options.against and options.check != "numbers":
         parser.error("--against: use it with --check=numbers")

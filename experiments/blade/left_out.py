@@ -45,22 +45,13 @@ def move_hook(case, moved):
     velocity = np.gradient(moved, step, axis=0, edge_order=2)
     pull = np.gradient(velocity, step, axis=0, edge_order=2)
     (position, speed), rotation = case.start
-    return case._replace(
-        truth=replace(
-            truth,
-            root=truth.root + moved,
-            unit=truth.unit + moved,
-            root_velocity=truth.root_velocity + velocity,
-            unit_velocity=truth.unit_velocity + velocity,
-        ),
-        measured=replace(
-            case.measured,
-            fixes=case.measured.fixes + moved[:, None],
-            specific_force=case.measured.specific_force
-            + np.einsum("nji,nj->ni", truth.rotation, pull),
-        ),
-        start=(np.stack([position + moved[0], speed + velocity[0]]), rotation),
-    )
+    by = {"root": moved, "unit": moved, "root_velocity": velocity, "unit_velocity": velocity}
+    shifted = replace(truth, **{name: getattr(truth, name) + shift for name, shift in by.items()})
+    force = case.measured.specific_force + np.einsum("nji,nj->ni", truth.rotation, pull)
+    fixes = case.measured.fixes + moved[:, None]
+    measured = replace(case.measured, fixes=fixes, specific_force=force)
+    start = np.stack([position + moved[0], speed + velocity[0]]), rotation
+    return case._replace(truth=shifted, measured=measured, start=start)
 
 
 def turn_earth(case):
@@ -73,14 +64,9 @@ def turn_earth(case):
     at = np.deg2rad(LATITUDE)
     earth = np.deg2rad(EARTH_RATE) * np.array([np.cos(at), 0.0, np.sin(at)])
     felt = 2.0 * np.cross(earth, truth.unit_velocity)
-    return case._replace(
-        measured=replace(
-            case.measured,
-            rate=case.measured.rate + np.einsum("nji,j->ni", truth.rotation, earth),
-            specific_force=case.measured.specific_force
-            + np.einsum("nji,nj->ni", truth.rotation, felt),
-        )
-    )
+    rate = case.measured.rate + np.einsum("nji,j->ni", truth.rotation, earth)
+    force = case.measured.specific_force + np.einsum("nji,nj->ni", truth.rotation, felt)
+    return case._replace(measured=replace(case.measured, rate=rate, specific_force=force))
 
 
 def judge(config, changes, schemes, records):
@@ -96,13 +82,10 @@ def judge(config, changes, schemes, records):
         for name, (change, told) in changes.items():
             changed = [change(case) for case in cases]
             for scheme in SCHEMES.resolve_all(schemes):
+                prepared = [(case, scheme.prepare(case.tell(told, cell))) for case in changed]
                 found = pd.DataFrame([
-                    compare(
-                        case.truth,
-                        scheme.prepare(case.tell(told, cell)).run(case.measured),
-                        window,
-                    )
-                    for case in changed
+                    compare(case.truth, ready.run(case.measured), window)
+                    for case, ready in prepared
                 ]).mean()  # fmt: skip
                 where = {"changed": name, "outage": cell["outage"], "scheme": scheme.name}
                 rows.append(where | {measure: found.get(measure) for measure in MEASURES})

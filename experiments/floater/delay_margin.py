@@ -21,9 +21,7 @@ linear and settle, which all here do while yaw is zero; only the gain of a bias 
 for ever, and is taken as it is then. A scheme that waits is late by its wait.
 """
 
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,6 +29,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from experiments.command import read_words, show
 from owtsweep.arrays import Array
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies import compose
@@ -85,14 +84,12 @@ class Loop:
         Shape as `z`, each.
         """
         w, d, h = self.natural, self.damping, self.step
-        model = np.array(
-            [
-                [0.0, 1.0, 0.0, 0.0],
-                [-(w**2), -2.0 * d * w, 1.0, 0.0],
-                [0.0, 0.0, -1.0 / ACTUATOR, 1.0 / ACTUATOR],
-                [0.0, 0.0, 0.0, 0.0],
-            ]
-        )
+        model = np.array([
+            [0.0, 1.0, 0.0, 0.0],
+            [-(w**2), -2.0 * d * w, 1.0, 0.0],
+            [0.0, 0.0, -1.0 / ACTUATOR, 1.0 / ACTUATOR],
+            [0.0, 0.0, 0.0, 0.0],
+        ])  # fmt: skip
         moved = expm(model * h)
         A, B = moved[:3, :3], moved[:3, 3]
         loop = z[:, None, None] * np.eye(3) - A
@@ -231,8 +228,9 @@ def record_responses(name: str, setting: Setting, loop: Loop, delay: int) -> tup
     return responses[0], responses[1]
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """Write and print the table of all motions and schemes."""
+    folder, _, _ = read_words("results/floater_delay_margin")
     rows = []
     with show_steps():
         for motion in MOTIONS:
@@ -249,9 +247,9 @@ def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     table = pd.DataFrame(rows)
     table.to_csv(folder / "delay_margin.csv", index=False, float_format="%.4g")
-    print(table.to_string(index=False, float_format="{:.3g}".format))
+    show(table)
     print(folder / "delay_margin.csv")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "results/floater_delay_margin"))
+    main()

@@ -13,49 +13,22 @@ from pathlib import Path
 import pandas as pd
 
 from experiments.command import read_words
-from experiments.maes2018.collecting import collect
 from experiments.maes2018.processing import COLUMNS
 from experiments.maes2018.scenarios import REFERENCE
+from experiments.maes2018.scores import collect
+from experiments.report import write_paper
 from owtsweep.io.steps import show_steps
-from owtsweep.verdicts.claims_file import read_claims
-from owtsweep.verdicts.page import Heading, Paragraph, TextTable
-from owtsweep.verdicts.report import write_verdicts
+from owtsweep.verdicts.page import TextTable
 from owtsweep.verdicts.score_table import ScoreTable
-
-CLAIMS = Path(__file__).with_name("claims.toml")
 
 
 def write_report(scores: pd.DataFrame, folder: Path) -> list[Path]:
     """Write fidelity.md, fidelity.html and their tables into a folder; return the files.
 
-    `scores` are as `collecting.collect` makes them. The folder is made if it does not exist.
+    `scores` are as `scores.collect` makes them. The folder is made if it does not exist.
     """
-    table = ScoreTable(scores)
-    return write_verdicts(
-        folder,
-        read_claims(CLAIMS),
-        [table],
-        title="How well the blade study reproduces Maes et al. (2018)",
-        about=(
-            f"{table.records} records of 300 s at 50 Hz, seed 2018, judged after 60 s. The truth "
-            "is a rigid blade with declared periods and sizes, not the paper's lift, of which only "
-            "pictures are printed. Brackets are 95 % intervals of means over the records."
-        ),
-        metadata={"study": "blade", "paper": "Maes et al. (2018)"},
-        tables={"scores": scores},
-        middle=[
-            Heading("What the printed differences require"),
-            Paragraph(
-                "Rms difference of the smoothed inertial system and the total stations, mm and "
-                "deg; printed: 10 to 21 mm, .070 to .115 deg. The late clock is .1 s late; the "
-                "bent blade has its outer prisms 5 cm farther apart than believed, along the "
-                "blade. The sagging blade hangs 3 cm below the rigid one at its third prism; this "
-                "size was chosen afterwards, to be near the printed rotations, so its rows test "
-                "nothing."
-            ),
-            show_differences(scores),
-        ],
-    )
+    table, shown = ScoreTable(scores), show_differences(scores)
+    return write_paper(__file__, folder, [table], {"scores": scores}, shown, records=table.records)
 
 
 def show_differences(scores: pd.DataFrame) -> TextTable:

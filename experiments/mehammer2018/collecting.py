@@ -1,4 +1,8 @@
-"""What is run to judge the paper's statements and the study's goals, and the scores of records."""
+"""Scores of records, by which the paper's statements and the study's goals are judged.
+
+They are those of the scenarios, and the velocity errors of three schemes in all cells of the
+study's default maps.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +11,24 @@ from collections.abc import Sequence
 import pandas as pd
 from joblib import delayed
 
-from experiments.mehammer2018.cells import PLANES, score_plane
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_composed
 from experiments.mehammer2018.scores import score
 from experiments.parallel import compute
+from owtsweep.studies.base.axes import Cell, list_cells
+from owtsweep.studies.composing import compose
+from owtsweep.studies.floater.config import FloaterConfig
+from owtsweep.studies.floater.contest import CONTEST
+from owtsweep.studies.floater.declaration import make_setting
+from owtsweep.studies.floater.measures import compare
+from owtsweep.studies.floater.measuring import measure
+from owtsweep.studies.floater.schemes import SCHEMES
+from owtsweep.studies.floater.truth import make_truth
 
+#: The default sweeps.
+PLANES = ("delay_bias", "snr_loss", "believed_snr")
+CONSISTENT, RIVALS = "KF_CONSISTENT", ("PASSIVE_OBSERVER", "LOWPASS")
+#: Records of each cell of the maps.
+RECORDS = 4
 #: Most records of each of the paper's tests: they scatter little, and those of the decay are long.
 MOST = 20
 
@@ -21,7 +38,7 @@ def collect(
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Run all scenarios and the default maps; return the scores of both.
 
-    Columns are those of `score_scenario` and of `cells.score_plane`. Records have the numbers
+    Columns are those of `score_scenario` and of `score_plane`. Records have the numbers
     `replicates` (of which the paper's tests take `MOST`), but those of maps. Scenarios run side by
     side, in as many processes as there are cores.
     """
@@ -47,3 +64,45 @@ def score_scenario(name: str, replicates: Sequence[int], overrides: Sequence[str
         for measure, value in score(outcome).items()
     ]
     return pd.DataFrame(rows, columns=["scenario", "scheme", "measure", "replicate", "value"])
+
+
+def name_cell(config: FloaterConfig, cell: Cell) -> str:
+    """Return the name of a cell, e.g. "delay 2, bias 0.1"."""
+    return ", ".join(f"{axis} {cell[axis]:g}" for axis in config.axes)
+
+
+def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
+    """Return the velocity errors of a default map, tuning matched.
+
+    Columns: plane, cell, scheme, replicate, value.
+    """
+    config = compose(["study=floater", f"plane={plane}", "tuning=matched", *overrides])
+    assert isinstance(config, FloaterConfig)
+    motions = [make_truth(config, replicate) for replicate in range(RECORDS)]
+    rows = []
+    for cell in list_cells(CONTEST.axes, config.grid):
+        name = name_cell(config, cell)
+        for replicate, motion in enumerate(motions):
+            measured = measure(config, motion, cell, replicate)
+            setting = make_setting(config, motion, cell)
+            for scheme in (CONSISTENT, *RIVALS):
+                error = compare(
+                    motion.truth,
+                    SCHEMES.resolve(scheme).prepare(setting).run(measured),
+                    setting.position_sigma,
+                    config.record.settled,
+                )["velocity"]
+                rows.append((plane, name, scheme, replicate, error))
+    return pd.DataFrame(rows, columns=["plane", "cell", "scheme", "replicate", "value"])
+
+
+def list_lost_cells(scores: pd.DataFrame) -> list[str]:
+    """Return the cells in which a rival's mean velocity error is not above the consistent one's."""
+    means = scores.pivot_table("value", ["plane", "cell"], "scheme", sort=False).reset_index()
+    return [
+        f"{row['plane']}: {row['cell']} "
+        f"({rival} {row[rival]:.3f}, {CONSISTENT} {row[CONSISTENT]:.3f})"
+        for row in means.to_dict("records")
+        for rival in RIVALS
+        if row[rival] <= row[CONSISTENT]
+    ]

@@ -16,19 +16,15 @@ from pathlib import Path
 import pandas as pd
 
 from experiments.command import read_words
-from experiments.mehammer2018.cells import list_lost_cells
-from experiments.mehammer2018.collecting import MOST, collect
+from experiments.mehammer2018.collecting import MOST, collect, list_lost_cells
 from experiments.mehammer2018.figures import FIGURES, draw_figures
 from experiments.mehammer2018.published import compare_stored, read_author_record, show_stored
 from experiments.mehammer2018.scenarios import OWN
+from experiments.report import write_paper
 from owtsweep.io.steps import show_steps
 from owtsweep.studies.floater.config import FloaterConfig
-from owtsweep.verdicts.claims_file import read_claims
-from owtsweep.verdicts.page import Bullets, Heading, Paragraph
-from owtsweep.verdicts.report import write_verdicts
+from owtsweep.verdicts.page import Bullets, Heading
 from owtsweep.verdicts.score_table import ScoreTable
-
-CLAIMS = Path(__file__).with_name("claims.toml")
 
 
 def write_report(
@@ -45,37 +41,20 @@ def write_report(
     folder
         Made if it does not exist.
     """
-    record, stored = config.record, compare_stored(scores)
-    return write_verdicts(
+    stored = compare_stored(scores)
+    return write_paper(
+        __file__,
         folder,
-        read_claims(CLAIMS),
         list_tables(scores, cells),
-        title="How well the floater study reproduces Mehammer et al. (2018)",
-        about=(
-            f"{scores['replicate'].nunique()} records (of the paper's tests at most {MOST}) of "
-            f"{record.duration:g} s at {record.rate:g} Hz, seed {config.seed}, judged after "
-            f"{record.settling:g} s; the decay 120 s at 200 Hz, judged after 2 s. The truth "
-            "is a motion of declared spectra, and a decay of declared periods, not the author's "
-            "SIMA record and buoy: absolute numbers cannot agree, ratios and statements can. "
-            "Numbers of the author's record are marked so: it is public (the paper's reference "
-            "[12]), has no licence, and is not kept here; experiments/mehammer2018/"
-            "author_record.py makes them. Brackets are 95 % intervals of means over the records."
-        ),
-        metadata={"study": "floater", "paper": "Mehammer et al. (2018)"},
-        tables={"scores": scores, "cells": cells, "stored_tests": stored},
-        middle=[
-            Heading("Rms errors in the author's files"),
-            Paragraph(
-                "Author's number, on SIMA's record / mean over the records here, m. SIMA's record "
-                "is not kept here, so the motions differ. z of test 10 is what the author's delay "
-                "buffer is padded with."
-            ),
-            show_stored(stored),
-        ],
-        end=[
+        {"scores": scores, "cells": cells, "stored_tests": stored},
+        show_stored(stored),
+        [
             Heading("Where velocities of a rival are as good"),
             Bullets(list_lost_cells(cells) or ["In no cell."]),
         ],
+        records=scores["replicate"].nunique(),
+        most=MOST,
+        config=config,
     )
 
 

@@ -15,10 +15,11 @@ from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
 from owtsweep.studies.base.axes import list_cells
+from owtsweep.studies.base.contract import Ready
 from owtsweep.studies.composing import compose
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
-from owtsweep.studies.floater.contract import Estimates, Measured, Prepared, Setting, Truth
+from owtsweep.studies.floater.contract import Estimates, Measured, Setting, Truth
 from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
@@ -85,7 +86,7 @@ class Outcome:
     scheme: str
     config: FloaterConfig
     setting: Setting
-    prepared: Prepared
+    prepared: Ready[Measured, Estimates]
     truth: Truth
     measured: Measured
     estimates: Estimates

@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from experiments.command import read_data
 from experiments.ren2019 import sections as own
 from experiments.ren2019.evidence import TABLE_CELLS, Cell, Evidence
 from experiments.ren2019.numbers import lies_within_records
@@ -20,6 +21,8 @@ from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, 
 from owtsweep.verdicts.report import count_verdicts, statement_section
 from owtsweep.verdicts.score_table import Boundary
 
+#: Paragraphs of the report.
+TEXTS = read_data(__file__)
 #: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a position fix).
 FREEDOM = {"nees": 4.0, "nis": 2.0}
 
@@ -57,13 +60,11 @@ def document(
     return [
         Heading(f"How well run {name} reproduces Ren et al. (2019)", 1),
         Paragraph(
-            f"{describe_in_a_line(config)}. Judged: the "
-            f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
-            "Position is x + y (F1 to F5 also: x alone), velocity vx + vy. Brackets are 95 % "
-            "intervals: of means, t intervals over the records; of ratios of means, paired over "
-            "the records (Fieller); "
-            "of boundaries, a bootstrap over the records. A claim about many cells is tested in "
-            "all of them with Holm's correction."
+            TEXTS["judged"].format(
+                run=describe_in_a_line(config),
+                window=describe_window(config.measures.window),
+                schemes=", ".join(evidence.schemes),
+            )
         ),
         *_summary(tables["fidelity"], numbers, judged, along_x),
         *statement_section(judged, note),
@@ -106,11 +107,7 @@ def _summary(
             ]
         ),
         TextTable(["item", *values, "agrees", "why"], rows, values),
-        Paragraph(
-            "A winner's number is the position MSE of the published winner over that of the best "
-            "other scheme: below 1 it wins. log2 ratio: logarithm of reproduced over published, of "
-            "the means."
-        ),
+        Paragraph(TEXTS["winners"]),
     ]
 
 
@@ -140,11 +137,7 @@ def _x_section(
     ]
     return [
         Heading("F1 to F5 in x + y, and in x alone"),
-        Paragraph(
-            "The paper does not say whether its figures 15 to 18 judge x + y or x alone. Here the "
-            "MSE of x takes the place of the position MSE in the same tests. This reading was "
-            "added after the runs were known."
-        ),
+        Paragraph(TEXTS["in_x"]),
         TextTable(["", *sides, "hangs on the choice?"], verdicts),
         TextTable(["", "claim", *sides], claims),
         TextTable(["boundary (m) at", *sides], boundaries, sides),
@@ -173,11 +166,7 @@ def _number_section(
     )
     blocks: list[Block] = [
         Heading("Numbers of tables 6-9"),
-        Paragraph(
-            "The paper has one record, so its number is held against single records of this run: "
-            "it agrees where it lies within their central 95 %. Quantile: the part of the records "
-            "below the published number."
-        ),
+        Paragraph(TEXTS["records"]),
         Picture(
             pictures["published_against_reproduced"],
             f"Published against reproduced MSE; bars hold 95 % of single records.{misprints}",
@@ -205,9 +194,4 @@ def _number_section(
         items.append(f"{name}, {told}: {why}.")
     if not items:
         return [*blocks, Paragraph("None.")]
-    explanation = (
-        "Parts of an MSE at the amplitude N: N² A (motion), 2 N C (their product), F (noise). "
-        "Tables 7 and 8 imply the print's own F, C neglected; the rest of a number is its "
-        "motion term."
-    )
-    return [*blocks, Paragraph(explanation), Bullets(items)]
+    return [*blocks, Paragraph(TEXTS["parts"]), Bullets(items)]

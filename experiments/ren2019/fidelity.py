@@ -30,9 +30,9 @@ from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.summaries import X_ALONE, fidelity_table
 from owtsweep.errors import InputError
 from owtsweep.io.steps import show_steps, tell_step
+from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.origin import describe_in_a_line
-from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import report
 from owtsweep.verdicts.claims_file import Statement, read_claims
@@ -64,13 +64,9 @@ def judge_along_x(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
 
 def take_x(statement: Statement) -> Statement:
     """Return a statement with the MSE of x in place of the position MSE."""
+    in_x = {"measure": ("x",)}
     claims = tuple(
-        replace(
-            claim,
-            parts=tuple(
-                replace(part, select=part.select | {"measure": ("x",)}) for part in claim.parts
-            ),
-        )
+        replace(claim, parts=tuple(replace(p, select=p.select | in_x) for p in claim.parts))
         for claim in statement.claims
     )
     return replace(statement, name=f"{statement.name}{X_ALONE}", claims=claims)

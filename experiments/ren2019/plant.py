@@ -53,14 +53,10 @@ def make_all(run: str | Path, folder: Path) -> None:
 def list_frequencies(structure: Structure) -> pd.DataFrame:
     """Return Table 3: number of blades, published and reproduced first frequency in Hz."""
     rows = [
-        {
-            "blades": blades,
-            "published": published,
-            "reproduced": float(compute_modes(structure, 1, blades).frequency[0]),
-        }
+        (blades, published, float(compute_modes(structure, 1, blades).frequency[0]))
         for blades, published in TABLE_3.items()
     ]
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=["blades", "published", "reproduced"])
 
 
 def draw_modes(structure: Structure) -> Figure:

@@ -31,13 +31,13 @@ from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
-from owtsweep.studies.hub.conditions import CRITERIA, make_cube
+from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.spectrum import BOUNDARY, CONDITIONS
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.sweep.runs import Run
 
 LOWER, UPPER = BOUNDARY

@@ -16,18 +16,14 @@ from pathlib import Path
 import pandas as pd
 
 from experiments.command import read_words
+from experiments.report import write_paper
 from experiments.simpson2025.figures import FIGURES, draw_figures
 from experiments.simpson2025.scenarios import Scenario
 from experiments.simpson2025.scores import collect
 from experiments.simpson2025.table_3 import compare_table, show_table
 from owtsweep.io.steps import show_steps
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.verdicts.claims_file import read_claims
-from owtsweep.verdicts.page import Heading, Paragraph
-from owtsweep.verdicts.report import write_verdicts
 from owtsweep.verdicts.score_table import ScoreTable
-
-CLAIMS = Path(__file__).with_name("claims.toml")
 
 
 def write_report(scores: pd.DataFrame, config: TowerConfig, folder: Path) -> list[Path]:
@@ -42,36 +38,15 @@ def write_report(scores: pd.DataFrame, config: TowerConfig, folder: Path) -> lis
     folder
         Made if it does not exist.
     """
-    record, records = config.record, scores["replicate"].nunique()
     table = compare_table(scores)
-    return write_verdicts(
+    return write_paper(
+        __file__,
         folder,
-        read_claims(CLAIMS),
         [ScoreTable(scores)],
-        title="How well the tower study reproduces Simpson et al. (2025)",
-        about=(
-            f"{records} records of {record.duration:g} s at {record.rate:g} Hz, seed "
-            f"{config.seed}, judged after {record.settling:g} s; noise 1 % of each signal's "
-            "standard deviation; tuning paper unless said otherwise; damage with the printed S-N "
-            "curve (m = 5, log a = 13.617, Goodman with 500 MPa). The truth is a linear beam with "
-            "soil, rotor-nacelle and rotor loads of declared statistics, not the paper's Simulink "
-            "turbine: absolute numbers (MAE, damage, inputs) cannot agree, ratios and statements "
-            "can. Displacements drift without displacement sensors, because inclinometers and "
-            "accelerometers do not see position and velocity of the rigid translation: that is "
-            "observability, not tuning. Brackets are 95 % intervals of means over the records. "
-            "Directions: fa fore-aft, ss side-side."
-        ),
-        metadata={"study": "tower", "paper": "Simpson et al. (2025)"},
-        tables={"scores": scores, "table_3": table},
-        middle=[
-            Heading("Table 3"),
-            Paragraph(
-                "Printed number / mean over the records, wind only. MAE in m and rad. The drift of "
-                "displacements without displacement sensors is that of an unobservable motion: its "
-                "size depends on tuning and seed, and has no other meaning."
-            ),
-            show_table(table),
-        ],
+        {"scores": scores, "table_3": table},
+        show_table(table),
+        records=scores["replicate"].nunique(),
+        config=config,
     )
 
 

@@ -89,15 +89,9 @@ WAVES = {
     for inputs, scheme in (("p_1", "AKF"), ("p_2", "AKF_WAVE"))
 }
 ALL = (
-    *WIND.values(),
-    *MATCHED.values(),
-    *WEIGHED.values(),
-    WEIGHED_MATCHED,
-    ACCELEROMETERS,
-    GNSS,
-    *WEIGHTLESS.values(),
-    *WAVES.values(),
-)
+    *WIND.values(), *MATCHED.values(), *WEIGHED.values(), WEIGHED_MATCHED, ACCELEROMETERS, GNSS,
+    *WEIGHTLESS.values(), *WAVES.values(),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

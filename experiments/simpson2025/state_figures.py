@@ -54,15 +54,9 @@ def draw_states(results: Results) -> Figure:
     for height in STATE_HEIGHTS:
         dof = 2 * first.find_node(height)
         for name, unit, at in ((f"x{height}", "m", dof), (f"θ{height}", "rad", dof + 1)):
-            rows.append(
-                Row(
-                    f"{name} FA ({unit})",
-                    first.time,
-                    first.truth.displacement[:, at],
-                    {key: o.estimates.displacement[:, at] for key, o in outcomes.items()},
-                    first.judged,
-                )
-            )
+            truth = first.truth.displacement[:, at]
+            told = {key: each.estimates.displacement[:, at] for key, each in outcomes.items()}
+            rows.append(Row(f"{name} FA ({unit})", first.time, truth, told, first.judged))
     return draw_rows(
         rows,
         "Displacement and rotation at 0 m and 15 m, wind only (Fig. 5 of Simpson et al. 2025)",

@@ -29,12 +29,13 @@ from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
+from owtsweep.studies.base.contest import WINDOW
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.composing import compose
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, tell
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth
-from owtsweep.studies.tower.measures import CRITERIA, WINDOW, Fatigue, compare, find_true_fatigue
+from owtsweep.studies.tower.measures import CRITERIA, Fatigue, compare, find_true_fatigue
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.setting import model_substructure
 

@@ -60,16 +60,12 @@ def tabulate(
     """Return the rows of choices.csv."""
     return [
         {
-            "criterion": criterion,
-            "how": how,
-            "inclinometers": len(choice.chosen),
+            "criterion": criterion, "how": how, "inclinometers": len(choice.chosen),
             "heights": " ".join(f"{height:g}" for height in choice.heights),
-            "stress": choice.stress,
-            "weld": case.welds[choice.weld],
-            "moment": choice.moment,
+            "stress": choice.stress, "weld": case.welds[choice.weld], "moment": choice.moment,
         }
         for choice in choices
-    ]
+    ]  # fmt: skip
 
 
 def simulate(case: PlacementCase, chosen: Sequence[int], first: int) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import threading
 import time
 from contextlib import suppress
 from types import FrameType
-from typing import Any, NoReturn
+from typing import NoReturn
 
 #: The signals that stop a command: Ctrl-C, `kill`, and the end of the terminal (not on Windows).
 STOPS = ("SIGINT", "SIGTERM", "SIGHUP")
@@ -114,7 +114,7 @@ def _stop(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def _raise_again(lost: Any) -> None:
+def _raise_again(lost: "sys.UnraisableHookArgs") -> None:
     """Let a `KeyboardInterrupt` that Python has lost be raised again; report all other exceptions.
 
     Python drops exceptions that are raised while it runs a callback of the garbage collection. A

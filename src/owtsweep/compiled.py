@@ -15,7 +15,7 @@ import re
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -127,11 +127,11 @@ def _announce_when_compiling() -> None:
     from numba.core import event
 
     class Listener(event.Listener):  # type: ignore[misc]
-        def on_start(self, started: Any) -> None:
+        def on_start(self, started: event.Event) -> None:
             if str(started.data["dispatcher"].py_func.__module__).startswith("owtsweep."):
                 announce(usable_directory())
 
-        def on_end(self, ended: Any) -> None:
+        def on_end(self, ended: event.Event) -> None:
             pass
 
     event.register("numba:compile", Listener())
@@ -150,7 +150,7 @@ def usable_directory() -> Path:
     return directory
 
 
-def njit(function: Callable[..., Any]) -> Any:
+def njit(function: object) -> Any:
     """Return a function compiled by `numba.njit`; numba compiles it when it is first called.
 
     The compiled function is cached on disk, runs without Python's global lock (GIL), and computes

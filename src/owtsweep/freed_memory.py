@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from typing import Any
+from contextlib import suppress
 
 #: Parameters of `mallopt`, as in glibc's malloc.h.
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD, _M_ARENA_MAX = -1, -3, -8
@@ -28,12 +28,9 @@ def keep_freed_memory() -> None:
     The setting holds for the whole process, so only processes that belong to a sweep should call
     this function. Without glibc, nothing happens.
     """
-    mallopt = _glibc("mallopt")
-    if mallopt is None:
-        return
-    mallopt(_M_ARENA_MAX, 1)
-    mallopt(_M_MMAP_THRESHOLD, _LARGEST_KEPT)
-    mallopt(_M_TRIM_THRESHOLD, 2**31 - 1)
+    _call_glibc("mallopt", _M_ARENA_MAX, 1)
+    _call_glibc("mallopt", _M_MMAP_THRESHOLD, _LARGEST_KEPT)
+    _call_glibc("mallopt", _M_TRIM_THRESHOLD, 2**31 - 1)
 
 
 def give_back_freed_memory() -> None:
@@ -41,13 +38,11 @@ def give_back_freed_memory() -> None:
 
     glibc is the C library of most Linux systems. Without it, nothing happens.
     """
-    trim = _glibc("malloc_trim")
-    if trim is not None:
-        trim(0)
+    _call_glibc("malloc_trim", 0)
 
 
-def _glibc(name: str) -> Any:
-    """Return the function `name` of the C library; None if it has none, or not on Linux."""
-    if sys.platform != "linux":
-        return None
-    return getattr(ctypes.CDLL(None), name, None)
+def _call_glibc(name: str, *arguments: int) -> None:
+    """Call the function `name` of the C library; do nothing if it has none, or not on Linux."""
+    if sys.platform == "linux":
+        with suppress(AttributeError):
+            getattr(ctypes.CDLL(None), name)(*arguments)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from experiments.maes2018.printed_angles import find_angles_as_printed
+from experiments.maes2018.processing import find_angles_as_printed
 from owtsweep.errors import InputError
 from owtsweep.estimation.blade_angles import (
     find_angles,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from experiments.maes2018.figures import FIGURES, draw_figures
-from experiments.maes2018.picture import draw_picture
+from experiments.maes2018.figures import FIGURES, draw_figures, draw_picture
 
 
 def test_every_figure_is_drawn(tmp_path: Path) -> None:

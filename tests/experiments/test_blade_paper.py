@@ -9,12 +9,19 @@ import pandas as pd
 import pytest
 from hanging import QUIET
 
-from experiments.maes2018.collecting import SCENARIOS, score
-from experiments.maes2018.fidelity import CLAIMS, write_report
+from experiments.maes2018.fidelity import write_report
 from experiments.maes2018.processing import process
 from experiments.maes2018.scenarios import REFERENCE, make_record
-from experiments.maes2018.scores import score_boom, score_geometry, score_reference
+from experiments.maes2018.scores import (
+    SCENARIOS,
+    score,
+    score_boom,
+    score_geometry,
+    score_reference,
+)
 from owtsweep.verdicts.claims_file import read_claims
+
+ROOT = Path(__file__).parents[2]
 
 SHORT = ("record.duration=100", "record.settling=20")
 
@@ -79,7 +86,7 @@ def test_every_statement_and_goal_is_judged(tmp_path: Path) -> None:
     }  # fmt: skip
     told = (tmp_path / "fidelity.md").read_text()
     assert "missing" not in told.split("## In short")[1].split("## Statements")[0]
-    file = read_claims(CLAIMS)
+    file = read_claims(ROOT / "experiments/maes2018/claims.toml")
     for statement in (*file.statements, *file.goals):
         assert f"### {statement.name}: " in told
     assert "| both |" in told

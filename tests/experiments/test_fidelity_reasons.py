@@ -13,7 +13,7 @@ from experiments.ren2019.consistency import judge_consistency, judge_intervals
 from experiments.ren2019.contents import FREEDOM
 from experiments.ren2019.evidence import Cell, Evidence
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.filter_states import bias_of
+from owtsweep.studies.hub.chain import bias_of
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve

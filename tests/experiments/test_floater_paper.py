@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 
-from experiments.mehammer2018 import cells, collecting
-from experiments.mehammer2018.fidelity import CLAIMS, list_tables, write_report
+from experiments.mehammer2018 import collecting
+from experiments.mehammer2018.fidelity import list_tables, write_report
 from experiments.mehammer2018.figures import FIGURES, draw_figures
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_scenario
 from experiments.mehammer2018.scores import (
@@ -22,6 +24,8 @@ from owtsweep.studies.floater.contract import DOF
 from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, JudgedStatement
 from owtsweep.verdicts.judge import judge
+
+ROOT = Path(__file__).parents[2]
 
 SHORT = ["record.duration=110", "record.settling=10"]
 RECORDS = 4
@@ -45,8 +49,8 @@ def won() -> pd.DataFrame:
     """Return velocity errors of maps of one cell in which KF_CONSISTENT is best."""
     rows = [
         (plane, "a cell", scheme, 1.0 + (scheme != "KF_CONSISTENT"))
-        for plane in cells.PLANES
-        for scheme in (cells.CONSISTENT, *cells.RIVALS)
+        for plane in collecting.PLANES
+        for scheme in (collecting.CONSISTENT, *collecting.RIVALS)
     ]
     return _repeat(pd.DataFrame(rows, columns=["plane", "cell", "scheme", "value"]))
 
@@ -88,7 +92,7 @@ def spoil(table: pd.DataFrame, value: float, **chosen: str) -> pd.DataFrame:
 
 def judge_all(scores: pd.DataFrame, maps: pd.DataFrame) -> dict[str, JudgedStatement]:
     """Return all statements and goals, judged, by name."""
-    file = read_claims(CLAIMS)
+    file = read_claims(ROOT / "experiments/mehammer2018/claims.toml")
     judged = judge([*file.statements, *file.goals], list_tables(scores, maps), file)
     return {statement.name: statement for statement in judged}
 
@@ -99,7 +103,7 @@ def test_statements_and_goals_hold_where_they_should(holding, won):
     assert verdicts.pop("F9") == NOT_REPRODUCED  # in the author's record
     assert set(verdicts.values()) == {REPRODUCED}
     assert len(verdicts) == 18
-    assert not cells.list_lost_cells(won)
+    assert not collecting.list_lost_cells(won)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +144,7 @@ def test_a_statement_falls_with_its_number(holding, won, name, scenario, scheme,
 def test_g10_falls_with_one_cell(holding, won):
     lost = spoil(won, 0.9, plane="snr_loss", scheme="LOWPASS")
     assert judge_all(holding, lost)["G10"].verdict == NOT_REPRODUCED
-    told = cells.list_lost_cells(lost)
+    told = collecting.list_lost_cells(lost)
     assert told == ["snr_loss: a cell (LOWPASS 0.900, KF_CONSISTENT 1.000)"]
 
 

@@ -1,9 +1,12 @@
 """What Simpson et al. (2025) print is read as printed."""
 
-from experiments.simpson2025.fidelity import CLAIMS
+from pathlib import Path
+
 from experiments.simpson2025.table_3 import read_printed
 from owtsweep.config import conf_directory
 from owtsweep.verdicts.claims_file import read_claims
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_table_3_is_whole():
@@ -23,7 +26,7 @@ def test_table_3_is_whole():
 
 
 def test_every_statement_says_where_it_is_printed_and_each_bound_why():
-    file = read_claims(CLAIMS)
+    file = read_claims(ROOT / "experiments/simpson2025/claims.toml")
     assert [one.name for one in file.statements] == [f"F{i}" for i in range(1, 15)]
     assert all(one.printed and one.definition for one in file.statements)
     assert [one.name for one in file.goals] == [f"G{i}" for i in range(1, 10)]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from experiments.simpson2025 import scenarios, scores
-from experiments.simpson2025.fidelity import CLAIMS, write_report
+from experiments.simpson2025.fidelity import write_report
 from experiments.simpson2025.figures import FIGURES
 from experiments.simpson2025.scenarios import Scenario, run_scenarios
 from experiments.simpson2025.table_3 import compare_table, show_table
@@ -16,6 +18,8 @@ from owtsweep.verdicts.claims_file import read_claims
 from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED
 from owtsweep.verdicts.judge import judge
 from owtsweep.verdicts.score_table import ScoreTable
+
+ROOT = Path(__file__).parents[2]
 
 SHORT = ["record.duration=14", "record.settling=2", "truth.subdivision=1"]
 RECORDS = 4
@@ -52,7 +56,7 @@ def holding() -> pd.DataFrame:
 
 def judge_all(table: pd.DataFrame) -> dict[str, str]:
     """Return the verdict on each statement and goal."""
-    file = read_claims(CLAIMS)
+    file = read_claims(ROOT / "experiments/simpson2025/claims.toml")
     judged = judge([*file.statements, *file.goals], [ScoreTable(table)], file)
     return {one.name: one.verdict for one in judged}
 

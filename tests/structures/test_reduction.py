@@ -6,9 +6,14 @@ from scipy.linalg import eigh
 
 from owtsweep.errors import InputError
 from owtsweep.structures import compute_modes, find_structure
-from owtsweep.structures.bernoulli import assemble_cut, assemble_whole
+from owtsweep.structures.bernoulli import (
+    assemble_cut,
+    assemble_whole,
+    moment_matrix,
+    strain_matrix,
+    stress_matrix,
+)
 from owtsweep.structures.reduction import reduce_free, reduce_held
-from owtsweep.structures.stress import moment_matrix, strain_matrix, stress_matrix
 
 GROUND, TOP = -30.0, 145.0
 INTERFACES = [0, 1, 38, 39]

@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.waves import Cylinder, Sea, Waves, draw_waves, inertia_force
-from owtsweep.waves.sea import find_wave_number, inertia_coefficient
+from owtsweep.waves import (
+    Cylinder,
+    Sea,
+    Waves,
+    draw_waves,
+    find_wave_number,
+    inertia_coefficient,
+    inertia_force,
+)
 
 DEPTH = 30.0
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from owtsweep.config import Tree
 from owtsweep.config.composition import quote_home, require_readable
 from owtsweep.config.hints import hydra_in_one_line
+
+if TYPE_CHECKING:
+    from hydra.core.override_parser.types import Override
 
 
 class Combination(NamedTuple):
@@ -18,7 +21,7 @@ class Combination(NamedTuple):
     values: dict[str, str]
 
 
-def parse(overrides: Sequence[str], tree: Tree) -> list[Any]:
+def parse(overrides: Sequence[str], tree: Tree) -> list[Override]:
     """Return the overrides as objects of Hydra, without Hydra's own settings.
 
     Raises
@@ -34,12 +37,12 @@ def parse(overrides: Sequence[str], tree: Tree) -> list[Any]:
     return [override for override in parsed if not str(override.key_or_group).startswith("hydra")]
 
 
-def list_swept(parsed: Sequence[Any]) -> list[str]:
+def list_swept(parsed: Sequence[Override]) -> list[str]:
     """Return the keys of the parsed overrides that give several values, in their order."""
     return [str(o.get_key_element()) for o in parsed if o.is_sweep_override()]
 
 
-def count_runs(parsed: Sequence[Any]) -> float:
+def count_runs(parsed: Sequence[Override]) -> float:
     """Return for how many runs parsed overrides ask; infinite if a range has no end.
 
     The values themselves are not made.
@@ -47,17 +50,21 @@ def count_runs(parsed: Sequence[Any]) -> float:
     return math.prod(map(_count_values, parsed))
 
 
-def _count_values(override: Any) -> float:
+def _count_values(override: Override) -> float:
+    from hydra.core.override_parser.types import ChoiceSweep, RangeSweep
+
     value = override.value()
-    if override.is_range_sweep():
+    if isinstance(value, RangeSweep):
+        if value.start is None or value.stop is None:
+            return math.inf
         try:
             return float(max(math.ceil((value.stop - value.start) / value.step), 0))
         except (ArithmeticError, ValueError):  # a step of zero, an end that is infinite or NaN
             return math.inf
-    return float(len(value.list)) if hasattr(value, "list") else 1.0
+    return float(len(value.list)) if isinstance(value, ChoiceSweep) else 1.0
 
 
-def combine(parsed: Sequence[Any], tree: Tree) -> list[Combination]:
+def combine(parsed: Sequence[Override], tree: Tree) -> list[Combination]:
     """Return the combinations of the values of parsed overrides, as Hydra's basic sweeper does.
 
     Raises

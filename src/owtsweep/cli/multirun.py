@@ -15,7 +15,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from owtsweep.cli.combinations import Combination, combine, count_runs, parse
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
@@ -145,7 +144,7 @@ class Job:
     config_dir: str | None
     coordinator: int
 
-    def __call__(self, composed: Any) -> None:
+    def __call__(self, composed: object) -> None:
         from hydra.core.hydra_config import HydraConfig
 
         if os.getppid() == self.coordinator:  # a process of the joblib launcher

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.cli.program import DONE
 from owtsweep.errors import InputError, printable
 
 if TYPE_CHECKING:
+    from owtsweep.config import Plain
     from owtsweep.sweep.asked import Question
     from owtsweep.sweep.runs import Run
 
@@ -43,7 +44,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     return DONE
 
 
-def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
+def _shorten(manifest: Plain, opened: Run) -> Plain:
     """Return a run's manifest without the list of blocks, and with less on the configuration.
 
     In place of the configuration stands the path of config.yaml. `opened` is the run.
@@ -58,7 +59,7 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
     return shown
 
 
-def _describe_folder(opened: Run) -> dict[str, Any]:
+def _describe_folder(opened: Run) -> dict[str, object]:
     """Return how many cases, tables and figures a run's folder holds, as entries to print.
 
     All stored cases of the run are read, which may take some time.
@@ -115,7 +116,7 @@ def _describe_question(opened: Run, question: Question) -> str:
     return ", ".join(parts)[:LONGEST_LINE]
 
 
-def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, Any]]:
+def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, object]]:
     """Yield name and values of each axis of a question's grid, then the grid's further numbers.
 
     An axis that the run's conditions do not have is left out: with motion=plant the hub study has
@@ -133,18 +134,18 @@ def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, Any]]:
             yield name, values
 
 
-def _count(value: Any) -> str:
+def _count(value: object) -> str:
     return f"({len(value)})" if isinstance(value, list) else str(value)
 
 
-def _name_scheme(entry: Any) -> str:
+def _name_scheme(entry: object) -> str:
     """Return the name of an entry of the key `schemes`; a user's class is not imported."""
     if isinstance(entry, Mapping):
         return str(entry.get("name", str(entry.get("_target_")).rpartition(".")[-1]))
     return str(entry)
 
 
-def _count_cases(opened: Run) -> dict[str, Any]:
+def _count_cases(opened: Run) -> dict[str, object]:
     cases = dict.fromkeys(("done", "failed", "missing"), 0)
     store = opened.store
     for key, block in opened.plan().items():
@@ -160,7 +161,7 @@ def _count_cases(opened: Run) -> dict[str, Any]:
     }
 
 
-def _print(section: Mapping[str, Any], depth: int) -> None:
+def _print(section: Mapping[str, object], depth: int) -> None:
     width = min(max((len(key) for key in section), default=0), WIDEST)
     for key, value in section.items():
         name = printable(key)
@@ -171,7 +172,7 @@ def _print(section: Mapping[str, Any], depth: int) -> None:
             print(f"{'  ' * depth}{name:<{width}}  {printable(_as_line(value, depth))}")
 
 
-def _as_line(value: Any, depth: int) -> str:
+def _as_line(value: object, depth: int) -> str:
     if isinstance(value, list) and depth < DEEPEST:
         return " ".join(_as_line(item, depth + 1) for item in value)
     return "..." if isinstance(value, list | Mapping) and depth >= DEEPEST else str(value)

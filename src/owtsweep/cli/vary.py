@@ -7,7 +7,7 @@ import hashlib
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 from owtsweep.cli.combinations import combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
@@ -52,10 +52,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         return DONE
     one = next(iter(configs.values()))
     folder = choose_folder(key, configs)
-    study: Any = get_study(one.study)
+    study = get_study(one.study)
+    varying = _require_varying(study)
     along = Condition("value", key, _find_unit(one, key), _choose_scale(list(configs)))
     with blame(study):
-        study.check_vary(along, configs)
+        varying.check_vary(along, configs)
     if options.dry_run:
         print("Nothing was computed or written. This command without --dry-run would do:")
         print(f"folder  {printable(str(folder))}/")
@@ -65,7 +66,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     check_writable(folder)
     with blame(study):
         with show_steps():
-            varied = study.vary(along, configs)
+            varied = varying.vary(along, configs)
         with refuse_in_one_line(folder):
             files = varied.write(folder, {"vary": folder.name, "key": key})
             text = "---\n".join(dump(config) for config in configs.values())
@@ -128,19 +129,19 @@ def compose_each(
         f"{key}: {number:.6g} values are too many; give at most {MOST_VALUES}",
     )
     study = get_study(located.study or DEFAULT)
-    start = _leave_out_given(_list_defaults(study), overrides)
+    start = _leave_out_given(_require_varying(study).list_vary_defaults(), overrides)
     composed = [
         (next(iter(values.values())), compose([*start, *words], config_dir))
         for words, values in combine(parsed, located.tree)
     ]
     for _, config in composed:
-        _list_defaults(get_study(config.study))  # an experiment may name another study
+        _require_varying(get_study(config.study))  # an experiment may name another study
         _check(config)
     return key, _by_value(key, composed)
 
 
-def _list_defaults(study: Study) -> Sequence[str]:
-    """Return the overrides that `vary` puts before those of the user.
+def _require_varying(study: Study) -> Varying:
+    """Return a study as one that can vary a key.
 
     Raises
     ------
@@ -153,7 +154,7 @@ def _list_defaults(study: Study) -> Sequence[str]:
             f"`vary` serves {list_serving(Varying)} only; "
             f"`owtsweep sweep --multirun study={study.name}` takes several values of a key"
         )
-    return study.list_vary_defaults()
+    return study
 
 
 def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[str]:
@@ -193,16 +194,17 @@ def _by_value(key: str, composed: Sequence[tuple[str, Config]]) -> dict[Value, C
     return found if None in numbers else dict(sorted(found.items()))
 
 
-def _read_number(config: Any, key: str) -> float | None:
+def _read_number(config: Config, key: str) -> float | None:
     """Return the number that a configuration holds at a key; None if the key holds something else.
 
     The key of a config group, e.g. `sensors`, holds a section.
     """
-    value = config
+    value: object = config
     for name in key.split("."):
         value = getattr(value, name, None)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return float(value) if is_number else None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return float(value)
 
 
 def _find_unit(config: Config, key: str) -> str:
@@ -211,7 +213,7 @@ def _find_unit(config: Config, key: str) -> str:
     return unit.replace("^2", "²").replace("^3", "³").replace("sqrt(s)", "√s")
 
 
-def _choose_scale(values: Sequence[Value]) -> Any:
+def _choose_scale(values: Sequence[Value]) -> Literal["linear", "log"]:
     numbers = [value for value in values if not isinstance(value, str)]
     wide = bool(numbers) and min(numbers) > 0.0 and max(numbers) >= WIDE * min(numbers)
     return "log" if wide else "linear"

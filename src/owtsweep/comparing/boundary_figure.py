@@ -6,7 +6,7 @@ The boundary is the value of a condition above which the second of two schemes i
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -104,10 +104,13 @@ def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[st
     A cell is one value of each of the conditions `outer`.
     """
     names = [condition.name for condition in outer]
-    groups: Any = boundaries.groupby(names) if names else [((), boundaries)]
+    groups = boundaries.groupby(names) if names else [((), boundaries)]
     return {
-        ", ".join(condition.show(value) for condition, value in zip(outer, cell, strict=True)): rows
-        for cell, rows in groups
+        ", ".join(
+            condition.show(value)
+            for condition, value in zip(outer, rows[names].iloc[0], strict=True)
+        ): rows
+        for _, rows in groups
     }
 
 
@@ -129,16 +132,23 @@ def _draw_panel(
         line, lows, highs = ends.to_numpy(dtype=float).T
         # Shifted sideways, so that the intervals do not hide each other.
         x = [place + (number - 0.5 * (len(cells) - 1)) * width for place in places.values()]
-        look: dict[str, Any] = {"color": colors[number], "zorder": 3}
+        color, marker = colors[number], MARKERS[number % len(MARKERS)]
         for place, low, high in zip(x, lows, highs, strict=True):
             if np.isfinite(low + high):
-                axes.vlines(place, *np.clip([low, high], *edges), linewidth=1.2, **look)
-        look |= {"marker": MARKERS[number % len(MARKERS)], "markersize": 5}
+                axes.vlines(
+                    place, *np.clip([low, high], *edges), linewidth=1.2, color=color, zorder=3
+                )
         drawn = np.clip(line, *edges)
         dashes, label = "-" if joined else "none", style.label_of(name)
-        axes.plot(x, drawn, linewidth=1.4, linestyle=dashes, label=label, **look)
+        axes.plot(
+            x, drawn, linewidth=1.4, linestyle=dashes, label=label,
+            color=color, zorder=3, marker=marker, markersize=5,
+        )  # fmt: skip
         outside = np.where(drawn == line, np.nan, drawn)
-        axes.plot(x, outside, linestyle="none", markerfacecolor="white", **look)
+        axes.plot(
+            x, outside, linestyle="none", markerfacecolor="white",
+            color=color, zorder=3, marker=marker, markersize=5,
+        )  # fmt: skip
 
 
 def _say_why_empty(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Hashable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.results.boundary import divide_crossings, split_cells
 from owtsweep.results.conditions import Value
 from owtsweep.statistics.contrasts import Contrast, difference, gap, ratio
@@ -30,6 +31,8 @@ SHIFT_COLUMNS = ("ratio", "ratio_low", "ratio_high")
 
 #: Cell (one value of each condition) -> name of the best scheme.
 Winners = Mapping[tuple[Value, ...], str]
+#: A row of a table: column -> value.
+Row = dict[Hashable, object]
 
 
 def list_winners(best: pd.DataFrame, names: Sequence[str]) -> dict[tuple[Value, ...], str]:
@@ -58,7 +61,7 @@ def compare_cells(
     best_second: Winners,
     *,
     paired: bool,
-) -> list[dict[Any, Any]]:
+) -> list[Row]:
     """List the cells in which the best scheme of the first run is not best in the second.
 
     A cell is one value of each condition. Let P be the cell's best scheme in the first run and Q
@@ -114,9 +117,7 @@ def compare_cells(
     return table.to_dict("records")
 
 
-def compare_schemes(
-    first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
-) -> list[dict[Any, Any]]:
+def compare_schemes(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) -> list[Row]:
     """Compute the difference and the ratio of each scheme's MSE between two runs, cell by cell.
 
     A cell is one value of each condition.
@@ -156,7 +157,7 @@ def compare_schemes(
     return table[np.isfinite(change.value)].to_dict("records")
 
 
-def _name_columns(name: str, contrast: Contrast) -> dict[str, Any]:
+def _name_columns(name: str, contrast: Contrast) -> dict[str, Array]:
     """Return the columns `<name>`, `<name>_low` and `<name>_high` of a table.
 
     The columns hold the values of an estimated contrast and the ends of its 95 % intervals.
@@ -164,9 +165,7 @@ def _name_columns(name: str, contrast: Contrast) -> dict[str, Any]:
     return {name: contrast.value, f"{name}_low": contrast.low, f"{name}_high": contrast.high}
 
 
-def compare_boundaries(
-    first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
-) -> list[dict[Any, Any]]:
+def compare_boundaries(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) -> list[Row]:
     """Compute the ratio of the boundaries in two runs, second run to first run, cell by cell.
 
     A boundary is the value of the last condition above which the second of two schemes is better
@@ -194,7 +193,7 @@ def compare_boundaries(
         first, second = first[first.index.isin(common)], second[second.index.isin(common)]
     outer = first.index.names[:-1]
     one, other = split_cells(first), split_cells(second)
-    lines: list[dict[Any, Any]] = []
+    lines: list[Row] = []
     for cell in one:
         if cell in other:
             quotient = divide_crossings((cell, other[cell]), (cell, one[cell]), apart=not paired)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.comparing.common import Judged, find_common, judge
 from owtsweep.comparing.comparison import Aspects, Candidate, Comparison, Findings, Pair
@@ -59,7 +59,7 @@ def compare(
     )
     tables = {
         "runs": pd.DataFrame(
-            [{"folder": run.name, "hash": run.hash} | run.written for run in comparison.runs]
+            [{"folder": run.name, "hash": run.hash, **run.written} for run in comparison.runs]
         ),
         "best_schemes": _gather(comparison.runs, [run.best for run in runs]),
         "boundaries": _gather(comparison.runs, [run.boundaries for run in runs]),
@@ -124,7 +124,7 @@ def _compare_pairs(
         "changed_cells": [*before, *names, *changes.CHANGED_COLUMNS],
         "scheme_changes": [*before, "scheme", *names, *changes.SCHEME_COLUMNS],
     }
-    lines: dict[str, list[dict[Any, Any]]] = {name: [] for name in columns}
+    lines: dict[str, list[changes.Row]] = {name: [] for name in columns}
     winners = [changes.list_winners(run.best, names) for run in runs]
     # expected values are stored as replicate 0, but they are not samples
     counts = {} if shared.best_of is None else {"n_from": 0, "n_to": 0}

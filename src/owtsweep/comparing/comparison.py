@@ -12,13 +12,15 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from owtsweep.errors import printable
 from owtsweep.results.conditions import Condition, Grid
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from owtsweep.config import AnyConfig
 
 #: Sections and keys that do not count as swept: they say on which grid, where and how to run.
 NOT_SWEPT = frozenset(
@@ -29,7 +31,7 @@ RUN = "run"
 FIRST = "first run"
 
 
-def show(value: Any) -> str:
+def show(value: object) -> str:
     """Return a configuration value as a user would type it in an override.
 
     A text of more than 30 letters is cut after 27 letters, and "..." is appended.
@@ -41,7 +43,7 @@ def show(value: Any) -> str:
     return text if len(text) <= 30 else f"{text[:27]}..."
 
 
-def write(value: Any) -> int | float | str:
+def write(value: object) -> int | float | str:
     """Return a value for a table: a number as it is, anything else as text, in JSON if need be."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         return value
@@ -49,20 +51,25 @@ def write(value: Any) -> int | float | str:
     return printable(text)
 
 
-def identify(value: Any) -> str:
+def identify(value: object) -> str:
     """Return a text that identifies a value: equal values have equal texts."""
     return json.dumps(value, sort_keys=True, default=str)
 
 
-def rank_values(values: Sequence[Any]) -> list[int]:
+def rank_values(values: Sequence[object]) -> list[int]:
     """Return the rank of each value: its index, from 0, among the distinct values in order.
 
     If all values are numbers, the distinct values are ordered by size, otherwise by their first
     appearance. Equal values have equal ranks.
     """
-    numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
     distinct = {identify(value): value for value in values}
-    axis = sorted(distinct, key=lambda i: distinct[i]) if numbers else list(distinct)
+    numbers = {
+        name: value
+        for name, value in distinct.items()
+        if isinstance(value, int | float) and not isinstance(value, bool)
+    }
+    all_numbers = len(numbers) == len(distinct)
+    axis = sorted(numbers, key=lambda name: numbers[name]) if all_numbers else list(distinct)
     return [axis.index(identify(value)) for value in values]
 
 
@@ -86,9 +93,9 @@ class Candidate:
 
     name: str
     hash: str
-    config: Any
+    config: AnyConfig
     rows: pd.DataFrame
-    values: Mapping[str, Any]
+    values: Mapping[str, object]
 
     @property
     def shown(self) -> dict[str, str]:
@@ -96,7 +103,7 @@ class Candidate:
         return {key: show(value) for key, value in self.values.items()}
 
     @property
-    def written(self) -> dict[str, Any]:
+    def written(self) -> dict[str, int | float | str]:
         """The run's values for tables, by swept key: numbers exactly, all others as whole texts."""
         return {key: write(value) for key, value in self.values.items()}
 
@@ -210,12 +217,12 @@ class Comparable(Protocol):
         ...
 
 
-def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+def flatten(config: Mapping[str, object], prefix: str = "") -> dict[str, object]:
     """Return dotted key -> value for nested mappings, e.g. "hme.mhe.horizon" -> 10.
 
     A list is a value, and so is an empty mapping. `prefix` is put before each key.
     """
-    flat: dict[str, Any] = {}
+    flat: dict[str, object] = {}
     for key, value in config.items():
         if isinstance(value, Mapping) and value:
             flat |= flatten(value, f"{prefix}{key}.")
@@ -225,7 +232,7 @@ def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def swept_keys(
-    configs: Sequence[Mapping[str, Any]], preferred: Sequence[str] = ()
+    configs: Sequence[Mapping[str, object]], preferred: Sequence[str] = ()
 ) -> tuple[list[str], list[str]]:
     """Find a few keys that distinguish the configurations.
 
@@ -332,7 +339,7 @@ class Aspects:
     schemes: Sequence[str]
     criterion: str
     window: str
-    pairing: Mapping[str, Any]
+    pairing: Mapping[str, object]
     boundary: tuple[str, str] | None = None
     origin: Mapping[str, str] = field(default_factory=dict)
     score: str = "MSE"

@@ -6,7 +6,7 @@ The boundary is the value of a condition above which the second of two schemes i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,14 +19,10 @@ from owtsweep.figures.plane import Plane
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-LINE: dict[str, Any] = {
-    "color": "black", "linewidth": 1.6, "marker": "o", "markersize": 3.5,
-    "markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 5,
-}  # fmt: skip
-
+    from matplotlib.lines import Line2D
 
 #: Greatest number of panels in a figure; number of panels in a row if the runs differ in one key.
 MOST_PANELS = 30
@@ -125,14 +121,14 @@ def draw(
             lowest = max(row for row in range(rows) if panels[row][column] is not None)
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
-        handles: list[Any] = [
+        handles: list[Artist] = [
             Shades(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
             for name in shared.schemes
         ]
         handles += explain_marks(hatched=hatched, holes=holes)
         if line:
             label = f"{'/'.join(shared.boundary or ())} boundary"
-            handles += grid[0][0].plot([], [], **LINE, label=label)
+            handles += _plot_line(grid[0][0], [], label=label)
         style.add_legend_above(figure, handles, f"Best scheme {subtitle}", 4, HANDLERS)
         style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
@@ -155,9 +151,18 @@ def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) ->
     heights = plane.height_of(exists["boundary"].to_numpy(dtype=float))
     for value, height in zip(exists[plane.across.name], heights, strict=True):
         line[plane.columns.index(value)] = float(height)
-    axes.plot(range(len(line)), line, **{**LINE, "color": "white", "linewidth": 3.6})
-    axes.plot(range(len(line)), line, **LINE)
+    _plot_line(axes, line, color="white", width=3.6)
+    _plot_line(axes, line)
     return True
+
+
+def _plot_line(
+    axes: Axes, line: Sequence[float], *, color: str = "black", width: float = 1.6, label: str = ""
+) -> list[Line2D]:
+    return axes.plot(
+        range(len(line)), line, color=color, linewidth=width, marker="o", markersize=3.5,
+        markeredgecolor="white", markeredgewidth=0.6, zorder=5, label=label or None,
+    )  # fmt: skip
 
 
 def _explain(shared: Aspects, plane: Plane, *, hatched: bool, line: bool) -> str:

@@ -7,12 +7,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import field_validator
 
 from owtsweep.config.section import NotNegative, Positive, Section, key
 from owtsweep.errors import require
+
+#: A configuration of the study whose function takes it. Each study has a class of its own, and only
+#: the study knows which: what serves all studies reads the keys of `Config`, and passes it on.
+AnyConfig = Any
 
 #: The version of the configuration's keys, stored in every run's config.yaml.
 CONFIG_VERSION = 1

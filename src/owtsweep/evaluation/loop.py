@@ -7,7 +7,7 @@ A measurement that comes less often, such as a position from GNSS, is called a f
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class Updating(Protocol):
     step.
     """
 
-    def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
+    def update(self, inputs: Array, fix: Array | None = None, /) -> object:
         """Take the measurements of a step, and return an `Estimate` of the present state.
 
         `inputs` are the quantities measured at every step, such as accelerations. `fix` is a
@@ -118,14 +118,14 @@ def run_steps(
     return trajectory
 
 
-def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> Iterator[Any]:
+def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> Iterator[object]:
     arrived = np.logical_not(np.isnan(fixes).any(axis=1))
     for k, sample in enumerate(inputs):
         yield estimator.update(sample, fixes[k] if arrived[k] else None)
 
 
 def collect(
-    estimates: Iterable[Any], judged: Sequence[Quantity], steps: int, first: int = 0
+    estimates: Iterable[object], judged: Sequence[Quantity], steps: int, first: int = 0
 ) -> Trajectory:
     """Collect the estimates of some steps into a trajectory.
 
@@ -193,7 +193,7 @@ def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Arra
     return _check_array(estimate.quantities[name], (size,), name, step)
 
 
-def _check_array(value: Any, shape: tuple[int, ...], what: str, step: int) -> Array:
+def _check_array(value: object, shape: tuple[int, ...], what: str, step: int) -> Array:
     """Return a value as an array of real numbers, after a check of its shape.
 
     Without this check NumPy would broadcast another shape silently.

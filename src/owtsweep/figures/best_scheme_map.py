@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +21,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Plane
+from owtsweep.figures.plane import Plane, Row
 from owtsweep.figures.shades import Shades, add_legend, list_in_legend
 from owtsweep.results.conditions import Condition
 
@@ -174,7 +173,7 @@ def draw(
 
 def draw_cells(
     axes: Axes,
-    rows: Sequence[dict[Any, Any]],
+    rows: Sequence[Row],
     schemes: Sequence[str],
     plane: Plane,
     *,
@@ -204,7 +203,7 @@ def draw_cells(
         column, number = plane.place(row)
         fill = margin.fill_cell(style_of(row["best"], schemes), margin.ratio_of(row))
         corner = column - 0.5, number - 0.5
-        cell: dict[str, Any] = {"width": 1.0, "height": 1.0, "rasterized": labels == "none"}
+        cell: style.Look = {"width": 1.0, "height": 1.0, "rasterized": labels == "none"}
         axes.add_patch(Rectangle(corner, facecolor=fill, edgecolor="white", **cell))
         if not row["distinguishable"]:
             edge = to_rgba(text_color_on(fill), HATCH_OPACITY)
@@ -237,7 +236,7 @@ def _label_best(
     axes.text(column - 0.46, line + up_or_down, best, **text | {"ha": "left"})
 
 
-def _style_text(fill: str) -> dict[str, Any]:
+def _style_text(fill: str) -> style.Look:
     # the box hides the hatch behind the letters
     box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0}
     return {"color": text_color_on(fill), "bbox": box, "ha": "center", "va": "center"}
@@ -273,7 +272,7 @@ def _label(
         axes.text(column, line - 0.23, runner_up, fontsize=7, **text)
 
 
-def _describe_runner_up(row: dict[Any, Any]) -> str:
+def _describe_runner_up(row: Row) -> str:
     """Return the next best scheme of a cell and by how much its MSE is larger, e.g. "HME1 +12 %".
 
     `row` is the row of the cell in best_scheme.csv. Return "" if there is no next best scheme, or
@@ -293,7 +292,7 @@ def _count_records(replicates: int | None, failures: int) -> str:
 
 
 def _make_legend(
-    rows: Sequence[dict[Any, Any]],
+    rows: Sequence[Row],
     schemes: Sequence[str],
     groups: Sequence[Sequence[str]],
     *,
@@ -321,7 +320,7 @@ def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
     """
     marks = []
     if hatched:
-        look: dict[str, Any] = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}
+        look: style.Look = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}
         marks.append(Patch(label="not distinguishable", **look))
     if holes:
         marks.append(Patch(facecolor=NO_RESULT, label="no result"))
@@ -329,7 +328,7 @@ def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
 
 
 def _explain(
-    rows: Sequence[dict[Any, Any]],
+    rows: Sequence[Row],
     groups: Sequence[Sequence[str]],
     failures: int,
     score: str,

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullLocator
 
+from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import SchemeStyle, style_of
@@ -25,7 +26,7 @@ CLOSEST_TICKS = 0.045
 #: its mean.
 LOWEST = 0.1
 #: The look of points from other sources, drawn beside the curves.
-HOLLOW: dict[str, Any] = {
+HOLLOW: style.Look = {
     "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
 }  # fmt: skip
 
@@ -145,7 +146,7 @@ def draw(
     return figure
 
 
-def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
+def _place(column: pd.Series[float], levels: Sequence[Value]) -> Array:
     """Return where the values of a column lie on the horizontal axis.
 
     Numbers are returned unchanged. For a text, the result is its index, from 0, in `levels`, the
@@ -191,12 +192,12 @@ def _draw_curves(
         axes.vlines(place[mine], low[mine], rows["ci_high"][mine], color=look.color, linewidth=1.0)
 
 
-def _draw_thin(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
+def _draw_thin(axes: Axes, place: Array, rows: pd.DataFrame, look: SchemeStyle) -> None:
     order = np.argsort(place, kind="stable")
     axes.plot(place[order], rows["mean"].iloc[order], **thin_line(look))
 
 
-def thin_line(look: SchemeStyle) -> dict[str, Any]:
+def thin_line(look: SchemeStyle) -> style.Look:
     """Return the look of a baseline's line, as arguments of `Axes.plot`."""
     return {"color": look.color, "linestyle": look.line, "linewidth": 1.1, "zorder": 1.5}
 
@@ -228,11 +229,11 @@ def scale_axes(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
         axes.set_xlim(numbers[0] / 2.0, numbers[0] * 2.0)
 
 
-def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str) -> list[Any]:
-    handles: list[Any] = []
+def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str) -> list[Artist]:
+    handles: list[Artist] = []
     for name in schemes:
         look = style_of(name, schemes)
-        line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker}
+        line: style.Look = {"linestyle": look.line, "marker": look.marker}
         line["label"] = style.label_of(name)
         handles.append(Line2D([], [], color=look.color, **line))
     if shown["ci_low"].notna().any():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -152,7 +152,7 @@ def _draw_panel(axes: Axes, errors: pd.DataFrame, schemes: Sequence[str]) -> Non
     import seaborn as sns  # takes a second to import
 
     few = errors.groupby("scheme")["error"].size().max() <= MOST_POINTS
-    shared: dict[str, Any] = {
+    shared: dict[str, object] = {
         "data": errors, "x": "error", "y": "scheme", "order": schemes, "ax": axes,
     }  # fmt: skip
     colors = {name: style_of(name, schemes).color for name in schemes}

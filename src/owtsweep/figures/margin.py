@@ -6,14 +6,14 @@ matters.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.figures.palette import SchemeStyle, channels_of, mix_with_white
+from owtsweep.figures.plane import Row
 
 #: The fill is the scheme's full colour where the runner-up's MSE is this many times the best one's,
 #: or more.
@@ -34,7 +34,7 @@ def explain(score: str = "MSE") -> str:
 EXPLANATION = explain()
 
 
-def share_of_color(ratio: Any) -> Array:
+def share_of_color(ratio: ArrayLike) -> Array:
     """Return the share of the scheme's colour in the fill, from `PALEST` to 1; the rest is white.
 
     The share grows with the logarithm of `ratio`: the runner-up's MSE over the best scheme's, a
@@ -45,7 +45,7 @@ def share_of_color(ratio: Any) -> Array:
     return np.where(np.isnan(ratio), 1.0, PALEST + (1.0 - PALEST) * strength)
 
 
-def ratio_of(row: Mapping[Any, Any]) -> float:
+def ratio_of(row: Row) -> float:
     """Return the runner-up's MSE over the best scheme's in a row of best_scheme.csv.
 
     The ratio is NaN without a runner-up, or if the best scheme's MSE is not positive.
@@ -62,7 +62,7 @@ def fill_cell(look: SchemeStyle, ratio: float) -> str:
     return mix_with_white(look.color, float(share_of_color(ratio)))
 
 
-def fill_regions(best: NDArray[np.integer[Any]], ratio: Array, colors: Sequence[str]) -> Array:
+def fill_regions(best: NDArray[np.intp], ratio: Array, colors: Sequence[str]) -> Array:
     """Return the fills of a fine map: red, green and blue from 0 to 1, shape (lines, columns, 3).
 
     Parameters

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: A value beyond the map is drawn this many cells outside the centres of the edge cells.
 EDGE = 0.5
+#: A cell of a map: its row of best_scheme.csv, a value of some type per column, as pandas gives it.
+Row = Mapping[Hashable, Any]
 #: Letters that fit beside a line of cells.
 LETTERS_PER_LINE = 8
 
@@ -93,7 +95,7 @@ class Plane:
         """The number of cells of the map."""
         return len(self.columns) * len(self.lines)
 
-    def place(self, row: Mapping[Any, Any]) -> tuple[int, int]:
+    def place(self, row: Row) -> tuple[int, int]:
         """Return the column and the line, both from 0, of the cell with the values in `row`.
 
         `row` maps the name of each condition to its value, like a row of a table.

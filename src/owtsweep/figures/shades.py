@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.legend_handler import HandlerBase
 from matplotlib.patches import Patch, Rectangle
+from matplotlib.transforms import Transform
 
 from owtsweep.figures.margin import PALEST, explain
 from owtsweep.figures.palette import mix_with_white
+from owtsweep.figures.plane import Row
 
 #: A map of more schemes lists those in the legend that are best somewhere, the others below.
 MOST_LISTED = 9
@@ -28,17 +31,18 @@ class _Strip(HandlerBase):
 
     def create_artists(
         self,
-        legend: Any,
-        orig_handle: Any,
+        legend: Legend,
+        orig_handle: Artist,
         xdescent: float,
         ydescent: float,
         width: float,
         height: float,
         fontsize: float,
-        trans: Any,
+        trans: Transform,
     ) -> list[Rectangle]:
         from matplotlib.colors import to_hex
 
+        assert isinstance(orig_handle, Shades)
         color, step = to_hex(orig_handle.get_facecolor()), width / COUNT
         return [
             Rectangle(
@@ -50,10 +54,10 @@ class _Strip(HandlerBase):
 
 
 #: For the argument `handler_map` of `Figure.legend`.
-HANDLERS = {Shades: _Strip()}
+HANDLERS: dict[type[Artist], HandlerBase] = {Shades: _Strip()}
 
 
-def add_legend(figure: Figure, handles: Sequence[Any], columns: int, score: str = "MSE") -> None:
+def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, score: str = "MSE") -> None:
     """Put the legend of a map above its title; the legend's own title explains the shades.
 
     `score` is what schemes are judged by.
@@ -64,7 +68,7 @@ def add_legend(figure: Figure, handles: Sequence[Any], columns: int, score: str 
     )  # fmt: skip
 
 
-def list_in_legend(rows: Sequence[dict[Any, Any]], schemes: Sequence[str]) -> list[str]:
+def list_in_legend(rows: Sequence[Row], schemes: Sequence[str]) -> list[str]:
     """Return the schemes that a map's legend lists: all, or of many those that are best somewhere.
 
     `rows` are the cells, rows of best_scheme.csv.

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -65,11 +64,11 @@ class Field:
     columns: Array
     lines: Array
     values: Array
-    best: NDArray[np.integer[Any]]
+    best: NDArray[np.intp]
     excess: Array
     distinguishable: NDArray[np.bool_]
     resolution: float
-    baseline: NDArray[np.integer[Any]]
+    baseline: NDArray[np.intp]
     lead: Array
 
 
@@ -141,7 +140,7 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
         _name_region(axes, field, field.best == number, name, look, zorder=5)
     unclear = ~field.distinguishable
     if unclear.any():
-        cover: dict[str, Any] = {"levels": [0.5, 1.5], "colors": "none", "hatches": [HATCH]}
+        cover: style.Look = {"levels": [0.5, 1.5], "colors": "none", "hatches": [HATCH]}
         axes.contourf(field.columns, field.lines, unclear.T.astype(float), **cover)
     axes.set_xlim(field.columns[0], field.columns[-1])
     axes.set_ylim(field.lines[0], field.lines[-1])
@@ -160,7 +159,7 @@ def _cover_baselines(axes: Axes, field: Field, baselines: Sequence[str]) -> None
     cover = np.dstack([fill, covered.T])
     axes.pcolormesh(field.columns, field.lines, cover, shading="nearest", rasterized=True, zorder=6)
     if not covered.all():
-        edge: dict[str, Any] = {"colors": "black", "linewidths": 1.4, "zorder": 7}
+        edge: style.Look = {"colors": "black", "linewidths": 1.4, "zorder": 7}
         axes.contour(field.columns, field.lines, field.lead.T, [field.resolution], **edge)
     for number, name in enumerate(baselines):
         _name_region(axes, field, field.baseline == number, name, looks[number], zorder=8)
@@ -191,7 +190,7 @@ def _draw_boundaries(axes: Axes, field: Field) -> None:
     Two schemes whose MSE agrees everywhere on the map, up to `field.resolution`, are not compared
     with each other.
     """
-    look: dict[str, Any] = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
+    look: style.Look = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
     for number, values in enumerate(field.values):
         others = np.delete(field.values, number, axis=0)
         alike = np.max(np.abs(others / values - 1.0), axis=(1, 2)) < field.resolution
@@ -212,7 +211,7 @@ def _draw_margins(axes: Axes, field: Field) -> None:
         return
     levels = [level for level in MARGINS if excess.min() < level < excess.max()]
     if levels:
-        look: dict[str, Any] = {"colors": "black", "linewidths": 0.8, "linestyles": "--"}
+        look: style.Look = {"colors": "black", "linewidths": 0.8, "linestyles": "--"}
         lines = axes.contour(field.columns, field.lines, excess.T, levels, **look)
         lines.set_path_effects([withStroke(linewidth=2.4, foreground="white", alpha=0.7)])
         for label in axes.clabel(lines, fmt="+%g %%", fontsize=8):

@@ -10,13 +10,16 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerBase
 from matplotlib.text import Text
+from matplotlib.typing import RcKeyType
 
 from owtsweep.io.files import write_all
 
@@ -26,7 +29,7 @@ SVG_LIMIT = 500 * 1024  # bytes
 #: Heights of a line of text, inches: of the footnote, and of the origin above a map's legend.
 FOOTNOTE_LINE, ORIGIN_LINE = 0.135, 0.15
 
-RC: Any = {
+RC: dict[RcKeyType, object] = {
     "font.family": "DejaVu Sans",  # part of matplotlib, so every machine draws the same
     "font.size": 10,
     "axes.titlesize": 11,
@@ -45,6 +48,8 @@ RC: Any = {
 OWN_TEX = re.compile(r"\$_[2xy]\$")
 #: Has no width. Put before a label that begins with `_`, which matplotlib leaves out of legends.
 JOINER = "\N{WORD JOINER}"
+#: Properties of a line, a patch or a text for matplotlib; each has a type of its own.
+Look = dict[str, Any]
 WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 
@@ -104,10 +109,10 @@ def label_of(name: str) -> str:
 
 def add_legend_above(
     figure: Figure,
-    handles: Sequence[Any],
+    handles: Sequence[Artist],
     title: str,
     columns: int,
-    handlers: Mapping[Any, Any] | None = None,
+    handlers: Mapping[type[Artist], HandlerBase] | None = None,
 ) -> None:
     """Put a legend with a title at the top of a figure; `title` serves as the figure's title.
 
@@ -205,19 +210,25 @@ def _draw_names_as_typed(figure: Figure) -> None:
             text.set_parse_math(False)
 
 
+class _Write(Protocol):
+    """Writes a figure; matplotlib gives the methods of its canvases no types."""
+
+    def __call__(self, target: BytesIO, *, metadata: Mapping[str, str | None]) -> None: ...
+
+
 def _render_png(figure: Figure, notes: Mapping[str, str]) -> bytes:
     # `Figure.savefig` draws each figure twice, the first time only to lay it out. The canvas lays
     # the figure out while it draws.
     buffer = BytesIO()
     figure.dpi = RESOLUTION
-    canvas: Any = FigureCanvasAgg(figure)  # matplotlib gives the method no types
-    canvas.print_png(buffer, metadata=dict(notes))
+    write: _Write = FigureCanvasAgg(figure).print_png
+    write(buffer, metadata=dict(notes))
     return buffer.getvalue()
 
 
 def _render_svg(figure: Figure, notes: Mapping[str, str | None]) -> bytes:
     buffer = BytesIO()
     figure.dpi = EMBEDDED_RESOLUTION
-    canvas: Any = FigureCanvasSVG(figure)
-    canvas.print_svg(buffer, metadata=dict(notes))
+    write: _Write = FigureCanvasSVG(figure).print_svg
+    write(buffer, metadata=dict(notes))
     return buffer.getvalue()

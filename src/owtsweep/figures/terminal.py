@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from string import ascii_uppercase
-from typing import Any
 
 import pandas as pd
 from rich import box
@@ -23,7 +22,7 @@ from rich.text import Text
 
 from owtsweep.figures import margin
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Plane
+from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
 
 #: Mark after a scheme's name in cells where the data do not distinguish it from the next best.
@@ -82,12 +81,12 @@ def grid(
     signs = _choose_signs([name for name in schemes if name in winners])
     further = conditions[2:]
     names = [condition.name for condition in further]
-    groups: Any = shown.groupby(names, sort=False) if names else [((), shown)]
+    groups = [cells for _, cells in shown.groupby(names, sort=False)] if names else [shown]
     holes = False
-    for values, cells in groups:
-        if names:
-            told = zip(further, values, strict=True)
-            parts.append(Text(", ".join(f"{c.word} {c.show(value)}" for c, value in told)))
+    for cells in groups:
+        if further:
+            told = (f"{c.word} {c.show(cells[c.name].iloc[0])}" for c in further)
+            parts.append(Text(", ".join(told)))
         plane = Plane.of(cells, conditions[:2])
         rows = {plane.place(row): row for row in cells.to_dict("records")}
         parts.append(_Map(rows, schemes, signs, plane))
@@ -120,7 +119,7 @@ class _Map:
         The axes of the map.
     """
 
-    rows: Mapping[tuple[int, int], Mapping[Any, Any]]
+    rows: Mapping[tuple[int, int], Row]
     schemes: Sequence[str]
     signs: Mapping[str, str]
     plane: Plane
@@ -197,7 +196,7 @@ class _Map:
             table.add_row(Text(labels[line]), *texts)
         return table
 
-    def _make_cell(self, row: Mapping[Any, Any], shaded: bool | None, wide: int) -> Text:
+    def _make_cell(self, row: Row, shaded: bool | None, wide: int) -> Text:
         """Make the text of a cell of a width; `shaded` is None for a cell without colour."""
         width = max(map(cell_len, self.signs.values()))
         mark = " " if row["distinguishable"] else MARK

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +17,7 @@ from owtsweep.arrays import Array
 from owtsweep.figures import style
 from owtsweep.figures.lines import Line, clip, make_line
 from owtsweep.figures.palette import style_of
+from owtsweep.figures.style import Look
 
 #: Lengths in inches, and the relative heights of the panels.
 WIDTH, HEIGHT = 10.0, {2: 5.4, 3: 7.2}
@@ -45,7 +45,7 @@ class Curve:
     """
 
     line: Line
-    look: Mapping[str, Any]
+    look: Look
 
     def draw(self, axes: Axes) -> None:
         """Draw the line into `axes`.
@@ -204,7 +204,7 @@ def show_fixes(time: Array, values: Array, *, label: str, size: float) -> Curve:
     return Curve([(time, values)], {**look, "label": label, "zorder": 3})
 
 
-def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Curve:
+def show_scheme(name: str, names: Sequence[str], line: Line, look: Look) -> Curve:
     """Make a curve in the colour and line style of the scheme `name`.
 
     Parameters
@@ -215,7 +215,7 @@ def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Cur
         Names of all schemes of the study. The look of a scheme may depend on its place among them.
     line
         Times in s and values of each part of the line between two gaps.
-    **look
+    look
         Further properties of the line for matplotlib, e.g. `linewidth`.
     """
     scheme = style_of(name, names)
@@ -237,7 +237,8 @@ def show_estimate(name: str, names: Sequence[str], line: Line, *, on_top: bool =
         Whether to draw the curve over those of the other schemes too.
     """
     zorder = ON_TOP if on_top else 2.5
-    return show_scheme(name, names, line, linewidth=1.2, label=style.label_of(name), zorder=zorder)
+    look: Look = {"linewidth": 1.2, "label": style.label_of(name), "zorder": zorder}
+    return show_scheme(name, names, line, look)
 
 
 def show_errors(

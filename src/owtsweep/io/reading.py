@@ -8,7 +8,6 @@ import os
 import stat
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any
 
 from owtsweep.errors import InputError
 
@@ -174,7 +173,7 @@ def read_text(path: Path, most: int) -> str:
         raise InputError(f"{path}: this is no text in UTF-8 ({error.reason})") from error
 
 
-def read_json(path: Path, most: int) -> Any:
+def read_json(path: Path, most: int) -> object:
     """Read a JSON file of at most `most` bytes; return its data, which may be of any type.
 
     Raises
@@ -187,7 +186,8 @@ def read_json(path: Path, most: int) -> Any:
 
     text = read_text(path, most)
     try:
-        return json.loads(text)
+        data: object = json.loads(text)
     except (ValueError, RecursionError) as error:
         reason = "it nests too deeply" if isinstance(error, RecursionError) else str(error)
         raise InputError(f"{path}: this is no JSON ({reason})") from None
+    return data

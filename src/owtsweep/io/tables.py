@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 from owtsweep.io.files import write_all
@@ -87,9 +87,12 @@ def _parse(data: bytes) -> pd.DataFrame:
 
     # Not pandas' Arrow engine: if a quote never ends, it reads half a table as one field; and it
     # guesses dates. A scheme may be named "NA", so only an empty field is a missing value.
-    exact: Any = {} if _is_exact(pd.__version__) else {"float_precision": "round_trip"}
     table: pd.DataFrame = pd.read_csv(
-        BytesIO(data), low_memory=False, keep_default_na=False, na_values=[""], **exact
+        BytesIO(data),
+        low_memory=False,
+        keep_default_na=False,
+        na_values=[""],
+        float_precision=None if _is_exact(pd.__version__) else "round_trip",
     )
     # pandas accepts damaged tables: it fills short lines, takes a surplus field as the row's name,
     # and renames columns of equal names.

@@ -5,7 +5,7 @@ Lines are at multiples of 1 / (twice the record), so that nothing repeats inside
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,16 +37,14 @@ def respond(frequency: Array, period: float, damping: float, highest: float) -> 
 
 
 def scale_to_one(
-    lines: NDArray[np.complexfloating[Any, Any]],
-) -> NDArray[np.complexfloating[Any, Any]]:
+    lines: NDArray[np.complex128],
+) -> NDArray[np.complex128]:
     """Return lines (lines, columns) with a variance of 1 per column; without power they stay 0."""
     variance = 0.5 * np.sum(np.abs(lines) ** 2, axis=0)
     return np.asarray(lines / np.sqrt(np.where(variance > 0.0, variance, 1.0)))
 
 
-def sample(
-    lines: NDArray[np.complexfloating[Any, Any]], steps: int, step: float, lead: int
-) -> Series:
+def sample(lines: NDArray[np.complex128], steps: int, step: float, lead: int) -> Series:
     """Sample lines and their derivatives, with a lead before the record.
 
     Parameters
@@ -67,7 +65,7 @@ def sample(
     return Series(*(_sum_up(part, steps, lead) for part in (lines, rate * lines, rate**2 * lines)))
 
 
-def _sum_up(lines: NDArray[np.complexfloating[Any, Any]], steps: int, lead: int) -> Array:
+def _sum_up(lines: NDArray[np.complex128], steps: int, lead: int) -> Array:
     bins = lines * steps
     bins[-1] = 0.0
     period = np.fft.irfft(bins, 2 * steps, axis=0)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -71,7 +70,7 @@ class Modulation:
         return factor * first, factor * (second + first**2)
 
 
-def _check(points: Any, name: str) -> None:
+def _check(points: Sequence[Sequence[float]], name: str) -> None:
     """Raise `InputError` unless `points` can be the points of a modulation; see `Modulation`."""
     example = "give pairs of time (s) and factor, e.g. [[0,0.1],[500,10],[1000,0.1]]"
     require(len(points) > 0, f"{name}: there is no point; {example}")

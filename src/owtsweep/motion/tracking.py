@@ -126,7 +126,7 @@ class SpectrumTracker:
         return Motion(float(np.sum(excess / fourth)), float(np.sum(excess / second)))
 
 
-def compute_periodogram(force: Array, step: float, ordinates: slice) -> Array:
+def compute_periodogram(force: Array, step: float, ordinates: slice[int]) -> Array:
     """Compute some ordinates of the one-sided periodogram of samples (n,), with a Hann window.
 
     The result is in the samples' unit^2/Hz.
@@ -181,7 +181,7 @@ def compute_log_likelihood(
 @lru_cache(32)
 def _make_models(
     length: int, step: float, noise: float, lean: float, band: tuple[float, float]
-) -> tuple[Array, Array, slice]:
+) -> tuple[Array, Array, slice[int]]:
     """Return 1 / density of all candidates, the sum of log densities, and the ordinates they use.
 
     The shapes are (periods, bandwidths, variances, ordinates) and (periods, bandwidths, variances).
@@ -202,7 +202,7 @@ def _make_models(
 
 
 @lru_cache(64)
-def _list_above(length: int, step: float, edge: float) -> tuple[slice, Array, Array]:
+def _list_above(length: int, step: float, edge: float) -> tuple[slice[int], Array, Array]:
     """Return where the ordinates above a band with an upper edge (Hz) are, and powers 2 and 4.
 
     The powers are those of the angular frequencies, rad/s, of these ordinates.
@@ -213,7 +213,7 @@ def _list_above(length: int, step: float, edge: float) -> tuple[slice, Array, Ar
     return above, omega**2, omega**4
 
 
-def _find_ordinates(frequency: Array, low: float, high: float) -> slice:
+def _find_ordinates(frequency: Array, low: float, high: float) -> slice[int]:
     """Return where rising frequencies, Hz, (n,) are between two, inclusive."""
     return slice(
         int(np.searchsorted(frequency, low)), int(np.searchsorted(frequency, high, "right"))

@@ -6,7 +6,6 @@ Most bins of such a transform are zero, and little time is spent on these bins.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +50,7 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
 
     length = _short_length(len(bins) - 1, samples)
     turns = _turns(len(bins), samples, length)
-    transform: Any = irfft if length <= LONG else np.fft.irfft
+    transform = irfft if length <= LONG else np.fft.irfft
     rows = np.empty((len(turns), length))
     count = max(min(len(turns) // 4, SIDE_BY_SIDE), TOGETHER // length, 1)
     # padded once here; otherwise each transform would copy them into longer arrays
@@ -90,6 +89,6 @@ def _turns(bins: int, samples: int, length: int) -> NDArray[np.complex128]:
     # the exact product modulo a whole turn: a large angle would lose its last digits
     angle = 2.0 * np.pi / samples * (first[:, None] * numbers % samples)
     # irfft divides by its length, and a cosine is half of a pair
-    turns: NDArray[Any] = np.exp(1j * angle) * (length / 2)
+    turns: NDArray[np.complex128] = np.exp(1j * angle) * (length / 2)
     turns.setflags(write=False)
     return turns

@@ -11,10 +11,8 @@ given f* and k the best a is the mean of I_j / (S(f_j) / a), so only f* and k ar
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
@@ -243,7 +241,7 @@ def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> 
     lowest, highest = np.log(band[0] / 3.0), np.log(band[1] * 3.0)
     narrow, broad = np.log((0.05 * df) ** 2), np.log((2.0 * band[1]) ** 2)
 
-    def cost(parameters: NDArray[Any]) -> float:
+    def cost(parameters: Array) -> float:
         if not (lowest <= parameters[0] <= highest and narrow <= parameters[1] <= broad):
             return np.inf
         shape = _shape(f, float(np.exp(parameters[0])), float(np.exp(parameters[1])))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -123,7 +123,7 @@ def find_only_cell(grid: Grid, section: str = "grid") -> dict[str, Value]:
     return {name: values[0] for name, values in grid.items()}
 
 
-def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
+def order_values(column: object, listed: Iterable[Value] = ()) -> list[Value]:
     """Return the distinct values of a column: numbers by size, texts in the order of `listed`.
 
     Texts that are not listed come last, alphabetically.
@@ -135,7 +135,7 @@ def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
     return distinct
 
 
-def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[Any]]) -> pd.DataFrame:
+def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[object]]) -> pd.DataFrame:
     """Return a table sorted by some of its columns.
 
     `order` maps the names of these columns, the most important first, to all values of the column

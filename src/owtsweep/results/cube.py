@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from owtsweep.results.superposition import PRODUCTS, superpose_all
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
+    from pandas.api.extensions import ExtensionArray
 
 #: Largest number that is used: sums of squares of larger ones overflow.
 LARGEST = 1e140
@@ -56,7 +57,7 @@ class Cube:
     levels: tuple[list[Value], ...]
     measures: tuple[str, ...]
     windows: tuple[str, ...]
-    replicates: tuple[int, ...]
+    replicates: tuple[Value, ...]
     products: Array | None
     direct: Array | None
     unable: pd.DataFrame
@@ -88,7 +89,9 @@ class Cube:
         outer = zip(self.names, self.levels, place, strict=False)  # the last condition has no index
         return {name: levels[index] for name, levels, index in outer}
 
-    def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Array:
+    def values(
+        self, scheme: int, place: tuple[int, ...], measures: Sequence[int] | None = None
+    ) -> Array:
         """Return the values of one scheme under one combination of all conditions but the last.
 
         Parameters
@@ -98,7 +101,7 @@ class Cube:
         place
             Indices of the values of all conditions but the last.
         measures
-            Indices of the measures to return, as a slice or a list; by default all measures.
+            Indices of the measures to return; by default all measures.
 
         Returns
         -------
@@ -111,13 +114,14 @@ class Cube:
         ValueError
             If the cube is empty.
         """
-        here: Any = (scheme, *place)
+        here: tuple[int | slice[None, None, None], ...] = (scheme, *place)
+        kept = slice(None) if measures is None else measures
         result: Array | None = None
         if self.products is not None:
-            products = self.products[:, *here][:, measures]
+            products = self.products[(slice(None), *here)][:, kept]
             result = superpose_all(products, self.levels[-1])
         if self.direct is not None:
-            direct = self.direct[here][:, measures]
+            direct = self.direct[here][:, kept]
             result = direct if result is None else np.where(np.isfinite(direct), direct, result)
         if result is None:
             raise ValueError("the cube is empty")
@@ -125,7 +129,7 @@ class Cube:
 
     def label(
         self, scheme: int, place: tuple[int, ...], indices: Sequence[NDArray[np.intp]]
-    ) -> dict[str, Any]:
+    ) -> dict[str, object]:
         """Return the labels of some elements of `values(scheme, place)` as columns: name -> labels.
 
         `scheme` and `place` are indices, as for `values`. The columns are scheme and conditions,
@@ -136,8 +140,9 @@ class Cube:
         import pandas as pd
 
         names = [self.names[-1], "measure", "window", "replicate"]
-        axes: Any = self.levels[-1], self.measures, self.windows, self.replicates
-        columns: dict[str, Any] = {"scheme": self.schemes[scheme], **self.name_outer(place)}
+        inner = self.measures, self.windows, self.replicates
+        axes: tuple[Sequence[Value], ...] = (self.levels[-1], *inner)
+        columns: dict[str, object] = {"scheme": self.schemes[scheme], **self.name_outer(place)}
         for name, axis, index in zip(names, axes, indices, strict=False):
             columns[name] = pd.Index(axis).take(index)
         return columns
@@ -204,7 +209,7 @@ class Cube:
         *outer, last = names
         inner = ["measure", "window", "replicate"]
         listed: dict[str, Sequence[Value]] = {**grid, "measure": measures}
-        labels: dict[str, Sequence[Any]] = {"scheme": list(schemes)}
+        labels: dict[str, Sequence[Value]] = {"scheme": list(schemes)}
         for name in [*outer, *inner]:
             labels[name] = order_values(_of(rows, name, used).unique(), listed.get(name, ()))
         every = grid[last] if superposed.any() else _of(rows, last, direct)
@@ -221,8 +226,8 @@ class Cube:
             schemes=tuple(schemes),
             conditions=tuple(conditions),
             levels=tuple(list(labels[name]) for name in names),
-            measures=tuple(labels["measure"]),
-            windows=tuple(labels["window"]),
+            measures=tuple(map(str, labels["measure"])),
+            windows=tuple(map(str, labels["window"])),
             replicates=tuple(labels["replicate"]),
             products=products,
             direct=values,
@@ -252,24 +257,25 @@ def _choose(
     *outer, last = conditions
     finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
     for name in ("measure", "window", "replicate", *(c.name for c in outer)):
-        finished = finished & _there(rows[name])
-    direct = finished & _usable(rows["value"])
+        finished = finished & _there(rows, name)
+    direct = finished & _usable(rows, "value")
     if not last.expands:
         return np.zeros(len(rows), dtype=bool), direct
     at_one = rows[last.name].notna().to_numpy()
     superposed = finished & ~at_one
     for name in PRODUCTS:
-        superposed &= _usable(rows[name])
+        superposed &= _usable(rows, name)
     return superposed, direct & at_one & rows[last.name].isin(list(grid[last.name])).to_numpy()
 
 
-def _usable(column: Any) -> NDArray[np.bool_]:
+def _usable(rows: pd.DataFrame, name: str) -> NDArray[np.bool_]:
     """Return a mask of the numbers in a column whose magnitude is at most `LARGEST`."""
-    return np.asarray(np.abs(column.to_numpy(dtype=float)) <= LARGEST)
+    return np.asarray(np.abs(rows[name].to_numpy(dtype=float)) <= LARGEST)
 
 
-def _there(column: Any) -> NDArray[np.bool_]:
+def _there(rows: pd.DataFrame, name: str) -> NDArray[np.bool_]:
     """Return a mask of the values in a column that are neither missing nor infinite."""
+    column = rows[name]
     there: NDArray[np.bool_] = column.notna().to_numpy()
     return there & np.isfinite(column.to_numpy()) if column.dtype.kind == "f" else there
 
@@ -277,7 +283,7 @@ def _there(column: Any) -> NDArray[np.bool_]:
 def _arrange(
     rows: pd.DataFrame,
     chosen: NDArray[np.bool_],
-    labels: Mapping[str, Sequence[Any]],
+    labels: Mapping[str, Sequence[Value]],
     axes: Sequence[str],
     columns: Sequence[str],
 ) -> Array:
@@ -308,7 +314,7 @@ def _arrange(
     for name in axes:
         column = _of(rows, name, chosen)
         if pd.api.types.is_numeric_dtype(column):
-            codes = np.searchsorted(np.asarray(labels[name]), column)
+            codes = np.searchsorted(np.asarray(labels[name]), np.asarray(column))
         else:
             texts = pd.Categorical(column)  # it may have more categories than `labels`
             codes = pd.Index(labels[name]).get_indexer(texts.categories)[texts.codes]
@@ -327,12 +333,12 @@ def _arrange(
     return arrays
 
 
-def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> Any:
+def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> ExtensionArray:
     """Return the values of the column `name` in the chosen rows; no copy if all rows are chosen.
 
     `chosen` is a mask of the rows.
     """
-    column = rows[name].array
+    column: ExtensionArray = rows[name].array
     return column if chosen.all() else column[chosen]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -50,7 +50,7 @@ def summarise(cube: Cube) -> pd.DataFrame:
     whole = join_lines(parts, columns)
     if cube.unable.empty:
         return whole
-    order: dict[str, Sequence[Any]] = {"scheme": cube.schemes}
+    order: dict[str, Sequence[object]] = {"scheme": cube.schemes}
     for name, levels in zip(cube.names, cube.levels, strict=True):
         order[name] = order_values([*levels, *cube.unable[name]], levels)
     return sort_lines(tell_in_summary(whole, cube.unable), order)

@@ -7,18 +7,20 @@ the error due to noise. The mean square of this error is therefore a parabola in
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.results.conditions import Value
 
 #: The columns of a superposed row: mean square of the error due to motion, mean product of the
 #: errors due to motion and noise, mean square of the error due to noise.
 PRODUCTS = ("motion", "cross", "noise")
 
 
-def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
+def superpose(
+    motion: Array | float, cross: Array | float, noise: Array | float, amplitude: Array | float
+) -> Array:
     """Compute the mean square error at an amplitude N: N^2 motion + 2 N cross + noise.
 
     Parameters
@@ -30,10 +32,10 @@ def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
     amplitude
         N: a number, or an array that can be broadcast against the other arguments.
     """
-    return amplitude**2 * motion + 2.0 * amplitude * cross + noise
+    return np.asarray(amplitude**2 * motion + 2.0 * amplitude * cross + noise)
 
 
-def superpose_all(products: Array, amplitudes: Sequence[Any]) -> Array:
+def superpose_all(products: Array, amplitudes: Sequence[Value]) -> Array:
     """Compute the mean square errors at all amplitudes from the products of superposed rows.
 
     `products` holds the products motion, cross and noise, shape (3, measure, window, replicate).
@@ -44,9 +46,9 @@ def superpose_all(products: Array, amplitudes: Sequence[Any]) -> Array:
     if len(N) <= products.shape[-1]:
         motion, cross, noise = products[:, np.newaxis]
         N = N[:, np.newaxis, np.newaxis, np.newaxis]
-        return np.asarray(superpose(motion, cross, noise, N))
+        return superpose(motion, cross, noise, N)
     motion, cross, noise = products.transpose(0, 3, 1, 2)[..., np.newaxis]
-    return np.asarray(superpose(motion, cross, noise, N)).transpose(3, 1, 2, 0)
+    return superpose(motion, cross, noise, N).transpose(3, 1, 2, 0)
 
 
 def find_crossing(products: Array) -> Array:

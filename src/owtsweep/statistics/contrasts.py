@@ -7,12 +7,16 @@ mean(b) - a_r / mean(a).
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.statistics.inference import mean_and_error, p_value, t_quantile
+
+#: Numbers of replicates.
+Counts = NDArray[np.intp]
 
 
 class Contrast(NamedTuple):
@@ -33,8 +37,8 @@ class Contrast(NamedTuple):
     low: Array
     high: Array
     p: Array
-    n_first: Array
-    n_second: Array
+    n_first: Counts
+    n_second: Counts
 
 
 def gap(samples: Array) -> Contrast:
@@ -83,7 +87,7 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
         return logs._replace(value=b / a, low=np.exp(logs.low), high=np.exp(logs.high))
 
 
-def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, Array]:
+def _welch(error_a: Array, n_a: Counts, error_b: Array, n_b: Counts) -> tuple[Array, Array]:
     """Compute the standard error of the difference of two means, and its degrees of freedom.
 
     The arguments are the standard error of each mean and its number of samples. The degrees of
@@ -95,7 +99,7 @@ def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, A
     return error, np.where(exact, n_a + n_b - 2.0, error**4 / (share_a + share_b))
 
 
-def _student(value: Array, error: Array, freedom: Any, n_a: Any, n_b: Any) -> Contrast:
+def _student(value: Array, error: Array, freedom: Array, n_a: Counts, n_b: Counts) -> Contrast:
     testable = np.isfinite(value) & np.isfinite(error) & (freedom > 0)
     margin = np.where(testable, t_quantile(freedom) * error, np.nan)
     p = p_value(value, error, freedom)

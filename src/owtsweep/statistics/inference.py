@@ -9,7 +9,6 @@ to the bootstrap, chapters 10 and 13.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,7 +56,7 @@ def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
     return mean, error, n
 
 
-def t_quantile(freedom: Any) -> Array:
+def t_quantile(freedom: ArrayLike) -> Array:
     """Return the half-width of a 95 % confidence interval, in standard errors of the estimate.
 
     Parameters
@@ -73,7 +72,7 @@ def t_quantile(freedom: Any) -> Array:
     return np.asarray(quantile.reshape(np.shape(freedom)))
 
 
-def p_value(value: Any, error: Any, freedom: Any) -> Array:
+def p_value(value: ArrayLike, error: ArrayLike, freedom: ArrayLike) -> Array:
     """Return the two-sided p-value of the t-test that a quantity is zero.
 
     Parameters
@@ -88,7 +87,7 @@ def p_value(value: Any, error: Any, freedom: Any) -> Array:
 
     tested = np.isfinite(value) & np.isfinite(error) & (np.asarray(freedom) > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        p = 2.0 * stdtr(np.where(tested, freedom, 1.0), -np.abs(value) / error)
+        p = 2.0 * stdtr(np.where(tested, freedom, 1.0), np.divide(-np.abs(value), error))
     p = np.where(np.equal(error, 0.0), np.where(np.equal(value, 0.0), 1.0, 0.0), p)
     return np.where(tested, p, 1.0)
 

@@ -7,20 +7,27 @@ Euler-Bernoulli's beam with cubic (Hermite) elements, energies per length, halve
 where N is the compression by the weight above (left out without gravity), k_s the soil's stiffness
 and m_w the added mass of the water. Degrees of freedom are w0, theta0, w1, theta1, ... from the
 lowest node upwards, with theta = dw/dz: positive if the structure leans the way it moves.
+
+Bending stress and strain at the nodes follow from the degrees of freedom.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
-from owtsweep.structures.description import Structure
+from owtsweep.structures.description import Structure, Tube
 from owtsweep.structures.sections import Sections, list_bodies
+
+if TYPE_CHECKING:
+    from skfem.assembly.form.form import FormExtraParams
+    from skfem.element import DiscreteField
 
 #: Order up to which polynomials are integrated exactly: tapered walls, and squares of cubics.
 ORDER = 10
@@ -45,7 +52,7 @@ class PlaneBeam:
     heights: Array
     mass: Array
     stiffness: Array
-    free: Any
+    free: NDArray[np.intp]
 
     def find_node(self, height: float, what: str = "height") -> int:
         """Return the number of the node at a height (m above mean sea level).
@@ -204,7 +211,9 @@ def _assemble(
     basis = Basis(MeshLine(nodes), ElementLineHermite(), intorder=ORDER)
     section = Sections(structure, sum(mass for _, mass, _, _ in list_bodies(structure)))
 
-    def form(integrand: Callable[..., Any]) -> Array:
+    def form(
+        integrand: Callable[[DiscreteField, DiscreteField, FormExtraParams], Array],
+    ) -> Array:
         return np.asarray(BilinearForm(integrand).assemble(basis).toarray())
 
     stiffness = form(lambda w, v, p: section.bending(p.x[0]) * dd(w)[0][0] * dd(v)[0][0])
@@ -226,3 +235,56 @@ def _add_bodies(
         at = np.ix_([w, w + 1], [w, w + 1])
         beam.mass[at] += [[mass, mass * offset], [mass * offset, mass * offset**2 + inertia]]
         beam.stiffness[w + 1, w + 1] -= mass * gravity * offset
+
+
+def moment_matrix(structure: Structure, beam: PlaneBeam) -> Array:
+    """Return B with M = B u, the bending moments E I w'' at the nodes in N m, (nodes, 2 nodes).
+
+    At a node between two elements the mean of their moments counts: they differ by inertia loads
+    inside the elements only.
+    """
+    nodes = len(beam.heights)
+    below, above = np.zeros((2, nodes, 2 * nodes))
+    section = Sections(structure, 0.0)
+    for i, (low, high) in enumerate(zip(beam.heights[:-1], beam.heights[1:], strict=True)):
+        length = high - low
+        inside = np.array([low, high]) + NEAR * np.array([1.0, -1.0])  # of this element's tube
+        at_low, at_high = section.bending(inside)
+        dof = slice(2 * i, 2 * i + 4)
+        above[i, dof] = at_low * np.array([-6.0, -4.0 * length, 6.0, -2.0 * length]) / length**2
+        below[i + 1, dof] = at_high * np.array([6.0, 2.0 * length, -6.0, 4.0 * length]) / length**2
+    result = 0.5 * (below + above)
+    result[0], result[-1] = above[0], below[-1]
+    return np.asarray(result)
+
+
+def stress_matrix(structure: Structure, beam: PlaneBeam) -> Array:
+    """Return S with stress = S u: bending stress (Pa) at the outer fibre of each node.
+
+    The shape is (nodes, 2 nodes). Positive is tension where w is negative (upwind, for a load along
+    w). Where the wall changes at a node, the weaker section counts.
+    """
+    return _fibre(structure, beam)[:, None] * moment_matrix(structure, beam)
+
+
+def strain_matrix(structure: Structure, beam: PlaneBeam) -> Array:
+    """Return the strains (no unit) that belong to `stress_matrix`, shape (nodes, 2 nodes)."""
+    modulus = np.empty(len(beam.heights))
+    for i, height in enumerate(beam.heights):
+        modulus[i] = _tube_at(structure, height).youngs_modulus
+    return stress_matrix(structure, beam) / modulus[:, None]
+
+
+def _fibre(structure: Structure, beam: PlaneBeam) -> Array:
+    """Return half the diameter over the second moment of area at the nodes, m^-3."""
+    fibre = np.zeros(len(beam.heights))
+    for side in (-NEAR, NEAR):
+        height = np.clip(beam.heights + side, beam.heights[0] + NEAR, beam.heights[-1] - NEAR)
+        for i, z in enumerate(height):
+            tube, at = _tube_at(structure, z), np.array([z])
+            fibre[i] = max(fibre[i], float(tube.outer(at)[0] / (2.0 * tube.inertia(at)[0])))
+    return fibre
+
+
+def _tube_at(structure: Structure, height: float) -> Tube:
+    return next(tube for tube in structure.tubes if tube.bottom <= height <= tube.top)

@@ -15,14 +15,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.structures.description import Structure
 from owtsweep.structures.sections import Sections, list_bodies
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix, csr_matrix
+    from skfem import Basis
+    from skfem.assembly.form.form import FormExtraParams
+    from skfem.element import DiscreteField
 
 #: Longest element, m.
 ELEMENT = 1.0
@@ -46,12 +53,12 @@ class Beam:
         Degrees of freedom that are not clamped.
     """
 
-    stiffness: Any
-    mass: Any
+    stiffness: csc_matrix
+    mass: csc_matrix
     heights: Array
-    deflections: Any
+    deflections: NDArray[np.intp]
     hub_slope: int
-    free: Any
+    free: NDArray[np.intp]
 
     @property
     def hub(self) -> int:
@@ -81,7 +88,9 @@ def assemble(structure: Structure, blades: int = 0) -> Beam:
     )
     bodies = list_bodies(structure, blades)
 
-    def form(integrand: Callable[..., Any], *bases: Any) -> Any:
+    def form(
+        integrand: Callable[[DiscreteField, DiscreteField, FormExtraParams], Array], *bases: Basis
+    ) -> csr_matrix:
         return BilinearForm(integrand).assemble(*bases)
 
     section = Sections(structure, sum(mass for _, mass, _, _ in bodies))

@@ -17,12 +17,11 @@ Both hold from 28 to 40 degrees; below 27 degrees the first is negative.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.structures.description import Soil, Structure
+from owtsweep.structures.description import Soil, Structure, Tube
 
 
 class Sections:
@@ -40,7 +39,7 @@ class Sections:
         below = np.cumsum(self._steel(middle) * np.diff(self.sampled))
         self.below = np.concatenate([[0.0], below])
 
-    def _over_tubes(self, value: Callable[[Any, Array], Array], height: Array) -> Array:
+    def _over_tubes(self, value: Callable[[Tube, Array], Array], height: Array) -> Array:
         result = np.zeros_like(height)
         for tube in self.structure.tubes:
             inside = (height >= tube.bottom) & (height <= tube.top)
@@ -57,7 +56,7 @@ class Sections:
     def shear(self, height: Array) -> Array:
         """Compute kappa G A, N; kappa = 2 (1 + nu) / (4 + 3 nu) of a thin tube (Cowper 1966)."""
 
-        def value(tube: Any, z: Array) -> Array:
+        def value(tube: Tube, z: Array) -> Array:
             nu = tube.poissons_ratio
             kappa = 2.0 * (1.0 + nu) / (4.0 + 3.0 * nu)
             return np.asarray(kappa * tube.youngs_modulus / (2.0 * (1.0 + nu)) * tube.area(z))

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Any, Literal
+from typing import Literal, TypedDict
 
 import numpy as np
 
@@ -210,11 +210,18 @@ def measure_gap(curve: SNCurve) -> float:
     return float(abs(curve.log_a[1] - curve.m[1] * stress - np.log10(curve.knee)))
 
 
+class _Environment(TypedDict):
+    """The S-N curves of an environment: the cycles of the knee, and class -> m and log_a."""
+
+    knee: float
+    curves: dict[str, dict[str, list[float]]]
+
+
 @cache
-def _read_table() -> dict[str, Any]:
+def _read_table() -> dict[str, _Environment]:
     """Read the tables of DNV-RP-C203: environment -> knee, and curves by class."""
     import yaml
 
     source = resources.files("owtsweep.structures") / "data" / "dnv_rp_c203.yaml"
-    table: dict[str, Any] = yaml.safe_load(source.read_text(encoding="utf-8"))
+    table: dict[str, _Environment] = yaml.safe_load(source.read_text(encoding="utf-8"))
     return table

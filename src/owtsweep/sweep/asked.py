@@ -15,7 +15,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
 
 from owtsweep.config import Config, typed
 from owtsweep.config.stored import read_stored
@@ -48,7 +47,7 @@ class Question:
     """
 
     hash: str
-    config: Mapping[str, Any]
+    config: Mapping[str, object]
     trouble: str = ""
 
 

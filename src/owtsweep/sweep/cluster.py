@@ -10,11 +10,11 @@ import asyncio
 import logging
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from distributed import Client, Security
 from distributed.core import connect
@@ -152,6 +152,18 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
             raise InputError(f"compute.scheduler: {worker}: {answer}")
 
 
+class _Calls(Protocol):
+    """What joblib submits: calls, each a function with its arguments."""
+
+    items: Sequence[tuple[object, Sequence[int], object]]
+
+
+class _Callback(Protocol):
+    """What joblib calls with a result; `number` is added here."""
+
+    number: int
+
+
 class Backend(_Base):  # type: ignore[misc]
     """joblib's backend for dask, extended to notice tasks that fail outside their own code.
 
@@ -173,7 +185,7 @@ class Backend(_Base):  # type: ignore[misc]
         super().start_call()
         self.client.loop.add_callback(self._watch)
 
-    def submit(self, func: Any, callback: Any) -> Any:
+    def submit(self, func: _Calls, callback: _Callback) -> object:
         ((_, arguments, _),) = func.items  # batch_size=1: run_task(work, number, ...)
         callback.number = arguments[1]
         return super().submit(func, callback)
@@ -217,7 +229,7 @@ class Backend(_Base):  # type: ignore[misc]
                 callback([Lost(callback.number, reason, final=True)])
 
 
-def _short(error: Any) -> str:
+def _short(error: object) -> str:
     """Return in one line why dask has lost a task, without dask's advice to read the logs.
 
     `error` is the exception that dask gives; any other value means that the task was cancelled.

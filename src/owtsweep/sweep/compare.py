@@ -10,7 +10,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.comparing.comparison import (
     RUN,
@@ -200,7 +200,7 @@ def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.D
 def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str]) -> Comparison:
     mappings = [as_mapping(run.config) for run, _ in loaded]
     keys, following = swept_keys(mappings, preferred)
-    values: list[dict[str, Any]] = [{k: _value(m, k) for k in keys} for m in mappings]
+    values: list[dict[str, object]] = [{k: _value(m, k) for k in keys} for m in mappings]
     shown = {tuple(show(value) for value in of_run.values()) for of_run in values}
     if len(shown) < len(values):  # e.g. the runs differ in their grids or schemes
         names = [run.folder.name for run, _ in loaded]
@@ -221,7 +221,7 @@ def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str
     return Comparison(tuple(keys), tuple(following), runs, tuple(pairs))
 
 
-def _value(mapping: Any, key: str) -> Any:
+def _value(mapping: object, key: str) -> object:
     for part in key.split("."):
         mapping = mapping.get(part) if isinstance(mapping, dict) else None
     return mapping

@@ -33,6 +33,8 @@ from owtsweep.sweep.worker import (
 )
 
 if TYPE_CHECKING:
+    from distributed import Client
+
     from owtsweep.sweep.cluster import Lost
 
 #: The backends of joblib that a sweep can use.
@@ -56,7 +58,7 @@ class Executor:
 
     work: Work
     workers: int
-    client: Any = None
+    client: Client | None = None
 
     def run(self, tasks: Sequence[Plan], tell: Callable[[int], None]) -> Generator[TaskResult]:
         """Run the tasks, and yield the result of each task as soon as the result arrives.
@@ -154,7 +156,7 @@ class Executor:
     ) -> Iterator[TaskResult | Lost]:
         from joblib import delayed
 
-        def calls() -> Iterator[Any]:
+        def calls() -> Iterator[object]:
             for number in numbers:
                 sent.append(number)
                 yield delayed(run_task)(work, number, tasks[number], local)
@@ -162,7 +164,7 @@ class Executor:
         if local is not None:
             local.stop.clear()  # the previous round set it to stop the workers that were left
         with _hold_interrupts(self.work.backend == "loky"):
-            results: Any = self._make_parallel(len(numbers))(calls())
+            results: Generator[TaskResult | Lost] = self._make_parallel(len(numbers))(calls())
         try:
             for result in results:
                 if not isinstance(result, TaskResult) and result.final:

@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
 
+from owtsweep.arrays import Array
 from owtsweep.config import Config
 from owtsweep.errors import InputError
 
@@ -44,7 +45,7 @@ class Results:
     tables: dict[str, pd.DataFrame]
 
 
-def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
+def gather(tables: Iterable[pa.Table]) -> pd.DataFrame | None:
     """Join the rows of all tables, in the order of the tables; return None if there is no table.
 
     Parameters
@@ -89,7 +90,7 @@ def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
     and equal rows keep their order. The frame's columns are reordered one by one, so that memory
     never holds a second copy of the whole frame.
     """
-    order = np.lexsort([_rank(frame[name]) for name in reversed(columns)])
+    order = np.lexsort([_rank(frame, name) for name in reversed(columns)])
     for name in frame.columns:
         frame[name] = frame[name].array.take(order)
     return frame
@@ -126,7 +127,7 @@ def _join_tunings(parts: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     return whole
 
 
-def _join(tables: list[Any]) -> Any:
+def _join(tables: list[pa.Table]) -> pa.Table:
     # Permissive: a column may hold whole numbers in one shard and fractions in another.
     try:
         return pa.concat_tables(tables, promote_options="permissive")
@@ -136,7 +137,7 @@ def _join(tables: list[Any]) -> Any:
         ) from error
 
 
-def _encode_texts(table: Any) -> Any:
+def _encode_texts(table: pa.Table) -> pa.Table:
     for place, (name, column) in enumerate(zip(table.column_names, table.columns, strict=True)):
         if pa.types.is_large_string(column.type) or pa.types.is_string(column.type):
             table = table.set_column(place, name, column.dictionary_encode())
@@ -147,11 +148,12 @@ def _list_categorical(frame: pd.DataFrame) -> list[str]:
     return [str(name) for name in frame.select_dtypes("category")]
 
 
-def _rank(column: Any) -> Any:
+def _rank(frame: pd.DataFrame, name: str) -> Array:
     """Return one number per value of a column, so that sorting by the numbers sorts the values.
 
     Text is ranked alphabetically. Missing values get the largest number.
     """
+    column = frame[name]
     if column.dtype.kind in "iufb":
         return column.to_numpy()
     coded = column.astype("category").cat

@@ -7,7 +7,6 @@ import re
 from collections.abc import Mapping
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
 
 from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
@@ -109,7 +108,7 @@ def _folder(config: Config, key: str, name: str) -> Path:
     return Path(config.results) / name
 
 
-def _digest(identity: Mapping[str, Any], size: int, *, what: str) -> str:
+def _digest(identity: Mapping[str, object], size: int, *, what: str) -> str:
     try:
         # Python writes a float as the shortest text that reads back as the same float.
         text = json.dumps(
@@ -122,7 +121,7 @@ def _digest(identity: Mapping[str, Any], size: int, *, what: str) -> str:
     return blake2b(text.encode(), digest_size=size).hexdigest()
 
 
-def _as_dict(value: object) -> dict[Any, Any]:
+def _as_dict(value: object) -> dict[object, object]:
     if isinstance(value, Mapping):
         return dict(value)
     raise TypeError(f"{type(value).__name__} has no exact JSON form")

@@ -14,7 +14,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
 
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError, printable
@@ -106,7 +105,7 @@ def digest(text: str) -> str:
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-def read_stored_plan(study: Study, folder: Path, text: str) -> Mapping[str, Any]:
+def read_stored_plan(study: Study, folder: Path, text: str) -> Mapping[str, object]:
     """Read plan.json in a run folder; `text` is the content of the folder's config.yaml.
 
     Raises
@@ -150,7 +149,7 @@ def is_of_other_version(study: Study, folder: Path) -> bool:
     return False
 
 
-def read_blocks(folder: Path, stored: Mapping[str, Any], tunings: Collection[str]) -> Plan:
+def read_blocks(folder: Path, stored: Mapping[str, object], tunings: Collection[str]) -> Plan:
     """Return the blocks of a stored plan by key.
 
     These blocks have no content, so their rows can be read, but not computed.
@@ -185,7 +184,7 @@ def read_blocks(folder: Path, stored: Mapping[str, Any], tunings: Collection[str
     return plan
 
 
-def _fit(names: list[Any], tunings: Collection[str]) -> bool:
+def _fit(names: list[object], tunings: Collection[str]) -> bool:
     """Return whether a block's entry names tunings of the run, or none in a run of one tuning."""
     if not tunings:
         return not names

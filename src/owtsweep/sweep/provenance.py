@@ -12,10 +12,10 @@ from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep._version import __version__
-from owtsweep.config import Config, as_mapping, require
+from owtsweep.config import Config, Plain, as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_json
 from owtsweep.sweep.keys import list_versions
@@ -39,7 +39,7 @@ MOST_BYTES = 50_000_000
 
 def start_manifest(
     run: Run, text: str, argv: Sequence[str] | None, backend: str, workers: int
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return the manifest of a run that begins now, as plain JSON data; `state` is "running".
 
     Parameters
@@ -84,12 +84,12 @@ def start_manifest(
 
 
 def finish_manifest(
-    manifest: dict[str, Any],
+    manifest: dict[str, object],
     state: str,
     seconds: float,
     cases: Mapping[str, int],
     blocks: Mapping[str, float],
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return the manifest of a run that ends now.
 
     Parameters
@@ -116,7 +116,7 @@ def finish_manifest(
     }
 
 
-def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
+def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, object]:
     """Summarise computing times: number of blocks, sum, median, and the slowest blocks.
 
     `blocks` maps the label of each block (unit of work) to the block's computing time in s. The
@@ -171,7 +171,7 @@ def was_running(folder: Path) -> bool:
         return False
 
 
-def read_manifest(folder: Path) -> dict[str, Any]:
+def read_manifest(folder: Path) -> Plain:
     """Read manifest.json in a run folder; the values in the manifest are not checked.
 
     Raises
@@ -182,8 +182,9 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     path = folder / MANIFEST
     require(os.path.lexists(path), f"{folder}: the folder has no {MANIFEST}; run its sweep")
     manifest = read_json(path, MOST_BYTES)
-    require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
-    return dict(manifest)
+    if not isinstance(manifest, dict):
+        raise InputError(f"{path}: this is no manifest; run its sweep again")
+    return manifest
 
 
 def git_state(package: Path) -> dict[str, str | bool] | None:
@@ -213,7 +214,7 @@ def _find_version(package: str) -> str | None:
         return None
 
 
-def _without_places(config: Config) -> dict[str, Any]:
+def _without_places(config: Config) -> Plain:
     """Return the configuration as a mapping without the keys `results` and `compute.scheduler`.
 
     A run may be published. So the run's manifest names no results folder and no scheduler's

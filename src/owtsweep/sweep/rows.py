@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
@@ -57,7 +57,7 @@ class Setback:
     cases: int
 
 
-def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
+def require_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     """Check, before the rows of a block (unit of work) are stored, that tables can use the rows.
 
     The needed columns are those of `needed_columns`.
@@ -113,7 +113,7 @@ def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
     return {"status": str, "reason": str, **needed, **getattr(engine, "row_types", {})}
 
 
-def kinds_of(schema: Any) -> dict[str, str]:
+def kinds_of(schema: pa.Schema) -> dict[str, str]:
     """Return column name -> kind of the column's values, for a `pyarrow.Schema`.
 
     A kind is "text", "categories" (coded text), "numbers", "flags" (true and false), or "nothing"
@@ -139,7 +139,7 @@ def kinds_of(schema: Any) -> dict[str, str]:
     return kinds
 
 
-def check_columns(schema: Any, needed: Needed) -> None:
+def check_columns(schema: pa.Schema, needed: Needed) -> None:
     """Check that a `pyarrow.Schema` has all needed columns, and that their types are allowed.
 
     `needed` is what `needed_columns` returns.
@@ -159,7 +159,7 @@ def check_columns(schema: Any, needed: Needed) -> None:
             raise WrongRows(f"its column {name} holds {kinds[name]} where {belongs} belong")
 
 
-def check_table(table: Any, needed: Needed) -> None:
+def check_table(table: pa.Table, needed: Needed) -> None:
     """Check the values of a `pyarrow.Table` whose columns `check_columns` has checked.
 
     Raises
@@ -177,7 +177,7 @@ def check_table(table: Any, needed: Needed) -> None:
         check_statuses(frozenset(table["status"].unique().to_pylist()))
 
 
-def _check_squares(name: str, column: Any) -> None:
+def _check_squares(name: str, column: pa.ChunkedArray) -> None:
     values = column.to_numpy().astype(float)  # what is missing becomes NaN
     tiny = values[(values != 0.0) & (np.abs(values) < LEAST_SQUARE)]
     if len(tiny):
@@ -186,7 +186,7 @@ def _check_squares(name: str, column: Any) -> None:
         )
 
 
-def check_statuses(statuses: frozenset[Any]) -> None:
+def check_statuses(statuses: frozenset[str]) -> None:
     """Check `statuses`, the distinct values of the column `status`.
 
     Raises

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
-from typing import Any
 
 from owtsweep.config import Config, dump, require
 from owtsweep.errors import InputError
@@ -264,7 +263,7 @@ class _Sweep:
             self._fail([Setback(f"{names} (left as they were)", one_line(error), 0)])
         return results
 
-    def _write_manifest(self, manifest: dict[str, Any]) -> None:
+    def _write_manifest(self, manifest: dict[str, object]) -> None:
         text = json.dumps(manifest, indent=2) + "\n"
         try:
             asked.write_both(self.run.folder, self.run.question, {MANIFEST: text})

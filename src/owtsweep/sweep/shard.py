@@ -13,7 +13,7 @@ import io
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -75,7 +75,7 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     return data[:place] + _digest(data) + data[place + len(_BLANK) :]
 
 
-def decode(data: bytes, key: str, needed: Needed) -> Any:
+def decode(data: bytes, key: str, needed: Needed) -> pa.Table:
     """Return the rows of a sealed file as a `pyarrow.Table`, after checking all bytes.
 
     Parameters
@@ -122,9 +122,9 @@ def read_statuses(data: bytes, key: str, needed: Needed) -> frozenset[str]:
         return statuses
 
 
-def _distinct(file: Any, column: str) -> frozenset[Any]:
+def _distinct(file: pq.ParquetFile, column: str) -> frozenset[str]:
     place = file.schema_arrow.get_field_index(column)
-    values: set[Any] = set()
+    values: set[str] = set()
     for group in range(file.metadata.num_row_groups):
         limits = file.metadata.row_group(group).column(place).statistics
         if limits is None or not limits.has_min_max or limits.min != limits.max:
@@ -133,7 +133,7 @@ def _distinct(file: Any, column: str) -> frozenset[Any]:
     return frozenset(values)
 
 
-def _opened(data: bytes, key: str, needed: Needed) -> Any:
+def _opened(data: bytes, key: str, needed: Needed) -> pq.ParquetFile:
     # The seal is checked first, so the parser never sees damaged bytes.
     place = data.rfind(_SEAL) + len(_SEAL)
     end = place + len(_BLANK)

@@ -11,13 +11,12 @@ from collections.abc import Iterator
 from hashlib import blake2b
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 #: The stand-in for the hash of a source that cannot be read, e.g. of a class in a notebook.
 UNKNOWN = "unknown"
 
 
-def describe_source(code: type) -> dict[str, Any]:
+def describe_source(code: type) -> dict[str, object]:
     """Return what identifies the code of a user's class, as a part of a block's content.
 
     Returns
@@ -29,9 +28,8 @@ def describe_source(code: type) -> dict[str, Any]:
         `version` is the attribute `version` of the class, as text; it is absent if the class has no
         such attribute, or the attribute is None.
     """
-    module = inspect.getmodule(code)
-    entry: dict[str, Any] = {"source": _read_source(module or code)}
-    others = dict(sorted(_hash_imports(module).items())) if module is not None else {}
+    own, others = _hash_sources(code)
+    entry: dict[str, object] = {"source": own}
     if others:
         entry["modules"] = others
     version = getattr(code, "version", None)
@@ -46,11 +44,11 @@ def explain_doubt(code: type) -> str:
     The reason is a source that cannot be read, so that a change of this source goes unnoticed.
     Return "" if the class has an attribute `version`, or all sources can be read.
     """
-    entry = describe_source(code)
-    if "version" in entry:
+    if getattr(code, "version", None) is not None:
         return ""
-    unread = [name for name, digest in entry.get("modules", {}).items() if digest == UNKNOWN]
-    if entry["source"] == UNKNOWN:
+    own, others = _hash_sources(code)
+    unread = [name for name, digest in others.items() if digest == UNKNOWN]
+    if own == UNKNOWN:
         unread.insert(0, code.__name__)
     if not unread:
         return ""
@@ -58,6 +56,14 @@ def explain_doubt(code: type) -> str:
         f"the source of {', '.join(unread)} cannot be read, so stored results may be those of "
         f"another version; give {code.__name__} a class attribute version = ... to keep them"
     )
+
+
+def _hash_sources(code: type) -> tuple[str, dict[str, str]]:
+    """Return the hash of the module of a class, and name -> hash of what the module imports."""
+    module = inspect.getmodule(code)
+    if module is None:
+        return _read_source(code), {}
+    return _read_source(module), dict(sorted(_hash_imports(module).items()))
 
 
 def _read_source(code: ModuleType | type) -> str:

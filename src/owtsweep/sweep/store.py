@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
@@ -24,6 +24,7 @@ from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 
 logger = logging.getLogger(__name__)
 
@@ -101,7 +102,7 @@ class Store:
         missing: list[str] = []
         kinds: dict[str, str] = {}
 
-        def tables() -> Iterator[Any]:
+        def tables() -> Iterator[pa.Table]:
             for key in keys:
                 table = self._verified(key, decode)
                 if table is None or not self._fits(key, table, kinds):
@@ -157,7 +158,7 @@ class Store:
                 _set_aside(path, printable(str(error)))
         return None
 
-    def _fits(self, key: str, table: Any, kinds: dict[str, str]) -> bool:
+    def _fits(self, key: str, table: pa.Table, kinds: dict[str, str]) -> bool:
         """Return whether the columns of a shard hold the same kinds of values as in earlier shards.
 
         If not, log a warning. `table` holds the rows of the shard of the block `key`. `kinds` maps

@@ -12,9 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Generic, Protocol, runtime_checkable
-
-from typing_extensions import TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
 
 from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, OK, UNABLE
@@ -23,11 +21,13 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-    from owtsweep.config import Config, Plain
+    from owtsweep.config import AnyConfig, Config, Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition, Value
     from owtsweep.sweep.gather import Results
+
+    C = TypeVar("C", bound=Config)
 
 
 __all__ = [
@@ -35,11 +35,6 @@ __all__ = [
     "Placing", "Predicting", "Spectral", "Square", "Study", "Tunable", "Tuned", "WarmsUp",
     "add_versions", "blame", "broken_study",
 ]  # fmt: skip
-
-#: The class of a study's configurations, and what an engine or a protocol takes of them. Where only
-#: the name says which study it is, it may be any.
-C = TypeVar("C", bound="Config", default=Any)
-Given = TypeVar("Given", bound="Config", contravariant=True, default=Any)
 
 
 @dataclass(frozen=True)
@@ -99,19 +94,21 @@ def add_versions(base: int, *rooms: ModuleType) -> int:
     return base + sum(int(room.NUMERICS_VERSION) for room in rooms)
 
 
-class Engine(Protocol[Given]):
+class Engine(Protocol):
     """The interface of an engine: one way to answer a study's question, from plan to figures."""
 
     #: Whether rows are samples (e.g. of records), so that means of rows have confidence intervals.
     samples: bool
 
-    def plan(self, config: Given) -> list[Block]:
+    def plan(self, config: AnyConfig) -> list[Block]:
         """Return all blocks (units of work) of the configuration, always in the same order."""
 
-    def backend(self, config: Given) -> str:
+    def backend(self, config: AnyConfig) -> str:
         """Return the joblib backend that suits the blocks: "threading" or "loky" (processes)."""
 
-    def run(self, config: Given, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    def run(
+        self, config: AnyConfig, blocks: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each block with its rows as soon as the block is done.
 
         A group is all blocks (units of work) with the same `Block.group`, which share inputs.
@@ -122,14 +119,14 @@ class Engine(Protocol[Given]):
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row; rows are sorted by these columns before sums."""
 
-    def tables(self, config: Given, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    def tables(self, config: AnyConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables from all stored rows of the plan; return them by name.
 
         Each table is written as `<name>.csv`. Text columns of `rows` may be categorical, as in
         `owtsweep.sweep.runs.Run.stored`.
         """
 
-    def terminal(self, config: Given, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+    def terminal(self, config: AnyConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the main result in a few lines, to be shown on the terminal after a sweep.
 
         `tables` are the tables by name, as `tables` returns them.
@@ -137,7 +134,7 @@ class Engine(Protocol[Given]):
 
     def drawings(
         self,
-        config: Given,
+        config: AnyConfig,
         tables: Mapping[str, pd.DataFrame],
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
@@ -148,22 +145,22 @@ class Engine(Protocol[Given]):
         `metadata` holds texts by name to store in the figures' files.
         """
 
-    def overview(self, config: Given) -> str:
+    def overview(self, config: AnyConfig) -> str:
         """Return the name of the figure that shows the main result, drawn at the end of a sweep."""
 
 
 @runtime_checkable
-class WarmsUp(Protocol[Given]):
+class WarmsUp(Protocol):
     """The interface of an engine that has work to do once, before the first block is computed."""
 
-    def warm_up(self, config: Given, workers: int) -> None:
+    def warm_up(self, config: AnyConfig, workers: int) -> None:
         """Do this work, e.g. compile kernels, in up to `workers` processes side by side.
 
         It is called in the process of the sweep, once per tuning, and only if blocks are missing.
         """
 
 
-class Study(ABC, Generic[C]):
+class Study(ABC):
     """The base class of a study: a family of experiments that share one type of configuration."""
 
     name: str
@@ -173,15 +170,15 @@ class Study(ABC, Generic[C]):
     numerics_version: int
 
     @abstractmethod
-    def config_type(self) -> type[C]:
+    def config_type(self) -> type[Config]:
         """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""
 
     @abstractmethod
-    def conditions(self, config: C) -> tuple[Condition, ...]:
+    def conditions(self, config: AnyConfig) -> tuple[Condition, ...]:
         """Return the axes of the study's grid, in the order of the tables' columns."""
 
     @abstractmethod
-    def engine(self, config: C) -> Engine[C]:
+    def engine(self, config: AnyConfig) -> Engine:
         """Return an engine that plans, runs and draws this configuration."""
 
     def complete(self, plain: Plain) -> Plain:
@@ -191,7 +188,7 @@ class Study(ABC, Generic[C]):
         """
         return plain
 
-    def check(self, config: C) -> None:
+    def check(self, config: AnyConfig) -> None:  # noqa: B027 - a study need not check more
         """Check that the study can run a configuration, after `Config.check` of its keys.
 
         Raises
@@ -200,7 +197,7 @@ class Study(ABC, Generic[C]):
             If keys, schemes and motion do not fit together, or a value is refused.
         """
 
-    def check_outside(self, config: C) -> None:
+    def check_outside(self, config: AnyConfig) -> None:  # noqa: B027
         """Check what lies outside of the configuration: files, and keys of other studies.
 
         This happens when a configuration is composed, after `check`. It never happens when a run is
@@ -212,14 +209,14 @@ class Study(ABC, Generic[C]):
             If a file cannot be used, or another study refuses its keys.
         """
 
-    def describe_origin(self, config: C) -> str:
+    def describe_origin(self, config: AnyConfig) -> str:
         """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
 
         The line is empty if the study does not say.
         """
         return ""
 
-    def describe_code(self, config: C) -> object:
+    def describe_code(self, config: AnyConfig) -> object:
         """Return a description of the user's own code that the keys of a configuration name.
 
         The description is JSON data and is stored with the run, since the code itself is not
@@ -246,10 +243,10 @@ class Study(ABC, Generic[C]):
 
 
 @runtime_checkable
-class Estimating(Protocol[Given]):
+class Estimating(Protocol):
     """The interface of a study that can show one record with all that schemes make of it."""
 
-    def estimate(self, config: Given, replicate: int) -> EstimatedRecord:
+    def estimate(self, config: AnyConfig, replicate: int) -> EstimatedRecord:
         """Make the record with the number `replicate`, and run all schemes on it.
 
         The record and its measurements are those of a sweep. The configuration has one tuning.
@@ -278,11 +275,11 @@ class Joint(Protocol):
 
 
 @runtime_checkable
-class Predicting(Protocol[Given]):
+class Predicting(Protocol):
     """The interface of an engine that can say roughly what blocks take before any has been run."""
 
     def predict(
-        self, config: Given, blocks: Sequence[Block], workers: int
+        self, config: AnyConfig, blocks: Sequence[Block], workers: int
     ) -> tuple[float, float] | None:
         """Return the computing time of the blocks in s, and the memory of the sweep in bytes.
 
@@ -330,14 +327,14 @@ def broken_study(name: str, package: str, reason: str) -> InputError:
 
 
 @runtime_checkable
-class Spectral(Protocol[Given]):
+class Spectral(Protocol):
     """The interface of a study that can compute error spectra of its estimation schemes.
 
     An error spectrum is the error due to motion at each frequency. It needs no simulated record.
     """
 
     def write_spectrum(
-        self, config: Given, folder: Path, *, metadata: Mapping[str, str]
+        self, config: AnyConfig, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
         """Write figures and tables of the schemes' error spectra into `folder`, which is created.
 
@@ -365,19 +362,19 @@ class Tuned(Protocol):
 
 
 @runtime_checkable
-class Tunable(Protocol[Given]):
+class Tunable(Protocol):
     """The interface of a study that can search the numbers of its schemes (the command `tune`)."""
 
-    def count_trials(self, config: Given) -> int:
+    def count_trials(self, config: AnyConfig) -> int:
         """Return how many trials the search will make.
 
         Raise `InputError` if there is nothing to search.
         """
 
-    def prepare_tuning(self, config: Given) -> None:
+    def prepare_tuning(self, config: AnyConfig) -> None:
         """Do work once before the search, e.g. compile kernels."""
 
-    def tune(self, config: Given, advance: Callable[[str], None]) -> Tuned:
+    def tune(self, config: AnyConfig, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers; call `advance` with the scheme's name after each trial."""
 
 
@@ -395,7 +392,7 @@ class Varied(Protocol):
 
 
 @runtime_checkable
-class Varying(Protocol[Given]):
+class Varying(Protocol):
     """The interface of a study that can show its errors over the values of one key."""
 
     def list_vary_defaults(self) -> Sequence[str]:
@@ -404,7 +401,7 @@ class Varying(Protocol[Given]):
         The command leaves out an override whose key the user sets, or whose section.
         """
 
-    def check_vary(self, along: Condition, configs: Mapping[Value, Given]) -> None:
+    def check_vary(self, along: Condition, configs: Mapping[Value, AnyConfig]) -> None:
         """Check that the errors can be computed with these configurations, and shown together.
 
         The arguments are those of `vary`.
@@ -415,7 +412,7 @@ class Varying(Protocol[Given]):
             If they cannot be computed or shown together.
         """
 
-    def vary(self, along: Condition, configs: Mapping[Value, Given]) -> Varied:
+    def vary(self, along: Condition, configs: Mapping[Value, AnyConfig]) -> Varied:
         """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
 
         Parameters
@@ -469,7 +466,7 @@ class Placed(Protocol):
 
 
 @runtime_checkable
-class Placing(Protocol[Given]):
+class Placing(Protocol):
     """The interface of a study that can choose where sensors go."""
 
     def list_place_defaults(self, given: Collection[str]) -> Sequence[str]:
@@ -481,7 +478,7 @@ class Placing(Protocol[Given]):
             If a key that the user sets has no part in the choice.
         """
 
-    def place(self, config: Given, question: PlaceQuestion) -> Placed:
+    def place(self, config: AnyConfig, question: PlaceQuestion) -> Placed:
         """Choose sensors one by one, and predict their errors without running a scheme.
 
         Raises

@@ -12,7 +12,7 @@ is generated here, because numba can only make a tuple element by element.
 from __future__ import annotations
 
 import operator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba import types
 from numba.extending import intrinsic, overload, register_jitable
@@ -37,19 +37,19 @@ class Product(NamedTuple):
 
 
 @intrinsic
-def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
+def fused(typingctx, a, b, c):
     """Return a * b + c for three floats, rounded only once (fused multiply-add).
 
     numba passes `typingctx`.
     """
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         return builder.fma(*args)
 
     return types.float64(types.float64, types.float64, types.float64), codegen
 
 
-def _count(kind: Any) -> int:
+def _count(kind: types.Type) -> int:
     """Return the number of lanes of a numba type; 0 if it is neither a vector nor a product."""
     if not isinstance(kind, types.BaseNamedTuple):
         return 0
@@ -58,11 +58,11 @@ def _count(kind: Any) -> int:
     return len(kind[0]) if kind.instance_class is Vector else 0
 
 
-def _is_product(kind: Any) -> bool:
+def _is_product(kind: types.Type) -> bool:
     return _count(kind) > 0 and kind.instance_class is Product
 
 
-def _lane(kind: Any, name: str) -> str:
+def _lane(kind: types.Type, name: str) -> str:
     """Return source text for one lane of an operand; `{i}` stands for the number of the lane.
 
     For a product, the text multiplies the two factors. For a float, the text is only the name.
@@ -83,13 +83,13 @@ def _vector(text: str, lanes: range) -> str:
     return f"Vector(({' '.join(text.format(i=i) + ',' for i in lanes)}))"
 
 
-def _function(parameters: str, body: str) -> Any:
+def _function(parameters, body):
     scope = {"__name__": __name__, "Vector": Vector, "Product": Product, "fused": fused}
     exec(f"def function({parameters}):\n    {body}", scope)
     return scope["function"]
 
 
-def _define(function: Any, text: Any) -> None:
+def _define(function, text):
     """Define a Python operator, e.g. `operator.add`, for vectors, products and floats in numba.
 
     Parameters
@@ -109,7 +109,7 @@ def _define(function: Any, text: Any) -> None:
         return _function("a, b", f"return {_vector(text(a, b), range(count))}")
 
 
-def _sum(a: Any, b: Any, sign: str) -> str:
+def _sum(a: types.Type, b: types.Type, sign: str) -> str:
     if _is_product(b):
         return f"fused({sign}b.left.lanes[{{i}}], b.right.lanes[{{i}}], {_lane(a, 'a')})"
     if _is_product(a):
@@ -135,7 +135,7 @@ def rounded(product):
     """Compute a product; return it as a vector, which several sums can use."""
 
 
-def borrowed_type(kind: Any) -> Any:
+def borrowed_type(kind: types.Type) -> types.Type:
     """Return the numba type that `borrowed` makes of a value of the type `kind`: the same type."""
     return kind
 

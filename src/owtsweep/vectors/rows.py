@@ -9,8 +9,6 @@ of any other C-contiguous array, without bounds checks.
 
 from __future__ import annotations
 
-from typing import Any
-
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.datamodel import models
@@ -18,47 +16,45 @@ from numba.core.types import containers
 from numba.extending import intrinsic, register_model
 
 from owtsweep.vectors import WIDTH
-from owtsweep.vectors.vector import LANES, PARTS, VECTOR, VECTORS, join, split
+from owtsweep.vectors.vector import LANES, PARTS, VECTOR, VECTORS, Grouped, join, split
 
 #: LLVM's type of an address.
 POINTER = ir.PointerType()
 
 
-class _RowsType(types.Type):
+class _RowsType(Grouped):
     """The numba type of rows: for each group of eight lanes, the address of the group's first row.
 
-    Values of this type have no reference counts. `parts` is the number of groups.
+    Values of this type have no reference counts.
     """
 
-    def __init__(self, parts: int) -> None:
-        self.parts = parts
-        super().__init__(name=f"Rows8x{parts}")
 
-
-ROWS = {parts: _RowsType(parts) for parts in range(1, PARTS + 1)}
+ROWS = {parts: _RowsType("Rows", parts) for parts in range(1, PARTS + 1)}
 
 
 @register_model(_RowsType)
 class _RowsModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
+    def __init__(self, manager, kind):
         super().__init__(manager, kind, ir.LiteralStructType([POINTER] * kind.parts))
 
 
-def _holds_rows(kind: Any) -> bool:
-    whole = isinstance(kind, types.Array) and kind.ndim == 2 and kind.layout == "C"
-    return whole and kind.dtype == types.float64
+def _holds_rows(kind: types.Type) -> bool:
+    if not isinstance(kind, types.Array):
+        return False
+    return bool(kind.ndim == 2 and kind.layout == "C" and kind.dtype == types.float64)
 
 
-def borrowed_type(kind: Any) -> Any:
+def borrowed_type(kind: types.Type) -> types.Type:
     """Return the numba type that `borrowed` makes of a value of the type `kind`."""
     if isinstance(kind, containers.UniTuple) and _holds_rows(kind.dtype):
         return ROWS[len(kind)]
     if isinstance(kind, containers.BaseNamedTuple):
-        return containers.NamedTuple([borrowed_type(field) for field in kind], kind.instance_class)
+        fields = [borrowed_type(field) for field in kind]
+        kind = containers.NamedTuple(fields, kind.instance_class)
     return kind
 
 
-def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+def _borrow(context, builder, kind, value):
     if isinstance(kind, types.Array):
         array = context.make_array(kind)(context, builder, value)
         array.meminfo = cgutils.get_null_value(array.meminfo.type)
@@ -76,7 +72,7 @@ def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
 
 
 @intrinsic
-def borrowed(typingctx: Any, value: Any) -> Any:
+def borrowed(typingctx, value):
     """Return data for kernels without reference counts; the caller must keep the data alive.
 
     A tuple of arrays of shape (n, 8), one array for each group of eight lanes, becomes rows. Any
@@ -85,24 +81,24 @@ def borrowed(typingctx: Any, value: Any) -> Any:
     access. With many short calls these updates take as much time as the filter itself.
     """
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         return _borrow(context, builder, sig.args[0], args[0])
 
     return borrowed_type(value)(value), codegen
 
 
 @intrinsic
-def groups(typingctx: Any, whole: Any) -> Any:
+def groups(typingctx, whole):
     """Split rows or a vector into groups of eight lanes; return a tuple with one item per group.
 
     `whole` is the numba type of the rows or the vector; numba passes `typingctx`.
     """
 
     rows = isinstance(whole, _RowsType)
-    kind: Any = whole if rows else VECTORS[whole.parts]
+    kind = whole if rows else VECTORS[whole.parts]
     alone, part = (ROWS[1], POINTER) if rows else (VECTOR, LANES)
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         parts = [join(builder, [one], part) for one in split(builder, kind, args[0])]
         return context.make_tuple(builder, sig.return_type, parts)
 
@@ -110,7 +106,7 @@ def groups(typingctx: Any, whole: Any) -> Any:
 
 
 @intrinsic
-def element(typingctx: Any, array: Any, i: Any) -> Any:
+def element(typingctx, array, i):
     """Return element number i, counted in memory order, of a C-contiguous array of any shape.
 
     There is no bounds check. numba's own indexing, with one index per dimension, must handle
@@ -120,7 +116,7 @@ def element(typingctx: Any, array: Any, i: Any) -> Any:
     if array.layout != "C":
         return None
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         whole = context.make_array(sig.args[0])(context, builder, args[0])
         kind = context.get_data_type(array.dtype)
         address = builder.gep(whole.data, [args[1]], source_etype=kind)
@@ -130,7 +126,9 @@ def element(typingctx: Any, array: Any, i: Any) -> Any:
     return array.dtype(array, types.intp), codegen
 
 
-def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
+def _addresses(
+    builder: ir.IRBuilder, kind: Grouped, rows: ir.Value, row: ir.Value
+) -> list[ir.Value]:
     """Return the addresses of one row, one address for each group of eight lanes.
 
     Parameters
@@ -146,13 +144,13 @@ def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
 
 
 @intrinsic
-def load(typingctx: Any, rows: Any, i: Any) -> Any:
+def load(typingctx, rows, i):
     """Return a vector with row i of each group of eight lanes; there is no bounds check.
 
     numba passes `typingctx`.
     """
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         addresses = _addresses(builder, rows, *args)
         return join(builder, [builder.load(one, align=8, typ=LANES) for one in addresses])
 
@@ -160,14 +158,14 @@ def load(typingctx: Any, rows: Any, i: Any) -> Any:
 
 
 @intrinsic
-def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
+def store(typingctx, rows, i, vector):
     """Write a vector to row i of each group of eight lanes; there is no bounds check.
 
     numba passes `typingctx`.
     """
     kind = VECTORS[rows.parts]
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         addresses = _addresses(builder, rows, *args[:2])
         for part, address in zip(split(builder, kind, args[2]), addresses, strict=True):
             builder.store(part, address, align=8)
@@ -177,7 +175,7 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
 
 
 @intrinsic
-def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
+def prefetch(typingctx, rows, i):
     """Fetch row i, which may be out of bounds, into the processor's second-level cache.
 
     The hardware fetches the next rows without being asked, but stops at the end of each page of
@@ -185,7 +183,7 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
     early.
     """
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         flag = ir.IntType(32)
         for address in _addresses(builder, rows, *args):
             kind = ir.FunctionType(ir.VoidType(), [POINTER, flag, flag, flag])
@@ -197,14 +195,14 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
 
 
 @intrinsic
-def zero(typingctx: Any, rows: Any) -> Any:
+def zero(typingctx, rows):
     """Return a vector of zeros with as many groups of eight lanes as `rows` has.
 
     numba passes `typingctx`.
     """
     kind = VECTORS[rows.parts]
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         return join(builder, [ir.Constant(LANES, [0.0] * WIDTH)] * kind.parts)
 
     return kind(rows), codegen

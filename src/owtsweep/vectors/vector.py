@@ -24,7 +24,7 @@ vectors.
 from __future__ import annotations
 
 import operator
-from typing import Any
+from collections.abc import Sequence
 
 from llvmlite import ir
 from numba.core import cgutils, config, types
@@ -50,44 +50,43 @@ PARTS = 3
 LANES = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
-class _VectorType(types.Type):
-    def __init__(self, parts: int) -> None:
+class Grouped(types.Type):
+    """A numba type of values that hold `parts` groups of eight lanes."""
+
+    def __init__(self, name: str, parts: int) -> None:
         self.parts = parts
-        super().__init__(name=f"Vector8x{parts}")
+        super().__init__(name=f"{name}8x{parts}")
 
 
-class _ProductType(types.Type):
-    """The numba type of a product of two vectors: its two factors, not multiplied yet.
+class _VectorType(Grouped):
+    """The numba type of a vector."""
 
-    `parts` is the number of groups of eight lanes.
-    """
 
-    def __init__(self, parts: int) -> None:
-        self.parts = parts
-        super().__init__(name=f"Product8x{parts}")
+class _ProductType(Grouped):
+    """The numba type of a product of two vectors: its two factors, not multiplied yet."""
 
-    def can_convert_to(self, typingctx: Any, other: Any) -> Any:
+    def can_convert_to(self, typingctx, other):
         return Conversion.safe if other is VECTORS[self.parts] else None
 
 
-VECTORS = {parts: _VectorType(parts) for parts in range(1, PARTS + 1)}
-PRODUCTS = {parts: _ProductType(parts) for parts in range(1, PARTS + 1)}
+VECTORS = {parts: _VectorType("Vector", parts) for parts in range(1, PARTS + 1)}
+PRODUCTS = {parts: _ProductType("Product", parts) for parts in range(1, PARTS + 1)}
 VECTOR = VECTORS[1]
 
 
 @register_model(_VectorType)
 class _VectorModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
+    def __init__(self, manager, kind):
         super().__init__(manager, kind, ir.LiteralStructType([LANES] * kind.parts))
 
 
 @register_model(_ProductType)
 class _ProductModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
+    def __init__(self, manager, kind):
         super().__init__(manager, kind, ir.LiteralStructType([LANES] * (2 * kind.parts)))
 
 
-def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
+def join(builder: ir.IRBuilder, parts: Sequence[ir.Value], kind: ir.Type = LANES) -> ir.Value:
     """Combine LLVM values, either registers of eight lanes or addresses, into one value.
 
     Parameters
@@ -105,7 +104,7 @@ def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
     return value
 
 
-def split(builder: Any, kind: Any, value: Any) -> list[Any]:
+def split(builder: ir.IRBuilder, kind: Grouped, value: ir.Value) -> list[ir.Value]:
     """Return the LLVM values that make up `value`: registers of eight lanes, or addresses.
 
     `kind` is the numba type of `value`: a vector or rows.
@@ -114,7 +113,7 @@ def split(builder: Any, kind: Any, value: Any) -> list[Any]:
 
 
 @intrinsic
-def rounded(typingctx: Any, product: Any) -> Any:
+def rounded(typingctx, product):
     """Compute a product; return it as a vector, which several sums can use.
 
     `product` is the numba type of the product; numba passes `typingctx`.
@@ -122,13 +121,13 @@ def rounded(typingctx: Any, product: Any) -> Any:
     if not isinstance(product, _ProductType):
         return None
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def codegen(context, builder, sig, args):
         return _cast(context, builder, product, VECTORS[product.parts], *args)
 
     return VECTORS[product.parts](product), codegen
 
 
-def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
+def _spread(builder: ir.IRBuilder, kind: types.Type, value: ir.Value, parts: int) -> list[ir.Value]:
     """Return an operand as a list of LLVM registers, one for each group of eight lanes.
 
     A float is put into all lanes. The factors of a product are multiplied.
@@ -152,7 +151,9 @@ def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
     return [builder.shuffle_vector(first, undefined, ir.Constant(lanes, [0] * WIDTH))] * parts
 
 
-def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
+def _factors(
+    builder: ir.IRBuilder, kind: Grouped, value: ir.Value
+) -> list[tuple[ir.Value, ir.Value]]:
     """Return the factors of a product that has not been multiplied out yet.
 
     There is a pair of registers (left factor, right factor) for each group of eight lanes. `kind`
@@ -162,14 +163,14 @@ def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
     return list(zip(factors[: kind.parts], factors[kind.parts :], strict=True))
 
 
-def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
+def _fused(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, c: ir.Value) -> ir.Value:
     """Return the LLVM value of a * b + c in eight lanes, rounded only once (fused multiply-add)."""
     kind = ir.FunctionType(LANES, [LANES] * 3)
     function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{WIDTH}f64")
     return builder.call(function, [a, b, c])
 
 
-def _sum(context: Any, builder: Any, sig: Any, args: Any, *, minus: bool) -> Any:
+def _sum(builder, sig, args, *, minus):
     parts = sig.return_type.parts
     (left, right), (first, second) = sig.args, args
     if isinstance(right, _ProductType):
@@ -188,24 +189,24 @@ def _sum(context: Any, builder: Any, sig: Any, args: Any, *, minus: bool) -> Any
     return join(builder, fused)
 
 
-def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return _sum(context, builder, sig, args, minus=False)
+def _add(context, builder, sig, args):
+    return _sum(builder, sig, args, minus=False)
 
 
-def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return _sum(context, builder, sig, args, minus=True)
+def _subtract(context, builder, sig, args):
+    return _sum(builder, sig, args, minus=True)
 
 
-def _divide(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+def _divide(context, builder, sig, args):
     return _lane_by_lane(builder, builder.fdiv, sig, args)
 
 
-def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+def _multiply(context, builder, sig, args):
     left, right = _operands(builder, sig, args)
     return join(builder, [*left, *right])
 
 
-def _operands(builder: Any, sig: Any, args: Any) -> Any:
+def _operands(builder, sig, args):
     """Return the registers of both operands: two lists with one register per group of eight lanes.
 
     `sig` holds the numba types of the operands and the result, `args` the operands' LLVM values.
@@ -214,12 +215,12 @@ def _operands(builder: Any, sig: Any, args: Any) -> Any:
     return [_spread(builder, *pair, sig.return_type.parts) for pair in pairs]
 
 
-def _lane_by_lane(builder: Any, operation: Any, sig: Any, args: Any) -> Any:
+def _lane_by_lane(builder, operation, sig, args):
     pairs = zip(*_operands(builder, sig, args), strict=True)
     return join(builder, [operation(*pair) for pair in pairs])
 
 
-def _define(function: Any, codegen: Any, results: dict[int, Any]) -> None:
+def _define(function, codegen, results):
     pairs = [
         (result, left, right)
         for parts, result in results.items()
@@ -242,7 +243,7 @@ _define(operator.mul, _multiply, PRODUCTS)
 _define(operator.truediv, _divide, VECTORS)
 
 
-def _cast(context: Any, builder: Any, source: Any, target: Any, value: Any) -> Any:
+def _cast(context, builder, source, target, value):
     return join(builder, _spread(builder, source, value, source.parts))
 
 

@@ -82,13 +82,16 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TypeVar, cast
 
+from owtsweep.config import Plain
 from owtsweep.config.hints import suggest_name
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
 from owtsweep.verdicts.inference import Side
 from owtsweep.verdicts.score_table import Selection, Value, tidy
+
+T = TypeVar("T", str, bool, Plain)
 
 #: Most bytes of a file, and most comparisons of a claim.
 MOST_BYTES, MOST_COMPARISONS = 1_000_000, 100_000
@@ -219,7 +222,7 @@ def read_claims(path: Path) -> ClaimsFile:
     return ClaimsFile(**told, words=words, statements=statements, goals=goals)
 
 
-def _make_statement(found: dict[str, Any], shared: dict[str, Any], where: str) -> Statement:
+def _make_statement(found: Plain, shared: Plain, where: str) -> Statement:
     _check_keys(found, _OF_STATEMENT, where)
     texts = {
         name: " ".join(_take(found, name, str, where, "" if name == "decided" else None).split())
@@ -235,7 +238,7 @@ def _make_statement(found: dict[str, Any], shared: dict[str, Any], where: str) -
     return Statement(**texts, claims=claims)
 
 
-def _make_claim(found: dict[str, Any], inherited: dict[str, Any], where: str) -> StatedClaim:
+def _make_claim(found: Plain, inherited: Plain, where: str) -> StatedClaim:
     _check_keys(found, ("text", "parts", *FIELDS), where)
     own = _join(inherited, found)
     text = _take(found, "text", str, where)
@@ -246,7 +249,7 @@ def _make_claim(found: dict[str, Any], inherited: dict[str, Any], where: str) ->
     return StatedClaim(text, " ".join(_take(own, "reason", str, where).split()), tuple(parts))
 
 
-def _make_part(found: dict[str, Any], where: str) -> Part:
+def _make_part(found: Plain, where: str) -> Part:
     kind = _choose(_take(found, "kind", str, where), tuple(KINDS), f"{where}: kind")
     wanted = KINDS[kind]
     against = found.get("against", "")
@@ -287,7 +290,7 @@ def _make_part(found: dict[str, Any], where: str) -> Part:
     )
 
 
-def _join(outer: Mapping[str, Any], inner: Mapping[str, Any]) -> dict[str, Any]:
+def _join(outer: Plain, inner: Plain) -> Plain:
     """Return the fields of claims that hold inside: selections are joined, others replaced."""
     joined = {**outer, **{name: inner[name] for name in FIELDS if name in inner}}
     for name in ("select", "against"):
@@ -297,7 +300,7 @@ def _join(outer: Mapping[str, Any], inner: Mapping[str, Any]) -> dict[str, Any]:
     return joined
 
 
-def _make_selection(found: dict[str, Any], where: str) -> dict[str, tuple[Value, ...]]:
+def _make_selection(found: Plain, where: str) -> dict[str, tuple[Value, ...]]:
     selection = {}
     for column, values in found.items():
         listed = values if isinstance(values, list) else [values]
@@ -307,38 +310,39 @@ def _make_selection(found: dict[str, Any], where: str) -> dict[str, tuple[Value,
     return selection
 
 
-def _make_value(value: Any, where: str) -> Value:
+def _make_value(value: object, where: str) -> Value:
     if isinstance(value, str | bool):
         return value
     return tidy(_make_number(value, where))
 
 
-def _make_number(value: Any, where: str) -> float:
-    good = isinstance(value, int | float) and not isinstance(value, bool)
-    require(good and abs(value) < 1e300, f"{where}: {value!r} is no number; give a finite one")
-    return float(value)
+def _make_number(value: object, where: str) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300:
+        return float(value)
+    raise InputError(f"{where}: {value!r} is no number; give a finite one")
 
 
-def _check_keys(found: Mapping[str, Any], known: Sequence[str], where: str) -> None:
+def _check_keys(found: Plain, known: Sequence[str], where: str) -> None:
     for name in found:
         _choose(name, known, where)
 
 
-def _choose(name: Any, known: Sequence[str], where: str) -> str:
+def _choose(name: object, known: Sequence[str], where: str) -> str:
     if not isinstance(name, str) or name not in known:
         raise InputError(f"{where}: {name!r} is not known; {suggest_name(str(name), known)}")
     return name
 
 
-def _take(found: Mapping[str, Any], name: str, kind: type, where: str, default: Any = None) -> Any:
+def _take(found: Plain, name: str, kind: type[T], where: str, default: T | None = None) -> T:
     value = found.get(name, default)
-    need = {str: "a text", bool: "true or false", dict: "a table"}[kind]
-    require(isinstance(value, kind), f"{where}: {name}: {need} is needed; write {name} = ...")
+    if not isinstance(value, kind):
+        need = {str: "a text", bool: "true or false"}.get(kind, "a table")
+        raise InputError(f"{where}: {name}: {need} is needed; write {name} = ...")
     return value
 
 
-def _take_tables(found: Mapping[str, Any], name: str, where: str) -> list[dict[str, Any]]:
+def _take_tables(found: Plain, name: str, where: str) -> list[Plain]:
     value = found.get(name, [])
-    good = isinstance(value, list) and all(isinstance(one, dict) for one in value)
-    require(good, f"{where}: {name}: a list of tables is needed")
-    return cast(list[dict[str, Any]], value)
+    if isinstance(value, list) and all(isinstance(one, dict) for one in value):
+        return value
+    raise InputError(f"{where}: {name}: a list of tables is needed")

@@ -178,30 +178,32 @@ def _find_pairs(task: Task) -> Iterator[tuple[str, list[Array] | None]]:
         yield task.tell(cell, other), task.table.find([cell, other])
 
 
-def _first(values: Array) -> Array:
-    return values
+def _first(samples: Sequence[Array]) -> Array:
+    return samples[0]
 
 
-def _divide(a: Array, b: Array) -> Array:
+def _divide(samples: Sequence[Array]) -> Array:
+    a, b = samples
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(a / b)
 
 
-def _subtract(a: Array, b: Array) -> Array:
+def _subtract(samples: Sequence[Array]) -> Array:
+    a, b = samples
     return a - b
 
 
 def _decide_all(
     task: Task,
     places: Iterator[tuple[str, list[Array] | None]],
-    combine: Callable[..., Array],
+    combine: Callable[[Sequence[Array]], Array],
 ) -> list[Compared]:
     """Decide on the mean of one value per record at each place; None without finite values."""
     part = task.part
     signed = combine is _subtract and part.of == ("identity",)
     found: list[Compared] = []
     for name, samples in places:
-        values = None if samples is None else task.transform(combine(*samples))
+        values = None if samples is None else task.transform(combine(samples))
         if values is None or not np.all(np.isfinite(values)):
             found.append((name, None))
         elif part.exact:

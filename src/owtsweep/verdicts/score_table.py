@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
@@ -31,7 +31,7 @@ DIGITS = 9
 ALL = "*"
 
 
-def tidy(value: Any) -> Value:
+def tidy(value: object) -> Value:
     """Return a value as cells have it: numbers rounded, but for what is true or false."""
     if isinstance(value, str):
         return value
@@ -39,6 +39,7 @@ def tidy(value: Any) -> Value:
 
     if isinstance(value, bool | np.bool_):
         return bool(value)
+    assert isinstance(value, int | float | np.number), value
     return round(float(value), DIGITS)
 
 
@@ -86,15 +87,16 @@ class RunRows:
         except InputError:  # a scheme is missing, or cases run directly: they have no products
             return {}
         found = {}
-        rows: Any = table.itertuples(index=False)
-        for row in rows:
-            place = tuple(tidy(value) for value in row[: len(self.conditions) - 1])
+        for row in table.to_dict("records"):
+            place = tuple(tidy(row[condition.name]) for condition in self.conditions[:-1])
             label = f"boundary at {self.tell(place)}"
-            if row.wins == "neither":
+            if row["wins"] == "neither":
                 label += " (none: the means cross twice, or the other way round)"
-            elif row.wins:
-                label += f" (none: {row.wins} is better at every {self.conditions[-1].word})"
-            found[place] = Boundary(label, row.boundary, row.ci_low, row.ci_high, row.wins)
+            elif row["wins"]:
+                label += f" (none: {row['wins']} is better at every {self.conditions[-1].word})"
+            found[place] = Boundary(
+                label, row["boundary"], row["ci_low"], row["ci_high"], row["wins"]
+            )
         return found
 
     def divide(
@@ -102,10 +104,9 @@ class RunRows:
     ) -> Estimate | None:
         """Return the boundary at one place over that at another; None without rows."""
         name = f"boundary at {self.tell(places[0])} over that at {self.tell(places[1])}"
-        values: Any = places
         try:
             ratio = find_boundary_ratio(
-                self.rows, self.conditions, values, schemes, measure, self.window
+                self.rows, self.conditions, places, schemes, measure, self.window
             )
         except InputError:
             return None

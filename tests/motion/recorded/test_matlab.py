@@ -15,7 +15,7 @@ from scipy.io import savemat
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import open_table, read
-from owtsweep.motion.recorded.formats.matlab_layout import OLD, TYPES
+from owtsweep.motion.recorded.formats.matlab import OLD, TYPES
 
 TIME = 0.1 * np.arange(400)
 X = np.sin(TIME)

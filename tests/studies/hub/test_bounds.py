@@ -17,10 +17,14 @@ from owtsweep.config import with_values
 from owtsweep.motion.shaping import fit_shaping_filter
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.bounds.cells import add_efficiency, compute_bounds, find_bounds
+from owtsweep.studies.hub.bounds.cells import (
+    add_efficiency,
+    compute_bounds,
+    find_bounds,
+    find_shape,
+)
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
-from owtsweep.studies.hub.bounds.shape import find_shape
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import efficiency
 from owtsweep.studies.hub.known import Sensors

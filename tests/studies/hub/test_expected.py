@@ -20,7 +20,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
-from owtsweep.studies.hub.error_curves.shares import expected_ratio, lines_of
+from owtsweep.studies.hub.error_curves.of_schemes import expected_ratio, lines_of
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.known import Known, Sensors
 from owtsweep.studies.hub.peak import peak_factors

@@ -40,6 +40,14 @@ def script(*arguments: str, text: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.usefixtures("kernels")
+def test_a_byte_order_mark_before_the_first_number_does_not_matter() -> None:
+    samples = "0.00,0.1,0.2,1,2\n0.05,0.1,0.2\n"
+    marked, plain = (script("HME1", *SENSORS, text=text) for text in (f"\ufeff{samples}", samples))
+    assert (marked.returncode, marked.stderr) == (0, "")
+    assert marked.stdout == plain.stdout
+
+
+@pytest.mark.usefixtures("kernels")
 def test_it_writes_what_the_estimator_gives() -> None:
     made = lines()
     done = script("HME2", *SENSORS, text="\n".join(made) + "\n")

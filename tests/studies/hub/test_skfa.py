@@ -11,13 +11,12 @@ from tools import Streaming, assert_same, configure, measured
 from owtsweep.motion.tracking import Candidate, SpectrumTracker
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.axis_filters import KalmanAxisFilter
-from owtsweep.studies.hub.growing_gains import GrowingGains
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.scheduled_filter import ScheduledFilter
 from owtsweep.studies.hub.sensors import observe
-from owtsweep.studies.hub.tracked_models import make_candidate
+from owtsweep.studies.hub.tracked_models import GrowingGains, make_candidate
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
 from owtsweep.testing.hub_schemes import check_hub_scheme
 
@@ -60,7 +59,7 @@ def test_the_compiled_form_gives_what_the_reference_gives_with_fixes_lost() -> N
 
 @pytest.mark.usefixtures("kernels")
 def test_gains_grow_with_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("owtsweep.studies.hub.growing_gains.CHUNK", 128)
+    monkeypatch.setattr("owtsweep.studies.hub.tracked_models.CHUNK", 128)
     config = configure("sensors.imu.rate=20")
     sensors = sensing.sensors(config.sensors)
     axis = make_candidate(Candidate(8, 0, 8), 0.01, config.skf, sensors, BAND)
@@ -74,7 +73,7 @@ def test_gains_grow_with_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
         np.testing.assert_allclose(mine.state, other.state, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(mine.covariance, other.covariance, rtol=1e-7, atol=1e-14)
     assert scheduled.bias == pytest.approx(kalman.bias, rel=1e-9)
-    monkeypatch.setattr("owtsweep.studies.hub.growing_gains.LONGEST_TRANSIENT", 256)
+    monkeypatch.setattr("owtsweep.studies.hub.tracked_models.LONGEST_TRANSIENT", 256)
     assert len(GrowingGains(axis).find(900).fast) == 260  # whole intervals of 20 steps
 
 

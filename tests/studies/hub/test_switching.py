@@ -23,8 +23,7 @@ from owtsweep.studies.hub.switching.boundary import (
     compute_boundary,
     read_boundary,
 )
-from owtsweep.studies.hub.switching.sea import SeaWatch
-from owtsweep.studies.hub.switching.supervisor import Supervisor
+from owtsweep.studies.hub.switching.supervisor import SeaWatch, Supervisor
 
 GROWS = "motion.envelope=[[0,0.05],[15,20],[30,0.05]]"
 TABLE = "switch.boundary=[[4,1.0]]"

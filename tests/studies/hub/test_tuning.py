@@ -22,7 +22,7 @@ from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.studies.hub.tuning import objective, search
 from owtsweep.studies.hub.tuning.judging import errors_on_records, judge
-from owtsweep.studies.hub.tuning.spaces import find_space
+from owtsweep.studies.hub.tuning.search import find_space
 from owtsweep.studies.hub.tuning.tuned import list_tunable, tune
 from owtsweep.sweep.keys import question_hash, run_hash
 

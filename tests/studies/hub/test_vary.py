@@ -22,7 +22,7 @@ from owtsweep.statistics.inference import t_quantile
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.tuning.judging import errors_on_records
 from owtsweep.studies.hub.varying.errors import Errors, compute
-from owtsweep.studies.hub.varying.facts import list_common_facts
+from owtsweep.studies.hub.varying.notes import list_common_facts
 from owtsweep.studies.hub.varying.sentences import answer_each, find_best
 from owtsweep.studies.hub.varying.varied import VariedErrors
 from owtsweep.studies.hub.winners import OTHER_WINDOW

@@ -53,7 +53,7 @@ def test_the_settled_judge_is_the_geometric_mean_over_the_grid():
     config = small(1, ONE)
     base = with_values(config, searches.read_tuning("matched"))
     lanes = scoring.make_lanes(base, range(1), [4.0, 8.0])
-    judged = searches._score_settled(base, ["HME1"], lanes)["score"]
+    judged = searches._score_settled(base, ["HME1"], lanes)[0]
     settled = with_values(base, {"measures.window": "settled"})
     products = scoring.scheme_products(settled, "HME1", lanes)
     values = [

@@ -13,7 +13,7 @@ from owtsweep.motion.modes import find_modes
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.public import resolve_all
-from owtsweep.studies.replay import baselines, choosing
+from owtsweep.studies.replay import advice, baselines
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
 from owtsweep.studies.replay.sentences import write_sentence
@@ -25,7 +25,7 @@ NAMES = ["MKF", "HME1", "NONE", "HOLD", "DELTA"]
 def choose(*means: float, spread: float = 0.0, n: int = 20) -> dict:
     noise = spread * np.random.default_rng(0).standard_normal((len(means), n))
     best = NAMES[int(np.argmin(means[:2]))]
-    return choosing.recommend(np.array(means)[:, None] + noise, NAMES, best)
+    return advice.choose_simplest(np.array(means)[:, None] + noise, NAMES, best)
 
 
 def test_what_a_baseline_beats_is_not_recommended():
@@ -47,7 +47,7 @@ def test_one_bad_part_does_not_hide_a_large_difference():
     samples = np.ones((5, 20))
     samples[[0, 2, 3]] = 50.0
     samples[4, 7] = 400.0  # a gap of fixes
-    found = choosing.recommend(samples, NAMES, "HME1")
+    found = advice.choose_simplest(samples, NAMES, "HME1")
     assert found["recommended"] == "HME1"
 
 

@@ -27,7 +27,7 @@ from owtsweep.studies.replay.identification.of_record import (
     measure_floor,
     use_estimates,
 )
-from owtsweep.studies.replay.identification.rows import name_second_run
+from owtsweep.studies.replay.identification.words import name_second_run
 from owtsweep.studies.replay.results import aggregate
 
 STEP = 0.02

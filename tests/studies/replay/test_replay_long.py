@@ -17,7 +17,7 @@ from replay_tools import collect_force, config_of, estimate, motion_file, sensor
 from owtsweep.evaluation.trajectory import Trajectory, join
 from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.one_pass import OnePassSeries
+from owtsweep.studies.hub.estimates import OnePassSeries
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.replay import blocks, estimating, session, states
 from owtsweep.studies.replay import record as recorded

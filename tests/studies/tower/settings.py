@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from turbine import CUTS, STEP, STRUCTURE
 
-from owtsweep.structures.bernoulli import assemble_cut, assemble_whole
+from owtsweep.structures.bernoulli import assemble_cut, assemble_whole, strain_matrix
 from owtsweep.structures.reduction import reduce_free
-from owtsweep.structures.stress import strain_matrix
 from owtsweep.studies.tower.contract import Believed, Channel, Setting
 from owtsweep.studies.tower.truth import find_damping
 from owtsweep.studies.tower.tuning import Tuning

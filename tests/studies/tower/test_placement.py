@@ -10,9 +10,8 @@ import pytest
 from turbine import CUTS, STEP, STRUCTURE
 
 from owtsweep.errors import InputError
-from owtsweep.structures.bernoulli import assemble_cut, assemble_whole
+from owtsweep.structures.bernoulli import assemble_cut, assemble_whole, strain_matrix, stress_matrix
 from owtsweep.structures.reduction import reduce_free
-from owtsweep.structures.stress import strain_matrix, stress_matrix
 from owtsweep.studies.tower.contract import Believed, Channel, Setting
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.placement import (

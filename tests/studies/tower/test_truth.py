@@ -7,8 +7,7 @@ from turbine import CALM, CUTS, ROUGH, STEP, STRUCTURE, WIND, make, streams
 
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
-from owtsweep.structures.bernoulli import assemble_cut
-from owtsweep.structures.stress import strain_matrix
+from owtsweep.structures.bernoulli import assemble_cut, strain_matrix
 from owtsweep.studies.tower.measuring import add_errors, take_signals
 from owtsweep.studies.tower.sections import Faults
 from owtsweep.studies.tower.waves import make_wave_loads, triangular_load

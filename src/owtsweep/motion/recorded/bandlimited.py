@@ -19,7 +19,6 @@ reflection, because the real continuation of the record is unknown.
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +73,7 @@ class BandLimited:
         lines = rfft(series, overwrite_x=True)[: last + 1] * (2.0 / total)
         lines[0] *= 0.5
         self.frequency: Array = np.arange(last + 1) / self.period
-        self.lines: NDArray[np.complexfloating[Any, Any]] = lines * lowpass(self.frequency, cutoff)
+        self.lines: NDArray[np.complex128] = lines * lowpass(self.frequency, cutoff)
 
     def on_grid(self, start: float, rate: float, count: int, order: int = 0) -> Array:
         """Evaluate the function, or its first or second derivative, at the times start + k / rate.

@@ -13,8 +13,7 @@ from typing import Literal, get_args
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.columns import PARTS, strip
-from owtsweep.motion.recorded.formats.table import ChannelTable
-from owtsweep.motion.recorded.parts import (
+from owtsweep.motion.recorded.composing import (
     PATTERNS,
     TRANSLATION,
     find,
@@ -22,6 +21,7 @@ from owtsweep.motion.recorded.parts import (
     find_parts,
     keep_axes,
 )
+from owtsweep.motion.recorded.formats.table import ChannelTable
 
 #: Which motion a user may ask for: the hub's, as far as the file holds it; the bending of the tower
 #: alone; the platform with a stiff tower on it; the platform's reference point.

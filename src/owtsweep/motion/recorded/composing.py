@@ -13,11 +13,17 @@ FAST: x downwind, y to the left when looking downwind, z up. ElastoDyn turns the
 FAST and OpenFAST turned it by the orthonormal matrix nearest to I + [a]x, a = (roll, pitch, yaw)
 (SmllRotTrans in the same file). This is a turn about a by the angle arctan |a|. The two differ by
 products of two angles: for a yaw of 3 deg and a pitch of 4 deg, y by 0.16 m at 90 m.
+
+The parts stand in channels of their own, which FAST and OpenFAST write; what these mean is in
+OpenFAST's source (modules/elastodyn/src/ElastoDyn.f90, AllOuts): PtfmSurge is that of the
+platform's reference point in the inertial frame; YawBrTDxt (TTDspFA is another name of it) is
+relative to the tower base, which moves with the platform.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Literal, get_args
 
@@ -25,10 +31,30 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.columns import PARTS
+from owtsweep.motion.recorded.columns import PARTS, strip
 from owtsweep.motion.recorded.formats.table import refuse
-from owtsweep.motion.recorded.parts import TILT, TRANSLATION
 
+#: role -> pattern of the channels' names; case and all but letters and digits are ignored.
+PATTERNS = {
+    "platform_surge": "ptfmsurge|ptfmtdxi|platformsurge|qsg",
+    "platform_sway": "ptfmsway|ptfmtdyi|platformsway|qsw",
+    "platform_roll": "ptfmroll|ptfmrdxi|platformroll|qr",
+    "platform_pitch": "ptfmpitch|ptfmrdyi|platformpitch|qp",
+    "platform_yaw": "ptfmyaw|ptfmrdzi|platformyaw|qy",
+    "tower_x": "yawbrtdxt|ttdspfa|yawbrtdxp|towerx|towertopx",
+    "tower_y": "yawbrtdyt|ttdspss|yawbrtdyp|towery|towertopy",
+    "tower_z": "yawbrtdzt|ttdspax|yawbrtdzp",
+}
+#: Further names of the platform's angles beside a position. HAWC2: projected angles of a body,
+#: about the global axes, of which the first body is taken.
+ANGLES = {
+    "platform_roll": PATTERNS["platform_roll"] + r"|(staterot)?projangt?x.*global\d*",
+    "platform_pitch": PATTERNS["platform_pitch"] + r"|(staterot)?projangt?y.*global\d*",
+}
+#: The rotation by which a body leans along each axis.
+TILT = {"x": "platform_pitch", "y": "platform_roll"}
+#: The translation of the platform's reference point along each axis.
+TRANSLATION = {"x": "platform_surge", "y": "platform_sway"}
 #: A platform whose channels vary by less than this does not move: 1 mm, and 1 mm at 100 m.
 LEAST = {"length": 1e-3, "angle": 1e-5}
 #: Names in FAST of the parts that are needed.
@@ -48,6 +74,64 @@ ROWS = 1 << 18
 Rotation = Literal["zyx", "small"]
 Vector = tuple[Array, ...]
 Composed = tuple[dict[str, Array], dict[str, str], str]
+#: `compose` with its settings given: file, values and names of channels -> motion.
+Composer = Callable[[Path, Mapping[str, Array], Mapping[str, str]], Composed]
+
+
+def find_parts(
+    names: Sequence[str], chosen: Mapping[str, str], left_out: Sequence[str]
+) -> dict[str, str]:
+    """Find the channels of the parts of the motion: return role -> channel.
+
+    `names` are all channels of the file. Channels in `chosen` (role -> channel) are taken, roles in
+    `left_out` are not, and the other roles are guessed by `PATTERNS`.
+    """
+    found = {role: chosen.get(role) or find(names, PATTERNS[role]) for role in PARTS}
+    return {role: name for role, name in found.items() if name and role not in left_out}
+
+
+def find_angles(
+    names: Sequence[str], chosen: Mapping[str, str], left_out: Sequence[str]
+) -> dict[str, str]:
+    """Find the channels of the platform's roll and pitch: return role -> channel.
+
+    Arguments as for `find_parts`. The bare names roll and pitch are taken as a pair only, because
+    a pitch alone may be that of the blades.
+    """
+    found = {role: chosen.get(role) or find(names, ANGLES[role]) for role in TILT.values()}
+    bare = {role: find(names, role.removeprefix("platform_")) for role in found}
+    if all(bare.values()) and not any(found.values()):
+        found = bare
+    return {role: name for role, name in found.items() if name and role not in left_out}
+
+
+def keep_axes(parts: Mapping[str, str], axes: Sequence[str]) -> dict[str, str]:
+    """Return the parts (role -> channel) without the translations of axes not in `axes`."""
+    others = [axis for axis in "xy" if axis not in axes]
+    unused = [role for axis in others for role in (TRANSLATION[axis], f"tower_{axis}")]
+    return {role: name for role, name in parts.items() if role not in unused}
+
+
+def imply_unit(role: str, name: str) -> str:
+    """Return the unit that FAST always uses for a channel, e.g. "deg" for PtfmPitch; "" if unknown.
+
+    `role` is the part of the motion that the channel `name` is taken for.
+    """
+    return "deg" if PARTS.get(role) == "angle" and strip(name).startswith("ptfm") else ""
+
+
+def find(names: Sequence[str], pattern: str) -> str | None:
+    """Return the first channel that matches the alternatives of a pattern, earlier ones first."""
+    for part in pattern.split("|"):
+        for name in names:
+            if re.fullmatch(part, strip(name)):
+                return name
+    return None
+
+
+def find_all(names: Sequence[str], pattern: str) -> list[str]:
+    """Return the channels whose names match a pattern, in the order of their names."""
+    return sorted(name for name in names if re.fullmatch(pattern, strip(name)))
 
 
 def compose(

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
 
@@ -18,10 +18,9 @@ from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import LONGEST_GAP, describe_gaps, find_gaps
 from owtsweep.motion.recorded.choosing import add_motion
 from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, assign_roles
-from owtsweep.motion.recorded.composing import compose
+from owtsweep.motion.recorded.composing import Composer, compose, imply_unit
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import MOST_STEPS, MOST_VALUES, ChannelTable
-from owtsweep.motion.recorded.parts import imply_unit
 from owtsweep.motion.recorded.reading import find_factors
 from owtsweep.motion.recorded.timing import count_steps, fit_comb
 from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
@@ -187,10 +186,10 @@ def describe(
     )
     moved = choice.problem or choice.note
     if any(role in PARTS for role in mapping):
-        rigid = motion == "rigid"
-        moved = _describe_parts(
-            table, mapping, loaded, tower_height=tower_height, rigid=rigid, rotation=rotation
+        add_up = partial(
+            compose, tower_height=tower_height, rigid=motion == "rigid", rotation=rotation
         )
+        moved = _describe_parts(table, mapping, loaded, add_up)
     notes = tuple(dict.fromkeys(table.notes))
     return Description(
         table.path, table.format, rows, rows >= most, mapping, channels, clock, moved, notes
@@ -201,17 +200,14 @@ def _describe_parts(
     table: ChannelTable,
     mapping: Mapping[str, str],
     loaded: Mapping[str, Array],
-    **settings: Any,
+    add_up: Composer,
 ) -> str:
-    """Say how the hub's motion is composed from the parts in `mapping`, or why it cannot be.
-
-    `settings` are those of `compose`.
-    """
+    """Say how `add_up` composes the hub's motion from the parts in `mapping`, or why it cannot."""
     names = {role: name for role, name in mapping.items() if role in PARTS}
     try:
         factors, _ = find_factors(table, names, {})
         values = {role: factors[role] * loaded[name] for role, name in names.items()}
-        return compose(table.path, values, names, **settings)[2]
+        return add_up(table.path, values, names)[2]
     except InputError as error:
         return str(error).removeprefix(f"{table.path}: ")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,11 +14,10 @@ from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
 from owtsweep.motion.recorded.choosing import add_motion, begin_position
 from owtsweep.motion.recorded.columns import PARTS, ROLES, assign_roles
-from owtsweep.motion.recorded.composing import compose
+from owtsweep.motion.recorded.composing import TILT, Composer, compose, find_angles, imply_unit
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
-from owtsweep.motion.recorded.parts import TILT, find_angles, imply_unit
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
 
@@ -84,10 +83,10 @@ def read(
     for values in channels.values():
         values[~np.isfinite(values)] = np.nan
     if any(role in PARTS for role in chosen):
-        rigid = motion == "rigid"
-        said = _compose(
-            table.path, channels, chosen, tower_height=tower_height, rigid=rigid, rotation=rotation
+        add_up = partial(
+            compose, tower_height=tower_height, rigid=motion == "rigid", rotation=rotation
         )
+        said = _compose(table.path, channels, chosen, add_up)
     bare = Recording(table.path, time, channels, chosen, ())
     said_of_motion = (said,) if said else ()
     left_out = dict.fromkeys(table.notes)
@@ -138,20 +137,16 @@ def _find_leans(
 
 
 def _compose(
-    path: Path,
-    channels: dict[str, Array],
-    chosen: dict[str, str],
-    **settings: Any,
+    path: Path, channels: dict[str, Array], chosen: dict[str, str], add_up: Composer
 ) -> str:
     """Put positions composed from the parts of the motion in the place of these parts.
 
     Beside a specific force, the result is the reference. `channels` (role -> values) and `chosen`
-    (role -> channel) are changed, and `settings` are those of `compose`. Return a note for the
-    user.
+    (role -> channel) are changed; `add_up` composes. Return a note for the user.
     """
     values = {role: channels.pop(role) for role in PARTS if role in channels}
     names = {role: chosen.pop(role) for role in PARTS if role in chosen}
-    composed, sources, note = compose(path, values, names, **settings)
+    composed, sources, note = add_up(path, values, names)
     use = begin_position(chosen)
     channels |= {use + axis: moved for axis, moved in composed.items()}
     chosen |= {use + axis: source for axis, source in sources.items()}

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import product
 from math import prod
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,19 +14,14 @@ from owtsweep.errors import as_text
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.base.contest import C, Contest, ContestConfig
-from owtsweep.studies.base.contract import NotFinite, Part, Ready, Scheme, Unable
-from owtsweep.studies.base.declaration import Declaration
+from owtsweep.studies.base.contract import NotFinite, Ready, Unable
+from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart
 from owtsweep.studies.base.tables import Judgement, make_rows
+from owtsweep.studies.base.users import AnyScheme
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: A declaration of any study, a part of its records, and a scheme of it. Truth, records, knowledge
-#: and estimates pass from one function of a declaration to the next; nobody here looks inside.
-AnyDeclaration = Declaration[Any, Any, Any, Any, Any, Any]
-AnyPart = Part[Any, Any]
-AnyScheme = Scheme[Any, Any, Any]
 
 
 class Planned(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from owtsweep.config import Config
 from owtsweep.results.conditions import Condition
@@ -81,6 +81,10 @@ class Contest(Generic[C]):
         """Return the conditions on the axes of a configuration's map, the horizontal one first."""
         by_name = {condition.name: condition for condition in self.conditions}
         return tuple(by_name[name] for name in self.find_axes(config))
+
+
+#: The contest of any study: its functions take the configuration of that study alone.
+AnyContest = Contest[Any]
 
 
 def describe_draws(config: ContestConfig) -> str:

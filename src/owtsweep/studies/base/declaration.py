@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Generic, Literal, NamedTuple, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Reading
@@ -113,3 +113,9 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     state: Callable[[Record, Mapping[str, Estimates]], Stated]
     warn: Callable[[Config], object] = lambda config: None
     require: Callable[[Config], object] = lambda config: None
+
+
+#: A declaration of any study, a part of its records, and a scheme of it. Truth, records, knowledge
+#: and estimates pass from one function of a declaration to the next; nobody here looks inside.
+AnyDeclaration = Declaration[Any, Any, Any, Any, Any, Any]
+AnyPart = Part[Any, Any]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Generic
 
 from owtsweep.studies.base import blocks, maps, tables
 from owtsweep.studies.base.axes import Cell
-from owtsweep.studies.base.contest import Contest
+from owtsweep.studies.base.contest import C, Contest, ContestConfig
+from owtsweep.studies.base.declaration import AnyDeclaration
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -17,12 +18,12 @@ if TYPE_CHECKING:
     from owtsweep.sweep.study import Block
 
 
-class ContestEngine:
+class ContestEngine(Generic[C]):
     """What follows from a contest alone: tables, maps and the lines on the terminal."""
 
     samples = True
 
-    def __init__(self, contest: Contest[Any]) -> None:
+    def __init__(self, contest: Contest[C]) -> None:
         self.contest = contest
         #: Columns without which no table can be made.
         self.row_types: Mapping[str, type] = {
@@ -30,13 +31,13 @@ class ContestEngine:
             **dict.fromkeys((*contest.axes, "replicate", "value"), float),
         }
 
-    def tables(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    def tables(self, config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables "summary" and "best_scheme"."""
         return tables.make_tables(self.contest, config, rows)
 
     def drawings(
         self,
-        config: Any,
+        config: C,
         tables: Mapping[str, pd.DataFrame],
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
@@ -44,11 +45,11 @@ class ContestEngine:
         """Return the map of each criterion, and the errors of single records."""
         return maps.list_maps(self.contest, config, tables, rows, metadata)
 
-    def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+    def terminal(self, config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map by the key `criterion`, and who wins by each one."""
         return maps.show(self.contest, config, tables)
 
-    def backend(self, config: Any) -> str:
+    def backend(self, config: C) -> str:
         """Return "loky", joblib's backend for processes."""
         return "loky"
 
@@ -56,28 +57,33 @@ class ContestEngine:
         """Return the columns that identify a row."""
         return [*self.contest.axes, "scheme", "measure", "window", "replicate"]
 
-    def overview(self, config: Any) -> str:
+    def overview(self, config: C) -> str:
         """Return the name of the map by the key `criterion`."""
         return f"map_{config.criterion}"
 
 
-class DeclaredEngine(ContestEngine):
+class DeclaredEngine(ContestEngine[ContestConfig]):
     """The only engine of a declared study (protocol `owtsweep.sweep.study.Engine`)."""
 
-    def __init__(self, declaration: blocks.AnyDeclaration) -> None:
+    def __init__(self, declaration: AnyDeclaration) -> None:
         super().__init__(declaration.contest)
         self.declaration = declaration
 
     def plan(
-        self, config: Any, cells: Sequence[Cell] | None = None, replicates: int | None = None
+        self,
+        config: ContestConfig,
+        cells: Sequence[Cell] | None = None,
+        replicates: int | None = None,
     ) -> list[Block]:
         """Return all blocks of a configuration, or of some cells with another number of records."""
         return blocks.plan(self.declaration, config, cells, replicates)
 
-    def run(self, config: Any, of_group: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    def run(
+        self, config: ContestConfig, of_group: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each with its rows."""
         return blocks.run(self.declaration, config, of_group)
 
-    def warm_up(self, config: Any, workers: int) -> None:
+    def warm_up(self, config: ContestConfig, workers: int) -> None:
         """Warn of what the configuration makes doubtful."""
         self.declaration.warn(config)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.base.axes import list_cells
-from owtsweep.studies.base.blocks import AnyDeclaration, Readied, Records, find_ignored
+from owtsweep.studies.base.blocks import Readied, Records, find_ignored
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.base.declaration import Stated
+from owtsweep.studies.base.declaration import AnyDeclaration, Stated
 
 
 def estimate_record(

@@ -11,10 +11,11 @@ from owtsweep.sweep.study import Study
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.config import Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition
-    from owtsweep.studies.base.contest import Contest
-    from owtsweep.studies.base.declaration import Declaration
+    from owtsweep.studies.base.contest import AnyContest, ContestConfig
+    from owtsweep.studies.base.declaration import AnyDeclaration
     from owtsweep.studies.base.schemes import SchemeTable
     from owtsweep.sweep.study import Engine
 
@@ -29,19 +30,19 @@ class ContestStudy(Study):
 
     schema_version = 1
 
-    def config_type(self) -> type[Any]:
+    def config_type(self) -> type[ContestConfig]:
         """Return the class of the study's configurations."""
         return self._find("config", "CONFIG")  # type: ignore[no-any-return]
 
-    def conditions(self, config: Any) -> tuple[Condition, ...]:
+    def conditions(self, config: ContestConfig) -> tuple[Condition, ...]:
         """Return the two axes of the map."""
         return self.contest().find_conditions(config)
 
-    def contest(self) -> Contest[Any]:
+    def contest(self) -> AnyContest:
         """Return the study's axes, criteria and words."""
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
 
-    def check(self, config: Any) -> None:
+    def check(self, config: ContestConfig) -> None:
         """Check that the values can work together.
 
         Raises
@@ -51,11 +52,11 @@ class ContestStudy(Study):
         """
         self._find("checks", "check")(config)
 
-    def check_outside(self, config: Any) -> None:
+    def check_outside(self, config: ContestConfig) -> None:
         """Raise `InputError` if a file or another study's configuration cannot be used."""
         self._find("checks", "check_outside")(config)
 
-    def describe_origin(self, config: Any) -> str:
+    def describe_origin(self, config: ContestConfig) -> str:
         """Return in a line the tuning, the truth, the sensors, the records and their seed."""
         from owtsweep.studies.base.contest import describe_origin
 
@@ -99,27 +100,27 @@ class DeclaredStudy(ContestStudy):
         """Return name -> description of each scheme."""
         return self._find("schemes", "SCHEMES").describe()  # type: ignore[no-any-return]
 
-    def describe_code(self, config: Any) -> object:
+    def describe_code(self, config: ContestConfig) -> object:
         """Return what a run stores of its schemes, so that reading it makes no user's class."""
         table: SchemeTable = self._find("schemes", "SCHEMES")
         return table.describe_stored(table.resolve_all(config.schemes))
 
-    def hide_code(self, plain: dict[str, Any], described: object) -> dict[str, Any]:
+    def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
         table: SchemeTable = self._find("schemes", "SCHEMES")
         return {**plain, "schemes": table.stand_in(plain.get("schemes"), described)}
 
-    def declaration(self) -> Declaration[Any, Any, Any, Any, Any, Any]:
+    def declaration(self) -> AnyDeclaration:
         """Return what is the study's own."""
         return self._find("declaration", "DECLARATION")  # type: ignore[no-any-return]
 
-    def engine(self, config: Any) -> Engine:
+    def engine(self, config: ContestConfig) -> Engine:
         """Return the study's only engine."""
         from owtsweep.studies.base.engine import DeclaredEngine
 
         return DeclaredEngine(self.declaration())
 
-    def estimate(self, config: Any, replicate: int) -> EstimatedRecord:
+    def estimate(self, config: ContestConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""
         from owtsweep.studies.base.estimating import estimate_record
 

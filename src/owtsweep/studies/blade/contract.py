@@ -6,6 +6,7 @@ the blade's centre of gravity in its reference position. The body's frame is thi
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -242,3 +243,23 @@ class Scheme(contract.Scheme[Setting, Measured, Estimates]):
     """A scheme of the blade study."""
 
     study = "blade"
+
+
+@dataclass(frozen=True)
+class Direct(Scheme):
+    """A scheme that computes nothing beforehand.
+
+    Attributes
+    ----------
+    name
+        The scheme's name.
+    make
+        Makes of what the scheme is told what runs over measurements.
+    """
+
+    name: str
+    make: Callable[[Setting], contract.Ready[Measured, Estimates]]
+
+    def prepare(self, known: Setting) -> contract.Ready[Measured, Estimates]:
+        """Keep what the scheme is told."""
+        return self.make(known)

@@ -11,6 +11,7 @@ from owtsweep.arrays import Array
 from owtsweep.studies.blade.cases import tell_of_lift
 from owtsweep.studies.blade.contract import Setting, Truth
 from owtsweep.studies.blade.recorded_case import find_reference, load_lift
+from owtsweep.studies.blade.schemes import HOOK_AT_REST
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
@@ -55,21 +56,23 @@ def warn_of_doubts(config: BladeConfig) -> None:
             key,
             TAKEN_FOR_BIAS,
         )
-    if "PENDULUM" in config.schemes:
-        _warn_of_a_moving_hook(setting, find_reference(lift, setting))
+    for name in HOOK_AT_REST:
+        if name in config.schemes:
+            _warn_of_a_moving_hook(name, setting, find_reference(lift, setting))
 
 
-def _warn_of_a_moving_hook(setting: Setting, truth: Truth) -> None:
+def _warn_of_a_moving_hook(name: str, setting: Setting, truth: Truth) -> None:
     wander, told = find_wander(setting, truth)
     if not (wander > FAR * told).any():
         return
     axis = int(np.argmax(wander - FAR * told))
     logger.warning(
-        "PENDULUM: the hook moves by %.3g m along %s, and PENDULUM is for a hook at rest, told to "
-        "wander by %.2g m: its errors may be far larger than it tells; run MEKF (docs/blade.md, "
-        "section 4)",
+        "%s: the hook moves by %.3g m along %s, and %s is for a hook at rest, told to wander by "
+        "%.2g m: its errors may be far larger than it tells; run MEKF (docs/blade.md, section 4)",
+        name,
         wander[axis],
         "xyz"[axis],
+        name,
         told[axis],
     )
 

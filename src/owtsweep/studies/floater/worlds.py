@@ -17,13 +17,10 @@ from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.contract import DOF, Truth
 from owtsweep.studies.floater.motion_recorded import read_motion
 from owtsweep.studies.floater.motion_synthetic import decay, draw_motion
-from owtsweep.studies.floater.schemes import SCHEMES
+from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig, Motion
-
-#: Schemes that never take a roll angle for small.
-LARGE_ANGLES = ("ERROR_STATE", "PASSIVE_OBSERVER", "LOWPASS")
 
 
 class Draw(Protocol):

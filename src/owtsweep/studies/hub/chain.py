@@ -1,8 +1,8 @@
 """Makes chains: linear schemes as arrays for the batch kernels.
 
-Every scheme of the study is the same chain with some of the parts in brackets left out: [MHE ->]
-multirate Kalman filter [-> fixed-lag smoother] [-> predictor]. A chain is computed once for given
-sensors and tuning. The gains of a chain serve all periods, amplitudes and records.
+Every linear scheme of the study is the same chain with some of the parts in brackets left out:
+[MHE ->] multirate Kalman filter [-> fixed-lag smoother] [-> predictor]. A chain is computed once
+for given sensors and tuning. The gains of a chain serve all periods, amplitudes and records.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule, schedule
-from owtsweep.estimation.predictor import prediction_noise
+from owtsweep.estimation.predictor import powers, prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.horizon import Horizon
@@ -24,14 +24,62 @@ from owtsweep.studies.hub.kernels.layout import (
     NO_LEAN,
     FilterArrays,
     HorizonArrays,
+    LeanTerms,
     PredictorArrays,
 )
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
-from owtsweep.studies.hub.predictor import predictor_arrays
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.fix_lines import Line
+
+
+def predictor_arrays(model: Discrete | None, steps: int, step: float) -> PredictorArrays:
+    """Make the numbers by which the kernels predict over `steps` steps of `step` seconds.
+
+    `model` is the predictor's model over one step, with the states position, velocity and bias, or
+    None without a predictor. Its input is held over a step or linear (`model.B_next`).
+    """
+    if model is None or steps == 0:
+        return PredictorArrays(0, step, 0.0, 0.0, 0.0, 0.0, 0.0)
+    A = powers(model.A, steps)[steps]
+    if model.B_next is not None:
+        # x[k+1] - N u[k+1] = A (x[k] - N u[k]) + (B + A N) u[k], where N is B_next: a model of
+        # x - N u whose input is held
+        first, new = (A @ model.B_next)[:, 0], model.B_next[:, 0]
+        held = replace(model, B=model.B + model.A @ model.B_next, B_next=None)
+        return predictor_arrays(held, steps, step)._replace(
+            linear=True,
+            new_p=float(new[0]),
+            new_v=float(new[1]),
+            first_p=float(first[0]),
+            first_v=float(first[1]),
+        )
+    half = float(model.B[0, 0])
+    arrays = PredictorArrays(
+        steps=steps, step=step, half=half, pv=A[0, 1], pb=A[0, 2], vb=A[1, 2],
+        old_p=half + steps * step * step,
+    )  # fmt: skip
+    if model.A[1, 0] == 0.0:
+        return arrays
+    left = A @ model.B[:, 0]
+    one = model.A
+    return arrays._replace(
+        old_p=left[0],
+        old_v=left[1] - step,
+        pp=A[0, 0] - 1.0,
+        vp=A[1, 0],
+        vv=A[1, 1] - 1.0,
+        lean=LeanTerms(
+            pp=one[0, 0] - 1.0,
+            pv=one[0, 1] - step,
+            pu=0.0,  # `half` has it
+            vp=one[1, 0],
+            vv=one[1, 1] - 1.0,
+            vu=float(model.B[1, 0]) - step,
+        ),
+    )
+
 
 #: Longest transient that is stored, in steps (2621 s at 100 Hz). The covariance of a bias without
 #: noise falls as a power of time and never settles; after so many steps the last cycle is repeated.
@@ -243,3 +291,28 @@ NO_HORIZON = HorizonArrays(
     active=False, maps=np.zeros((1, 3, 1)), horizon=1, interval=1, first=0, arrival=False,
     inputs=0, step=0.0, growth=np.zeros((1, 2, 3)), lean=NO_LEAN,
 )  # fmt: skip
+
+
+def lag_of(chain: Chain) -> int:
+    """Return by how many steps the filter's states, smoothed or not, are behind the present.
+
+    `chain` is a scheme in its form for the batch engine.
+    """
+    return chain.filter.input_delay + chain.filter.window
+
+
+def has_acceleration(chain: Chain) -> bool:
+    """Return whether acceleration is a state that the scheme's filter estimates.
+
+    `chain` is the scheme in its form for the batch engine.
+    """
+    return bool(np.any(chain.axis.force_row))
+
+
+def bias_of(state: Array, sensors: Sensors) -> Array:
+    """Compute the bias R b^b of the IMU in NED, m/s^2, shape (n, 2), from a filter's states.
+
+    `state` has the shape (n, 4, 2): n steps, four states, x and y. The fourth state is
+    x4 = -R b^b + g, Eq. (6) of Ren et al. (2019).
+    """
+    return np.asarray(np.array(sensors.gravity) - state[:, 3])

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config.section import fields_along
 from owtsweep.errors import InputError, require
+from owtsweep.studies.hub.conditions import find_world, require_spectrum
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.expected.checks import check_expected
 from owtsweep.studies.hub.fix_rules import check_fix_rules
 from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.resolving import resolve_all
-from owtsweep.studies.hub.scheme_checks import GRAIN
-from owtsweep.studies.hub.sizes import check_fix_interval, check_grid
-from owtsweep.studies.hub.worlds import find_world, require_spectrum
+from owtsweep.studies.hub.sizes import GRAIN, check_fix_interval, check_grid
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

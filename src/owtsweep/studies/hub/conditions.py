@@ -1,4 +1,4 @@
-"""The conditions that a configuration sweeps over, its maps, and its cube of rows."""
+"""The worlds of the hub study, the conditions that a configuration sweeps over, and its maps."""
 
 from __future__ import annotations
 
@@ -6,14 +6,44 @@ from collections.abc import Iterator, Mapping
 from itertools import product
 from typing import TYPE_CHECKING
 
+from owtsweep.errors import require
 from owtsweep.results.conditions import Condition, Grid, Value
-from owtsweep.studies.hub.worlds import find_world
+from owtsweep.studies.hub.plant import PLANT
+from owtsweep.studies.hub.spectrum import SPECTRUM
+from owtsweep.studies.hub.world import World
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from owtsweep.results.cube import Cube
     from owtsweep.studies.hub.config import HubConfig
+
+
+#: Value of the key `motion.kind` -> the world that it chooses.
+WORLDS: dict[str, World] = {world.name: world for world in (SPECTRUM, PLANT)}
+
+
+def find_world(config: HubConfig) -> World:
+    """Return the world that a configuration chooses."""
+    return WORLDS[config.motion.kind]
+
+
+def require_spectrum(config: HubConfig, what: str) -> None:
+    """Raise `InputError` if the motion has no spectrum of Eq. (1), or grows and falls.
+
+    `what` says in words what needs the spectrum.
+    """
+    world = find_world(config)
+    require(
+        world.has_spectrum,
+        f"motion: {what} needs the spectrum of the motion, which motion={world.name} has not; "
+        f"leave out motion={world.name}",
+    )
+    require(
+        config.motion.envelope is None,
+        f"motion.envelope: {what} needs motion that neither grows nor falls; use "
+        "motion.envelope=null",
+    )
+
 
 #: The order of measures in tables.
 MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
@@ -73,20 +103,6 @@ def select(table: pd.DataFrame, at: Mapping[str, Value]) -> pd.DataFrame:
     for name, value in at.items():
         table = table[table[name] == value]
     return table
-
-
-def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False) -> Cube:
-    """Arrange a run's rows as arrays over schemes, conditions, measures and replicates (a cube).
-
-    With `baselines` the cube holds the run's baselines too, after the schemes.
-    """
-    from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub.names import list_baselines
-    from owtsweep.studies.hub.resolving import scheme_names
-
-    names = scheme_names(config) + (list_baselines(config) if baselines else [])
-    conditions = get_conditions(config)
-    return Cube.of_rows(rows, names, conditions, get_grid(config), measures=MEASURES)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:

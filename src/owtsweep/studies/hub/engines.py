@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub import blocks, planning, prediction
+from owtsweep.studies.hub import blocks, planning
+from owtsweep.studies.hub.blocks import uses_kernels
 from owtsweep.studies.hub.conditions import (
     criteria,
+    find_world,
     get_conditions,
     get_map_conditions,
     list_maps,
-    make_cube,
 )
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
@@ -24,7 +25,8 @@ from owtsweep.studies.hub.names import REGISTERED, list_baselines, list_entries
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.resolving import resolve_all, scheme_names
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
+from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK, count_table_bytes
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.studies.hub.world import World
 from owtsweep.sweep.study import Square
 
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.gather import Results
     from owtsweep.sweep.study import Block, Engine
+
 
 logger = logging.getLogger(__name__)
 
@@ -162,7 +165,7 @@ class RecordsEngine(_Engine):
         self, config: HubConfig, blocks: Sequence[Block], workers: int
     ) -> tuple[float, float] | None:
         """Return the computing time in s and the memory in bytes; None unless kernels run all."""
-        return prediction.predict(config, blocks, workers)
+        return predict_cost(config, blocks, workers)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables `summary` and `best_scheme` from a run's rows; return them by name.
@@ -229,3 +232,33 @@ ENGINES: dict[str, Callable[[World], Engine]] = {
     "reference": RecordsEngine,
     "expected": ExpectedEngine,
 }
+
+
+#: Computing time in s for an IMU step of one record and one scheme, motion and noise included:
+#: `results/reference/paper/manifest.json` has 8.98 s for 100 000 steps, 600 records, 4 schemes.
+SECONDS_PER_STEP = 3.7e-8
+#: Bytes: of the process, per record and step of a worker, and the most of a worker, which runs long
+#: records in parts. `benchmarks/measured.json` has the peaks to which these numbers were fitted, to
+#: within a fifth up to 2000 s; longer records need less than predicted.
+PROCESS, PER_STEP, MOST_OF_WORKER = 300e6, 120, 200e6
+
+
+def predict_cost(
+    config: HubConfig, blocks: Sequence[Block], workers: int
+) -> tuple[float, float] | None:
+    """Return the computing time of blocks in s, without compilation, and the memory in bytes.
+
+    Return None if a kernel does not run all schemes: the time of step-by-step runs differs by
+    orders of magnitude from scheme to scheme.
+    """
+    for part in config.by_tuning().values():
+        schemes = resolve_all(part.schemes, part)
+        if not all(uses_kernels(part, scheme) for scheme in schemes):
+            return None
+    steps = config.record.duration * config.sensors.imu.rate
+    records = sum(len(block.content["replicates"]) for block in blocks)
+    moved = {block.group: len(block.content["replicates"]) for block in blocks}
+    motion = find_world(config).seconds_per_step * steps * sum(moved.values())
+    each = min(PER_STEP * steps * REPLICATES_PER_BLOCK, MOST_OF_WORKER)
+    tables = sum(count_table_bytes(part) for part in config.by_tuning().values())
+    return motion + SECONDS_PER_STEP * steps * records, PROCESS + workers * each + tables

@@ -10,14 +10,13 @@ from owtsweep.evaluation.estimate import EstimatedRecord, Reading
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.results.conditions import find_only_cell
 from owtsweep.studies.hub.blocks import start, tell
-from owtsweep.studies.hub.conditions import get_grid
+from owtsweep.studies.hub.conditions import find_world, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import observe
-from owtsweep.studies.hub.worlds import find_world
 
 UNITS = {
     "position": "m, north and east",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.tuning_rules import take_facts
-from owtsweep.studies.hub.worlds import find_world
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

@@ -12,13 +12,12 @@ from typing import Any
 
 from owtsweep.config import Section, as_mapping
 from owtsweep.studies.base.schemes import Entry
-from owtsweep.studies.hub.conditions import list_record_conditions
+from owtsweep.studies.hub.conditions import find_world, list_record_conditions
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
-from owtsweep.studies.hub.worlds import find_world
 from owtsweep.sweep.study import Block
 
 

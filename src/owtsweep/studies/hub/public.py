@@ -14,7 +14,7 @@ from owtsweep.studies.hub.study import ROOMS
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, sum_errors
     from owtsweep.studies.hub.blocks import backend
-    from owtsweep.studies.hub.chain import Chain
+    from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme
@@ -24,13 +24,11 @@ if TYPE_CHECKING:
         expected_mse,
         look_constant,
     )
-    from owtsweep.studies.hub.estimates import chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
+    from owtsweep.studies.hub.estimates import OnePassSeries, chunks, state_chunks, trajectories
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.known import Known, Sensors
     from owtsweep.studies.hub.names import BASELINES, INSTEAD
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-    from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.planning import scheme_content
     from owtsweep.studies.hub.records import make_records
     from owtsweep.studies.hub.resolving import SCHEMES, resolve, resolve_all
@@ -55,18 +53,16 @@ __all__ = [
 _HOMES = {
     "batch": ["Lanes", "sum_errors"],
     "blocks": ["backend"],
-    "chain": ["Chain"],
+    "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
     "compiling": ["compile_kernels"],
     "config": ["HubConfig"],
     "contract": ["Scheme"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
-    "estimates": ["chunks", "state_chunks", "trajectories"],
-    "filter_states": ["bias_of", "has_acceleration", "lag_of"],
+    "estimates": ["OnePassSeries", "chunks", "state_chunks", "trajectories"],
     "kernels.layout": ["WIDTH"],
     "known": ["Known", "Sensors"],
     "names": ["BASELINES", "INSTEAD"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
-    "one_pass": ["OnePassSeries"],
     "planning": ["scheme_content"],
     "records": ["make_records"],
     "resolving": ["SCHEMES", "resolve", "resolve_all"],

@@ -19,10 +19,10 @@ from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Value
 from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sections import STRUCTURE
-from owtsweep.studies.hub.worlds import find_world
 
 STUDY = "hub"
 #: Greatest number of bytes of motion that a worker holds at a time. If a block's replicates need

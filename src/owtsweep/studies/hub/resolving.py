@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from owtsweep.errors import require
-from owtsweep.studies.base.schemes import Entry, SchemeTable, StoredScheme
-from owtsweep.studies.base.users import blame_code
+from owtsweep.studies.base.schemes import Entry, SchemeTable, StoredScheme, blame_code
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import LISTED

@@ -1,16 +1,22 @@
-"""Makes the models and gains of SKF along x and y from what is known of the motion."""
+"""Makes the models and gains of SKF along x and y from what is known of the motion.
+
+The shaping filters that are fitted to a spectrum are kept in memory.
+"""
 
 from __future__ import annotations
 
+from hashlib import blake2b
 from threading import local
 from typing import Any
 
 import numpy as np
 
+from owtsweep.arrays import Array
+from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
+from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
-from owtsweep.studies.hub.shape_cache import fit_or_recall
 from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
 
 #: Least share of an axis in the variance of the motion. An axis without any motion would have a
@@ -62,3 +68,31 @@ def tune_axes(
         _LAST.axes = tune_axis(x, steps), tune_axis(y, steps)
         _LAST.what = what
     return _LAST.axes
+
+
+def fit_or_recall(frequency: Array, density: Array, states: int, floor: Array) -> ShapingFilter:
+    """Return what `fit_shaping_filter` returns for these arguments, from the cache if it is there.
+
+    `frequency` (Hz), `density` and `floor` (Hz^-1) have the shape (m,).
+
+    Raises
+    ------
+    InputError
+        As `fit_shaping_filter`.
+    """
+    given = b"".join(np.ascontiguousarray(array).tobytes() for array in (frequency, density, floor))
+    what = {"what": "shaping filter", "states": states, "given": blake2b(given).hexdigest()}
+
+    def fit() -> dict[str, Array]:
+        shape = fit_shaping_filter(frequency, density, states, floor)
+        return {name: np.asarray(value) for name, value in vars(shape).items()}
+
+    kept = cached(what, fit)
+    return ShapingFilter(
+        A=kept["A"],
+        B=kept["B"],
+        position=kept["position"],
+        velocity=kept["velocity"],
+        acceleration=kept["acceleration"],
+        error=float(kept["error"]),
+    )

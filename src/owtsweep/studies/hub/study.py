@@ -31,8 +31,7 @@ class HubKeys(Study):
 
     def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
         """Return the keys with numbers in place of `auto`, from the sensors by rule."""
-        from owtsweep.studies.hub.tilt import warn_of_growth
-        from owtsweep.studies.hub.tuning_rules import fill_in
+        from owtsweep.studies.hub.tuning_rules import fill_in, warn_of_growth
 
         warn_of_growth(plain)
         return fill_in(plain)
@@ -101,8 +100,8 @@ class HubStudy(HubKeys):
 
     def engine(self, config: HubConfig) -> Engine:
         """Return a new engine of the kind that the key `engine` of the configuration names."""
+        from owtsweep.studies.hub.conditions import find_world
         from owtsweep.studies.hub.engines import ENGINES
-        from owtsweep.studies.hub.worlds import find_world
 
         return ENGINES[config.engine](find_world(config))
 
@@ -148,8 +147,8 @@ class HubStudy(HubKeys):
         name to store inside the figures' files.
         """
         from owtsweep.studies.hub.compiling import compile_kernels
+        from owtsweep.studies.hub.conditions import require_spectrum
         from owtsweep.studies.hub.figures.spectrum_tables import write
-        from owtsweep.studies.hub.worlds import require_spectrum
 
         require_spectrum(config, "`spectrum`")
         compute = config.compute
@@ -158,8 +157,8 @@ class HubStudy(HubKeys):
 
     def count_trials(self, config: HubConfig) -> int:
         """Return how many trials the command `tune` will make, for all schemes together."""
+        from owtsweep.studies.hub.conditions import require_spectrum
         from owtsweep.studies.hub.tuning.tuned import list_tunable
-        from owtsweep.studies.hub.worlds import require_spectrum
 
         require_spectrum(config, "`tune`")
         return len(list_tunable(config)) * config.tune.trials

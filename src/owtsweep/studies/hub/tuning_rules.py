@@ -2,6 +2,7 @@
 
 The rules come from searches by `owtsweep tune` over sensors, one property varied at a time
 (docs/tuning.md). They depend on the sensors only: not on the grid, the amplitudes or the spectrum.
+A tilt that no filter follows is warned of.
 """
 
 from __future__ import annotations
@@ -9,13 +10,15 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import sqrt
 from typing import Any, TypeVar
 
 from owtsweep.config import Section, changed, typed
 from owtsweep.errors import InputError
+from owtsweep.gravity import GRAVITY
+from owtsweep.structures import Structure, compute_modes
 from owtsweep.studies.hub.config import TUNED, HubConfig
-from owtsweep.studies.hub.sections import SensorConfig
-from owtsweep.studies.hub.tilt import find_tilt
+from owtsweep.studies.hub.sections import Imu, MotionConfig, SensorConfig
 
 logger = logging.getLogger(__name__)
 
@@ -228,3 +231,53 @@ def believe(config: C, tilt: float) -> C:
     """Return the configuration with filters that believe in a tilt, rad/m."""
     filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
     return changed(config, **filters)
+
+
+logger = logging.getLogger(__name__)
+
+#: Largest exponent of an error's growth between two fixes for which there is no warning.
+LARGEST_GROWTH = 3.0
+
+
+def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
+    """Return the tilt that a filter may know, rad/m; `plain` is a configuration as plain data.
+
+    If the IMU leans as the structure does, the tilt is the slope of the first mode, with the least
+    of `motion.blades` and the structure's own soil. It has four digits, so that it is the same on
+    every machine. It is 0 if there is no such structure; the configuration's checks tell that.
+
+    A filter multiplies the tilt by `GRAVITY`. If the structure has another acceleration of gravity,
+    the tilt makes up for the difference.
+    """
+    if not isinstance(imu.tilt, str):
+        return imu.tilt
+    try:
+        structure = typed(Structure, plain.get("structure"))
+        structure.check()
+        blades = min(typed(MotionConfig, plain.get("motion")).blades or [0])
+        slope = compute_modes(structure, 1, blades).slope[0] * (structure.gravity / GRAVITY)
+    except InputError:
+        return 0.0
+    return float(f"{slope:.4g}")
+
+
+def warn_of_growth(plain: Mapping[str, Any]) -> None:
+    """Log a warning if the sensors' tilt lets errors grow more than e^`LARGEST_GROWTH` times.
+
+    In p'' = f + g tilt p + b an error grows as exp(sqrt(g tilt) t) while no fix corrects it; the
+    longest such time is the fixes' interval and their delay. `plain` is a configuration as plain
+    data.
+    """
+    try:
+        sensors = typed(SensorConfig, plain.get("sensors"))
+    except InputError:
+        return  # typing the whole configuration names the fault
+    alone = 1.0 / sensors.gnss.rate + sensors.gnss.delay
+    tilt = find_tilt(plain, sensors.imu)
+    growth = sqrt(max(GRAVITY * tilt, 0.0)) * alone
+    if growth > LARGEST_GROWTH:
+        logger.warning(
+            "sensors.imu.tilt: %g rad/m lets an error grow exp(%.1f) times in the %g s without a "
+            "fix; no filter follows that, so give a smaller tilt or faster fixes",
+            tilt, growth, alone,
+        )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Finds what a map names in each cell: the best scheme, or a baseline that has less error."""
+"""Arranges rows over the cells of a map; finds what it names in each: a scheme, or a baseline."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from owtsweep.studies.hub.conditions import MEASURES, get_conditions, get_grid
 from owtsweep.studies.hub.names import INSTEAD, list_baselines
 from owtsweep.studies.hub.resolving import scheme_names
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from owtsweep.results.cube import Cube
     from owtsweep.studies.hub.config import HubConfig
 
 #: Baseline -> what it is, in the note on a map.
@@ -99,3 +101,15 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
 def explain(baselines: list[str]) -> list[str]:
     """Return a sentence on each baseline that beats every scheme somewhere on a map."""
     return [f"{name}: {ESTIMATES[name]} beats every scheme: {INSTEAD[name]}." for name in baselines]
+
+
+def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False) -> Cube:
+    """Arrange a run's rows as arrays over schemes, conditions, measures and replicates (a cube).
+
+    With `baselines` the cube holds the run's baselines too, after the schemes.
+    """
+    from owtsweep.results.cube import Cube
+
+    names = scheme_names(config) + (list_baselines(config) if baselines else [])
+    conditions = get_conditions(config)
+    return Cube.of_rows(rows, names, conditions, get_grid(config), measures=MEASURES)

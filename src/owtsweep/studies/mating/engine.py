@@ -37,7 +37,7 @@ MOST_RECORDS = 4
 NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "criterion", "tuning")
 
 
-class MatingEngine(ContestEngine):
+class MatingEngine(ContestEngine["MatingConfig"]):
     """The engine of the mating study (protocol `owtsweep.sweep.study.Engine`)."""
 
     def __init__(self) -> None:

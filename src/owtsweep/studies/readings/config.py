@@ -7,18 +7,21 @@ from typing import Any, ClassVar
 from owtsweep.config import Config, Section, key, require
 from owtsweep.studies.hub.public import HubConfig
 
+#: A target or a truth as YAML has it; `searches.plan` checks its keys and values.
+Plain = dict[str, Any]
+
 
 class Calibration(Section):
     """The section `calibration`: what to search, with how many trials, on how many records."""
 
     #: A parameter is a key, or keys joined by "+" that share one value.
-    targets: dict[str, Any] = key(
+    targets: dict[str, Plain] = key(
         "name: kind (published: the distance from the paper's numbers; settled: the settled "
         "position MSE, its geometric mean over the grid, under `truth`), schemes judged, tuning to "
         "start from, parameters with [low, high, log or linear or int] or {options: [...]}, start "
         "(their values in the first trial), truths (all by default)"
     )
-    truths: dict[str, Any] = key(
+    truths: dict[str, Plain] = key(
         "name: overrides (sensor truth, record length, normalisation) under which published "
         "targets are searched, each on its own"
     )

@@ -12,7 +12,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -22,7 +22,7 @@ from owtsweep.config import as_mapping, conf_directory, require, with_values
 from owtsweep.config.stored import read
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.public import Lanes
-from owtsweep.studies.readings.config import ReadingsConfig
+from owtsweep.studies.readings.config import Plain, ReadingsConfig
 from owtsweep.studies.readings.score import (
     at_amplitude,
     compare,
@@ -31,6 +31,9 @@ from owtsweep.studies.readings.score import (
     score,
 )
 from owtsweep.sweep.study import FAILED, OK, Block
+
+if TYPE_CHECKING:
+    import optuna
 
 #: Columns of every trial besides its parameters.
 COLUMNS = (
@@ -96,9 +99,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
     return blocks
 
 
-def _choose_truths(
-    name: str, target: Mapping[str, Any], truths: Mapping[str, Any]
-) -> Mapping[str, Mapping[str, Any]]:
+def _choose_truths(name: str, target: Plain, truths: Mapping[str, Plain]) -> Mapping[str, Plain]:
     """Return a target's truths: name -> overrides under which the target is searched.
 
     Parameters
@@ -127,7 +128,7 @@ def _choose_truths(
     return {truth: truths[truth] for truth in wanted}
 
 
-def read_tuning(name: str) -> dict[str, Any]:
+def read_tuning(name: str) -> dict[str, object]:
     """Read the tuning file `conf/tuning/<name>.yaml`; return its values by dotted key.
 
     A file of that name in the folder `FROZEN` comes first: a recorded search stays what it was.
@@ -143,7 +144,7 @@ def read_tuning(name: str) -> dict[str, Any]:
     return flatten(read(files[name], resolve=False))
 
 
-def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
+def take_fixed_values(target: Plain, default: str) -> dict[str, object]:
     """Return the values of a target's schemes that are not searched, from the target's tuning file.
 
     The searched keys are left out, so that a search stays valid after its result has been written
@@ -186,13 +187,14 @@ def _require_cmaes() -> None:
 def run(config: ReadingsConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run the search of each block; yield the block and a table with one row per trial."""
     for block in blocks:
-        yield block, _search(config, block.content)
+        yield block, _search(config, block)
 
 
-def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
+def _search(config: ReadingsConfig, block: Block) -> pd.DataFrame:
     import optuna
 
     optuna.logging.set_verbosity(optuna.logging.ERROR)
+    content = block.content
     target = content["target"]
     base = with_values(config, {**target["values"], **content["truth"]})
     replicates = range(content["replicates"])  # every trial is judged on the same records
@@ -204,11 +206,11 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
     study = optuna.create_study(sampler=_make_sampler(target, content["sampler_seed"]))
     study.enqueue_trial(dict(target["start"]))
     search = f"{content['target_name']}/{content['truth_name']}/{content['sampler_seed']}"
-    rows: list[dict[str, Any]] = []
+    rows: list[dict[str, object]] = []
 
     def objective(trial: optuna.Trial) -> float:
         chosen = {key: suggest(trial, key, bounds) for key, bounds in target["parameters"].items()}
-        row: dict[str, Any] = {
+        row: dict[str, object] = {
             "target": content["target_name"],
             "truth": content["truth_name"],
             "search": search,
@@ -224,20 +226,21 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
             tried = with_values(base, values)
             anew = tried.sensors != base.sensors  # what the sensors are is a parameter
             records = make_lanes(tried, replicates, **periods) if anew else lanes
-            row |= judge(tried, target["schemes"], records)
-            if not np.isfinite(row["score"]):
-                row["score"] = DIVERGED
+            found, details = judge(tried, target["schemes"], records)
+            found = found if np.isfinite(found) else DIVERGED
+            row |= details
         except (InputError, ArithmeticError, np.linalg.LinAlgError) as error:
-            row |= {"score": DIVERGED, "status": FAILED, "reason": as_text(error)}
-        rows.append(row)
-        return float(row["score"])
+            found = DIVERGED
+            row |= {"status": FAILED, "reason": as_text(error)}
+        rows.append(row | {"score": found})
+        return found
 
     study.optimize(objective, n_trials=content["trials"])
     table = pd.DataFrame(rows)
     return table.reindex(columns=[*COLUMNS, *(c for c in table.columns if c not in COLUMNS)])
 
 
-def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
+def _make_sampler(target: Plain, seed: int) -> optuna.samplers.BaseSampler:
     """Make the Optuna sampler of a search: TPE if a parameter has a list of options, else CMA-ES.
 
     CMA-ES begins at the target's start values. It finds better scores in these searches, but works
@@ -260,7 +263,9 @@ def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
         return optuna.samplers.CmaEsSampler(x0=dict(target["start"]), sigma0=SPREAD, seed=seed)
 
 
-def suggest(trial: Any, key: str, bounds: Any) -> Any:
+def suggest(
+    trial: optuna.Trial, key: str, bounds: Sequence[object] | Mapping[str, Sequence[object]]
+) -> object:
     """Ask Optuna for the value of one parameter in a trial, and return the value.
 
     Parameters
@@ -283,19 +288,20 @@ def suggest(trial: Any, key: str, bounds: Any) -> Any:
 
 def _score_settled(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
-) -> dict[str, Any]:
+) -> tuple[float, dict[str, object]]:
+    """Compute the score of a trial for a target of kind "settled"; there are no details."""
     settled = with_values(config, {"measures.window": "settled"})
     logs = []
     for scheme in schemes:
         for products in scheme_products(settled, scheme, lanes).values():
             position = products[:2].sum(axis=0)
             logs += [np.log(at_amplitude(position, N)) for N in config.grid.amplitude]
-    return {"score": float(np.exp(np.mean(logs)))}
+    return float(np.exp(np.mean(logs))), {}
 
 
 def _score_published(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
-) -> dict[str, Any]:
+) -> tuple[float, dict[str, object]]:
     """Compute the score of a trial for a target of kind "published"; return it with its details.
 
     The score is the mean of |log2(reproduced / published)| over the published numbers of the
@@ -313,15 +319,15 @@ def _score_published(
     """
     products = {scheme: scheme_products(config, scheme, lanes) for scheme in schemes}
     logs = compare(products).log2.abs()
-    result: dict[str, Any] = {
-        "score": float(logs.mean()),
+    found = float(logs.mean())
+    details: dict[str, object] = {
         "median_log2": float(logs.median()),
         "p80_log2": float(logs.quantile(0.8)),
     }
     if {"HME1", "HME2"} <= set(schemes):
         all_four = score(products)
-        result["score"] += all_four.penalties
-        result["winners"] = " ".join(all_four.winners)
+        found += all_four.penalties
+        details["winners"] = " ".join(all_four.winners)
         for period in (4.0, 6.0, 8.0):
-            result[f"boundary_{period:g}s"] = all_four.boundaries[period]
-    return result
+            details[f"boundary_{period:g}s"] = all_four.boundaries[period]
+    return found, details

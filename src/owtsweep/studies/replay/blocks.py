@@ -29,7 +29,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
-from owtsweep.studies.replay.identification.rows import (
+from owtsweep.studies.replay.identification.words import (
     ESTIMATED,
     NOISE,
     list_values,
@@ -181,7 +181,9 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
                     rows = _run_scheme(other, record, label, scheme, known, settled)
                 rows = [(row[0], name_second_run(row[1]), *row[2:]) for row in rows]
             elif name == RECORD:
-                rows = _describe_record(config, record, label, sensors, settled)
+                found = facts.measure_record(config, record)
+                rows = [_make_row(label, RECORD, 0, one) for one in found]
+                rows += _measure_baselines(config, record, label, sensors, settled)
             else:
                 rows = _run_scheme(config, record, label, schemes[name], sensors, settled)
             release_memory(record)
@@ -189,30 +191,10 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
 
-def _describe_record(
-    config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
-) -> list[Row]:
-    """Make the rows of facts about a record, and the rows of errors of the baselines.
-
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    record, label
-        The record, and its name in the rows.
-    sensors
-        The sensors' parameters.
-    settled
-        The first step after the settling time.
-    """
-    rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
-    return rows + _measure_baselines(config, record, label, sensors, settled)
-
-
 def _measure_baselines(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
 ) -> list[Row]:
-    """Make the rows of errors of the baselines; the arguments are those of `_describe_record`."""
+    """Make the rows of errors of the baselines; the arguments are those of `_run_scheme`."""
     rows: list[Row] = []
     sums = sum_motion(record, sensors, settled)
     for replicate in range(count_replicates(config, record)):

@@ -11,13 +11,13 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import resolve_all
-from owtsweep.studies.replay import advice, choosing
+from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
-from owtsweep.studies.replay.identification.rows import (
+from owtsweep.studies.replay.identification.words import (
     ESTIMATED,
     STATED,
     pick_second_run,
@@ -203,6 +203,6 @@ def advise_from_map(
         "criterion": criterion,
         "window": "settled",
         **compared,
-        **choosing.recommend(samples, list(errors), str(compared["best"])),
-        **choosing.relate_to_record(errors, by_record, record["fit_share"]),
+        **advice.choose_simplest(samples, list(errors), str(compared["best"])),
+        **advice.relate_to_record(errors, by_record, record["fit_share"]),
     }

@@ -10,10 +10,10 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.motion.modes import LEAST_SHARE, LEVEL
 from owtsweep.studies.hub.public import BASELINES, INSTEAD, believe, make_sensors
-from owtsweep.studies.replay.choosing import LEAST_MARGIN
+from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES
-from owtsweep.studies.replay.identification.rows import ESTIMATED
+from owtsweep.studies.replay.identification.words import ESTIMATED
 from owtsweep.studies.replay.place import expect_at_record
 
 #: A margin (an error / the best error - 1) of at least this is stated as a factor, not in percent.

@@ -6,13 +6,14 @@ Estimators of input and state on a structure between two cuts, after Simpson et 
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
 from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
+    from owtsweep.config import Plain
     from owtsweep.studies.tower.config import TowerConfig
     from owtsweep.sweep.study import Placed, PlaceQuestion
 
@@ -25,7 +26,7 @@ class TowerStudy(DeclaredStudy):
     name = "tower"
     numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
 
-    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+    def complete(self, plain: Plain) -> Plain:
         """Return the keys with the content of a structure in place of its name or file.
 
         Raises

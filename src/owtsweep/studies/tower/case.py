@@ -60,8 +60,7 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
     InputError
         If the structure does not stand, or loads or sensors cannot be used.
     """
-    from owtsweep.structures.bernoulli import assemble_cut
-    from owtsweep.structures.stress import strain_matrix, stress_matrix
+    from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
 
     structure, record = config.structure, config.record
     step = 1.0 / record.rate

@@ -19,8 +19,7 @@ from owtsweep.config import changed
 from owtsweep.errors import require
 from owtsweep.streams import stream
 from owtsweep.structures import Structure
-from owtsweep.structures.bernoulli import assemble_cut
-from owtsweep.structures.stress import stress_matrix
+from owtsweep.structures.bernoulli import assemble_cut, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Kind, Setting
 from owtsweep.studies.tower.measuring import (

@@ -10,9 +10,14 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.structures import Structure
-from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut, assemble_whole
+from owtsweep.structures.bernoulli import (
+    PlaneBeam,
+    assemble_cut,
+    assemble_whole,
+    strain_matrix,
+    stress_matrix,
+)
 from owtsweep.structures.reduction import Reduced, reduce_free
-from owtsweep.structures.stress import strain_matrix, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Believed, Channel, Setting
 from owtsweep.studies.tower.models import list_interfaces

@@ -6,28 +6,34 @@ import math
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
 from owtsweep.motion.recorded.formats.table import (
     MOST_CHANNELS,
     MOST_VALUES,
     ChannelTable,
     number_repeats,
     refuse,
+    refuse_damaged,
     require_room,
-    shorten,
 )
 
+if TYPE_CHECKING:
+    from pyarrow import parquet
+
 AXES = "xyz"
+#: What is said of a damaged archive, and the errors that NumPy raises on one.
+DAMAGED = (
+    "is not a whole .npz archive", zipfile.BadZipFile, zlib.error, OSError, EOFError, ValueError,
+    RuntimeError, TypeError, KeyError, OverflowError, tokenize.TokenError,
+)  # fmt: skip
 #: Version of a .npy header -> its reader. Version 3 is for named fields, which are no channels.
-HEADERS: dict[tuple[int, int], Callable[[Any], tuple[Any, ...]]] = {
+HEADERS = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
 }
@@ -49,7 +55,7 @@ def open_npz(path: Path) -> ChannelTable:
     """
     places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
     lengths: set[int] = set()
-    with _reading(path), zipfile.ZipFile(path) as archive:
+    with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
             shape = _find_shape(path, archive, member)
             if shape is None:
@@ -68,7 +74,7 @@ def open_npz(path: Path) -> ChannelTable:
 
     def load(names: Sequence[str], rows: int | None) -> Mapping[str, Array]:
         result: dict[str, Array] = {}
-        with _reading(path), zipfile.ZipFile(path) as archive:
+        with refuse_damaged(path, *DAMAGED), zipfile.ZipFile(path) as archive:
             for file in dict.fromkeys(places[name][0] for name in names):
                 with archive.open(file) as stream:
                     array = np.lib.format.read_array(stream, allow_pickle=False)
@@ -99,23 +105,6 @@ def require_channels(path: Path, count: int) -> None:
     """Raise `InputError` if a file announces more than `MOST_CHANNELS` channels."""
     if count > MOST_CHANNELS:
         raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Turn NumPy's errors about a damaged archive into an `InputError` that names the file.
-
-    The errors are those raised inside the context; `path` is the file.
-    """
-    try:
-        yield
-    except InputError:
-        raise
-    except (
-        zipfile.BadZipFile, zlib.error, OSError, EOFError, ValueError, RuntimeError, TypeError,
-        KeyError, OverflowError, tokenize.TokenError,
-    ) as error:  # fmt: skip
-        raise refuse(path, f"is not a whole .npz archive ({shorten(error)})") from None
 
 
 def _find_shape(
@@ -165,11 +154,11 @@ def open_parquet(path: Path) -> ChannelTable:
     from pyarrow import parquet
 
     damaged = (pa.ArrowException, OSError, ValueError)
-    try:
-        with parquet.ParquetFile(path) as file:
-            schema, rows = file.schema_arrow, file.metadata.num_rows
-    except damaged as error:
-        raise refuse(path, f"is not a whole Parquet file ({shorten(error)})") from None
+    with (
+        refuse_damaged(path, "is not a whole Parquet file", *damaged),
+        parquet.ParquetFile(path) as file,
+    ):
+        schema, rows = file.schema_arrow, file.metadata.num_rows
     require_channels(path, len(schema))
     units = []
     for field in schema:
@@ -182,20 +171,18 @@ def open_parquet(path: Path) -> ChannelTable:
     texts = [field.name for field in schema if any(test(field.type) for test in is_text)]
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        try:
-            with parquet.ParquetFile(
+        with (
+            refuse_damaged(path, "is damaged", *damaged),
+            parquet.ParquetFile(
                 path, page_checksum_verification=True, read_dictionary=texts
-            ) as file:
-                return {name: _load_column(path, file, names.index(name), rows) for name in wanted}
-        except InputError:
-            raise
-        except damaged as error:
-            raise refuse(path, f"is damaged ({shorten(error)})") from None
+            ) as file,
+        ):
+            return {name: _load_column(path, file, names.index(name), rows) for name in wanted}
 
     return ChannelTable(path, "Parquet", names, tuple(units), load, rows)
 
 
-def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
+def _load_column(path: Path, file: parquet.ParquetFile, place: int, rows: int | None) -> Array:
     """Return the first `rows` numbers of a column; if `rows` is None, the first `MOST_VALUES`.
 
     `file` is the opened Parquet file, and `place` is the number of the column, from 0. The column
@@ -211,7 +198,7 @@ def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
     field = file.schema_arrow.field(place)
     number = file.schema_arrow.names[:place].count(field.name)  # among the columns of the same name
     is_time = pa.types.is_timestamp(field.type)
-    parts: list[Any] = []
+    parts: list[Array] = []
     count, most = 0, MOST_VALUES if rows is None else rows
     for batch in file.iter_batches(batch_size=1 << 20, columns=[field.name], use_threads=False):
         part = batch.column(number)

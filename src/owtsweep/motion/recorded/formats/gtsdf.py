@@ -12,25 +12,31 @@ format.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
 from owtsweep.motion.recorded.formats.table import (
     MOST_CHANNELS,
     MOST_VALUES,
     ChannelTable,
     number_repeats,
     refuse,
-    shorten,
+    refuse_damaged,
 )
 
+if TYPE_CHECKING:
+    import h5py
+
 TIME = "Time"
+#: What is said of a damaged file, and the errors that h5py raises on one.
+DAMAGED = (
+    "is not a whole HDF5 file", OSError, RuntimeError, KeyError, ValueError, TypeError,
+    AttributeError, MemoryError,
+)  # fmt: skip
 #: Most bytes of a name or unit. An array whose texts may be longer is not read.
 LONGEST_WORD = 1024
 
@@ -48,7 +54,7 @@ def open_gtsdf(path: Path) -> ChannelTable:
         import h5py
     except ImportError:
         raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
-    with _reading(path), h5py.File(path, "r") as file:
+    with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
         blocks = sorted(name for name in file if name.startswith("block"))
         shapes = [_open_data(path, file, block).shape for block in blocks]
         if not blocks:
@@ -64,30 +70,14 @@ def open_gtsdf(path: Path) -> ChannelTable:
     units = ["s", *("" if unit == "-" else unit for unit in units)]
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        with _reading(path), h5py.File(path, "r") as file:
+        with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
             return _load(path, file, blocks, {name: names.index(name) for name in wanted}, rows)
 
     rows = sum(shape[0] for shape in shapes)
     return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load, rows)
 
 
-@contextmanager
-def _reading(path: Path) -> Iterator[None]:
-    """Turn h5py's errors about a damaged file into an `InputError` that names the file.
-
-    The errors are those raised inside the context; `path` is the file.
-    """
-    try:
-        yield
-    except InputError:
-        raise
-    except (
-        OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError,
-    ) as error:  # fmt: skip
-        raise refuse(path, f"is not a whole HDF5 file ({shorten(error)})") from None
-
-
-def _open_data(path: Path, file: Any, block: str) -> Any:
+def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
     """Return the HDF5 dataset `data` of a group: one row per time step, one column per channel.
 
     Raises
@@ -104,7 +94,7 @@ def _open_data(path: Path, file: Any, block: str) -> Any:
     return data
 
 
-def _follow(path: Path, group: Any, name: str) -> Any:
+def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
     """Return the member `name` of an HDF5 group; None if the group has no such member.
 
     Raises
@@ -133,7 +123,7 @@ def _follow(path: Path, group: Any, name: str) -> Any:
     return item
 
 
-def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
+def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
     """Return the names or the units of `count` channels, stripped of blanks.
 
     `file` is the opened file; `key` is the name of the dataset that holds these texts. If there is
@@ -147,7 +137,7 @@ def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
     return [text.strip() for text in texts]
 
 
-def _read_vector(path: Path, group: Any, name: str, count: int) -> Array | None:
+def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array | None:
     """Return the first `count` numbers of the vector `name` in an HDF5 group.
 
     Return None if the group has no member of this name.
@@ -166,7 +156,7 @@ def _read_vector(path: Path, group: Any, name: str, count: int) -> Array | None:
 
 
 def _load(
-    path: Path, file: Any, blocks: list[str], places: Mapping[str, int], rows: int | None
+    path: Path, file: h5py.File, blocks: list[str], places: Mapping[str, int], rows: int | None
 ) -> dict[str, Array]:
     parts: dict[str, list[Array]] = {name: [] for name in places}
     read = 0

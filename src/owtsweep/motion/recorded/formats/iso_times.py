@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.table import refuse, shorten
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 #: The unit of a column of such times, in place of one that the file states.
 ISO_TIME = "ISO 8601"
@@ -67,7 +70,7 @@ class IsoTimes:
                 "2024-05-01T12:00:00.000Z, or seconds",
             )
 
-    def convert(self, texts: Any) -> Array:
+    def convert(self, texts: pa.StringArray) -> Array:
         """Return the times in s from the first time of the column; NaN where a text is missing.
 
         `texts` is the next piece of the column, a pyarrow array of strings.

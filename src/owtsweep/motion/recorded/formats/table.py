@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -126,6 +127,20 @@ def tidy(text: str) -> str:
 def shorten(error: Exception, length: int = 120) -> str:
     """Return an error's message as one line of at most `length` characters."""
     return " ".join(str(error).split())[:length]
+
+
+@contextmanager
+def refuse_damaged(path: Path, what: str, *errors: type[Exception]) -> Iterator[None]:
+    """Turn errors about a damaged file, raised inside a `with` block, into an `InputError`.
+
+    Its message says of the file `what`, e.g. "is damaged", and the error's own message.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except errors as error:
+        raise refuse(path, f"{what} ({shorten(error)})") from None
 
 
 def refuse(path: Path, reason: str) -> InputError:

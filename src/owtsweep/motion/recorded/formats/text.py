@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,10 +24,14 @@ from owtsweep.motion.recorded.formats.text_layout import (
     split_fields,
 )
 
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    #: Column -> its values in one block: numbers, or a pyarrow array of strings for times.
+    Parsed = Mapping[str, Array | pa.StringArray]
+
 #: The layout is found from this many bytes at the start of the file.
 HEAD = 1 << 18
-#: Column -> its values in one block: numbers, or a pyarrow array of strings for times.
-Parsed = Mapping[str, Any]
 
 
 def open_text(path: Path) -> ChannelTable:

@@ -62,3 +62,5 @@ LISTED = {
     ),
 }
 SCHEMES = SchemeTable("blade", __name__, LISTED)
+#: Schemes that are for a hook at rest.
+HOOK_AT_REST = ("PENDULUM",)

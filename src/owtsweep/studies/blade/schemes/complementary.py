@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.estimation.complementary import blend_fixes, place_poles
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import begin
 
 
@@ -54,14 +54,4 @@ def find_crossover(setting: Setting, interval: float) -> float:
     return float(setting.tuning.crossover * (q / r) ** 0.25)
 
 
-class ComplementaryScheme(Scheme):
-    """The complementary filter."""
-
-    name = "COMPLEMENTARY"
-
-    def prepare(self, setting: Setting) -> Complementary:
-        """Make the filter ready for a setting."""
-        return Complementary(setting)
-
-
-SCHEME = ComplementaryScheme()
+SCHEME = Direct("COMPLEMENTARY", Complementary)

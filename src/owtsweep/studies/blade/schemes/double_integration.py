@@ -17,7 +17,7 @@ from owtsweep.estimation.double_integration import PADDING, integrate_twice, pas
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.boom import estimate_boom
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.complementary import Complementary
 
 
@@ -70,14 +70,4 @@ def merge(acceleration: Array, step: float, at: NDArray[np.intp], positions: Arr
     return slow + pass_high(moved - slow, 1.0 / step)
 
 
-class ChainScheme(Scheme):
-    """Double integration in the frequency domain."""
-
-    name = "DOUBLE_INTEGRATION"
-
-    def prepare(self, setting: Setting) -> Chain:
-        """Make the filters ready for a setting."""
-        return Chain(setting)
-
-
-SCHEME = ChainScheme()
+SCHEME = Direct("DOUBLE_INTEGRATION", Chain)

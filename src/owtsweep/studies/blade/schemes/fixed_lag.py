@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.estimation.inertial_smoother import smooth_lag
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.mekf import Navigator
 from owtsweep.studies.blade.schemes.navigation import Found, report
 from owtsweep.studies.blade.schemes.smoother import link_samples
@@ -32,14 +32,4 @@ class FixedLag:
         )
 
 
-class FixedLagScheme(Scheme):
-    """The smoother of fixed lag."""
-
-    name = "FIXED_LAG"
-
-    def prepare(self, setting: Setting) -> FixedLag:
-        """Make the smoother ready for a setting."""
-        return FixedLag(setting)
-
-
-SCHEME = FixedLagScheme()
+SCHEME = Direct("FIXED_LAG", FixedLag)

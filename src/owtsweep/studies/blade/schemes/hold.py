@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 
 
 @dataclass(frozen=True)
@@ -38,14 +38,4 @@ def hold_last(values: Array, given: Array) -> Array:
     return held
 
 
-class HoldScheme(Scheme):
-    """Holding the last fix."""
-
-    name = "HOLD"
-
-    def prepare(self, setting: Setting) -> Hold:
-        """Make holding ready for a setting."""
-        return Hold(setting)
-
-
-SCHEME = HoldScheme()
+SCHEME = Direct("HOLD", Hold)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_invariant import filter_invariant
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     begin,
     find_noise,
@@ -50,14 +50,4 @@ def _turn_errors(states: Array) -> Array:
     return turn
 
 
-class InvariantScheme(Scheme):
-    """The invariant filter."""
-
-    name = "INVARIANT_EKF"
-
-    def prepare(self, setting: Setting) -> Invariant:
-        """Make the filter ready for a setting."""
-        return Invariant(setting)
-
-
-SCHEME = InvariantScheme()
+SCHEME = Direct("INVARIANT_EKF", Invariant)

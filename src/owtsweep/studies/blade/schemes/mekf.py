@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
@@ -105,16 +104,20 @@ def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array
     return transitions, noises
 
 
+@dataclass(frozen=True)
 class NavigatorScheme(Scheme):
     """The multiplicative filter with what it is given besides: attributes of `Navigator`."""
 
-    def __init__(self, name: str, **given: Any) -> None:
-        self.name, self.given = name, given
+    name: str
+    antennas: int = 1
+    offset: bool = False
+    lever: bool = False
+    swing: bool = False
 
     def prepare(self, setting: Setting) -> Navigator:
         """Make the filter ready for a setting; `Unable` if it has too few antennas."""
-        require_antennas(setting, self.given.get("antennas", 1))
-        return Navigator(setting, **self.given)
+        require_antennas(setting, self.antennas)
+        return Navigator(setting, self.antennas, self.offset, self.lever, self.swing)
 
 
 SCHEME = NavigatorScheme("MEKF")

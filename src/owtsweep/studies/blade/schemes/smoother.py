@@ -8,7 +8,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial_smoother import link, smooth_all
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.mekf import Navigator
 from owtsweep.studies.blade.schemes.navigation import Found, find_noise, report
 
@@ -40,14 +40,4 @@ def link_samples(
     return links
 
 
-class SmootherScheme(Scheme):
-    """The smoother of the whole record."""
-
-    name = "SMOOTHER"
-
-    def prepare(self, setting: Setting) -> Smoother:
-        """Make the smoother ready for a setting."""
-        return Smoother(setting)
-
-
-SCHEME = SmootherScheme()
+SCHEME = Direct("SMOOTHER", Smoother)

@@ -12,7 +12,7 @@ import numpy as np
 
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import PRISMS, ROOT, Direct, Estimates, Measured, Setting
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,4 @@ class Stations:
         )
 
 
-class StationsScheme(Scheme):
-    """Three total stations and Wahba's problem."""
-
-    name = "TOTAL_STATIONS"
-
-    def prepare(self, setting: Setting) -> Stations:
-        """Make the least squares ready for a setting."""
-        return Stations(setting)
-
-
-SCHEME = StationsScheme()
+SCHEME = Direct("TOTAL_STATIONS", Stations)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from owtsweep.estimation.inertial_unscented import filter_unscented
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     begin,
     find_noise,
@@ -33,14 +33,4 @@ class Unscented:
         return report(self.setting, measured, found)
 
 
-class UnscentedScheme(Scheme):
-    """The unscented filter."""
-
-    name = "UKF"
-
-    def prepare(self, setting: Setting) -> Unscented:
-        """Make the filter ready for a setting."""
-        return Unscented(setting)
-
-
-SCHEME = UnscentedScheme()
+SCHEME = Direct("UKF", Unscented)

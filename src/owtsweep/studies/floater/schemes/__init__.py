@@ -52,3 +52,5 @@ LISTED = {
     ),
 }
 SCHEMES = SchemeTable("floater", __name__, LISTED)
+#: Schemes that never take a roll angle for small.
+LARGE_ANGLES = ("ERROR_STATE", "PASSIVE_OBSERVER", "LOWPASS")

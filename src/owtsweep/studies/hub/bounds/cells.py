@@ -17,16 +17,53 @@ from __future__ import annotations
 from itertools import product
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from owtsweep.errors import require
+from owtsweep.motion.shaping import ShapingFilter
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
-from owtsweep.studies.hub.bounds.shape import find_shape
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known_motion import find_known_motion
+from owtsweep.studies.hub.known_motion import find_known_motion, find_noise_density, find_spectrum
+from owtsweep.studies.hub.spectral_model import fit_or_recall
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+#: States of the filter. With these the bounds of the default study are within 1 % of those on a
+#: window (experiments/better.py).
+STATES = 20
+#: Variance of motion, m^2, whose floor the fit has. The largest motions see most of the spectrum; a
+#: filter that is close for them is close for smaller ones.
+VARIANCE = 5.0
+#: Above the first number times the band's upper edge, the fit takes frequencies whose distance is
+#: at least the second number times the frequency.
+DENSE_UP_TO, APART = 1.25, 0.01
+
+
+def find_shape(
+    config: HubConfig, natural_period: float, *, roll_off: bool = False
+) -> ShapingFilter:
+    """Fit the shaping filter of the study's motion of a natural period (s); cached in a file.
+
+    Parameters
+    ----------
+    roll_off
+        As of `find_known_motion`.
+
+    Raises
+    ------
+    InputError
+        As `find_spectrum`.
+    """
+    frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
+    place = np.floor(np.log(frequency / (DENSE_UP_TO * config.band[1])) / APART)
+    kept = (place < 0.0) | (np.diff(place, prepend=-1.0) > 0.0)
+    noise = find_noise_density(sensing.sensors(config.sensors), frequency[kept])
+    return fit_or_recall(frequency[kept], density[kept], STATES, noise / VARIANCE)
+
 
 #: The measures that have bounds.
 BOUNDED = ("position", "velocity")

@@ -3,22 +3,106 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.spectra import spectrum
+from owtsweep.motion.spectra import Spectrum, spectrum
+from owtsweep.motion.synthesis import lines
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
-from owtsweep.studies.hub.error_curves.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.peak import peak_factors
 from owtsweep.studies.hub.planning import scheme_content
 from owtsweep.studies.hub.resolving import SCHEMES, resolve
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The spectral lines (sinusoids) of which records of one length consist.
+
+    Attributes
+    ----------
+    frequency
+        Frequencies of the lines, Hz, evenly spaced, shape (n,).
+    beat
+        Fourier transform, shape (size // 2 + 1,), of a function b. The argument of b is the
+        difference of two lines' numbers. The value of b is the square of the mean that the beat of
+        the two lines has over a record; b(0) = 0.
+    size
+        Number of values of b that are transformed, at least 2 n.
+    """
+
+    frequency: Array
+    beat: Array
+    size: int
+
+
+def lines_of(band: tuple[float, float], duration: float) -> Lines:
+    """Return the spectral lines inside a band (Hz) of records of a duration (s).
+
+    The common period of all lines is twice the record's duration. Over the record, the beat of the
+    lines number m and n therefore has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2).
+    """
+    from scipy.fft import next_fast_len, rfft
+
+    _, frequency = lines(band, 2.0 * duration)
+    count = len(frequency)
+    size = next_fast_len(2 * count, real=True)
+    apart = np.arange(size)
+    apart = np.where(apart < count, apart, np.where(apart > size - count, size - apart, 0))
+    beat = np.sinc(0.5 * apart) ** 2
+    beat[0] = 0.0  # a line does not beat with itself
+    beat[count : size - count + 1] = 0.0
+    return Lines(frequency, rfft(beat).real, size)
+
+
+def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
+    """Compute the expected mean square error of records normalised to a standard deviation of 1 m.
+
+    The squared error of a normalised record is a ratio p / q of two random sums, the squared error
+    and the variance before normalisation. To second order in the scatter of the records, the
+    expectation of the ratio is E[p / q] = E p / E q (1 + var q / (E q)^2 - cov(p, q) / (E p E q)).
+    (The term var q / (E q)^2 is 0.3 % for the default records, and more for narrower spectra and
+    shorter records.) The beat of two lines in the error is approximated by their beat in the
+    motion, times the geometric mean of the curve at both lines.
+
+    Parameters
+    ----------
+    spectrum
+        The spectrum of the motion.
+    curves
+        Mean square errors per mean square of the motion, at the n lines; shape (..., n).
+    drawn
+        The spectral lines of the records.
+
+    Returns
+    -------
+    array
+        Shape (...), in the unit of the curves times m^2.
+    """
+    from scipy.fft import rfft
+
+    share = spectrum.density(drawn.frequency)
+    share = share / np.sum(share)
+    mean = np.sum(share * curves, axis=-1)
+    flat = curves.reshape(-1, len(share))
+    shapes = np.concatenate([np.ones((1, len(share))), flat]) ** 0.5 * share
+    transformed = np.abs(rfft(shapes, n=drawn.size, axis=-1)) ** 2 * drawn.beat
+    # Parseval for real sequences: all terms count twice except the first and, for an even length,
+    # the last
+    twice = np.full(transformed.shape[-1], 2.0)
+    twice[0] = 1.0
+    if drawn.size % 2 == 0:
+        twice[-1] = 1.0
+    beats = np.sum(transformed * twice, axis=-1) / drawn.size
+    relative = beats[1:].reshape(mean.shape) / mean
+    return np.asarray(mean * (1.0 + beats[0] - relative))
+
 
 #: Version of the expected errors. Raise it when they change and the study's `numerics_version`
 #: stays the same.

@@ -14,9 +14,9 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.motion.envelope import SHARE, find_region
+from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.envelope import SIZES, compute_envelope, find_best, tell_best
 from owtsweep.studies.hub.figures import maps_by_tuning
-from owtsweep.studies.hub.worlds import require_spectrum
 from owtsweep.sweep.gather import Results
 
 if TYPE_CHECKING:

@@ -11,16 +11,15 @@ from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.hub.conditions import (
     CRITERIA,
+    find_world,
     get_map_conditions,
     list_maps,
-    make_cube,
     select,
 )
 from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import describe_one_record, describe_origin
 from owtsweep.studies.hub.resolving import scheme_names
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
-from owtsweep.studies.hub.worlds import find_world
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -21,12 +21,11 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.figures.shades import HANDLERS, Shades
 from owtsweep.results.best_scheme import find_coinciding, tell_winners
-from owtsweep.studies.hub.conditions import CRITERIA, get_map_conditions, make_cube, select
+from owtsweep.studies.hub.conditions import CRITERIA, find_world, get_map_conditions, select
 from owtsweep.studies.hub.names import list_baselines
 from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.studies.hub.resolving import scheme_names
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners
-from owtsweep.studies.hub.worlds import find_world
+from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 
 if TYPE_CHECKING:
     import pandas as pd

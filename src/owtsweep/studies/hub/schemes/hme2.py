@@ -25,11 +25,11 @@ from owtsweep.studies.hub.known import ZERO, Known, Sensors
 from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
 from owtsweep.studies.hub.online.chain import online_chain
 from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator
-from owtsweep.studies.hub.scheme_checks import check_mhe, check_window
 from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.schemes.stepwise import Stepwise
+from owtsweep.studies.hub.sizes import check_mhe, check_window
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

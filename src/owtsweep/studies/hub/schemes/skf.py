@@ -17,13 +17,13 @@ from numpy.typing import ArrayLike
 
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.axis_filters import CompiledAxisFilter, KalmanAxisFilter
+from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import ZERO, Known
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_model import make_axes, tune_axes
 from owtsweep.studies.hub.spectral_run import SpectralKernel
-from owtsweep.studies.hub.worlds import require_spectrum
 from owtsweep.vectors import choose
 
 if TYPE_CHECKING:

@@ -13,11 +13,14 @@ from numpy.typing import ArrayLike
 
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import ZERO, Estimator, Known
-from owtsweep.studies.hub.switching.boundary import Boundary, compute_boundary, read_boundary
-from owtsweep.studies.hub.switching.checks import check_switch
+from owtsweep.studies.hub.switching.boundary import (
+    Boundary,
+    check_switch,
+    compute_boundary,
+    read_boundary,
+)
 from owtsweep.studies.hub.switching.estimator import SwitchingEstimator
-from owtsweep.studies.hub.switching.sea import SeaWatch
-from owtsweep.studies.hub.switching.supervisor import Supervisor
+from owtsweep.studies.hub.switching.supervisor import SeaWatch, Supervisor
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

@@ -1,17 +1,25 @@
-"""The boundary of two schemes: the amplitude at which they are equally good, over the period."""
+"""The boundary of two schemes: the amplitude at which they are equally good, over the period.
+
+It also refuses settings of SWITCH that cannot work.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan, log
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
+from owtsweep.studies.hub.names import LISTED
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.scheme_sections import Switch
+
 
 #: Number of frequencies in the band at which a computed boundary is tabulated.
 FREQUENCIES = 40
@@ -118,3 +126,23 @@ def compute_boundary(config: Any, below: str, above: str, crest: float) -> Bound
         better = gained > 0.0
         amplitude[better] = np.log(crest) + 0.5 * np.log(paid / gained[better])
     return Boundary(-np.log(frequency), np.clip(amplitude, NONE, ANY))
+
+
+def check_switch(settings: Switch) -> None:
+    """Raise `InputError` unless `switch` names two schemes and its boundary is a table."""
+    others = ", ".join(name for name in LISTED if name != "SWITCH")
+    for key, name in (("below", settings.below), ("above", settings.above)):
+        require(
+            name in LISTED,
+            f"switch.{key}: there is no scheme {name!r}; use {others}",
+        )
+        require(
+            name != "SWITCH",
+            f"switch.{key}: SWITCH cannot switch to itself; name another scheme, e.g. HME1",
+        )
+    require(
+        settings.below != settings.above,
+        f"switch.above: {settings.above} is below the boundary too; name two different schemes",
+    )
+    if settings.boundary is not None:
+        read_boundary(settings.boundary)

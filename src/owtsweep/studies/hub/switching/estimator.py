@@ -11,8 +11,7 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.evaluation.loop import run_steps
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.switching.sea import error_variances
-from owtsweep.studies.hub.switching.supervisor import Supervisor
+from owtsweep.studies.hub.switching.supervisor import Supervisor, error_variances
 
 
 class SwitchingEstimator:

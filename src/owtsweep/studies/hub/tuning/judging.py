@@ -15,10 +15,10 @@ from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.hub import blocks, planning
-from owtsweep.studies.hub.conditions import make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.tuning.objective import amplitudes, score
+from owtsweep.studies.hub.winners import make_cube
 
 #: Window of a record that judges: a tuning says how an estimator runs on, not how it starts.
 WINDOW = "settled"

@@ -19,8 +19,7 @@ from owtsweep.studies.hub.origin import describe_truth
 from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.tuning.judging import judge
 from owtsweep.studies.hub.tuning.objective import amplitudes
-from owtsweep.studies.hub.tuning.search import Found, search
-from owtsweep.studies.hub.tuning.spaces import find_space
+from owtsweep.studies.hub.tuning.search import Found, find_space, search
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

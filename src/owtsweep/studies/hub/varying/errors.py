@@ -21,15 +21,13 @@ from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.results.status import OK
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
-from owtsweep.studies.hub.conditions import criteria
+from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.answers import expected
 from owtsweep.studies.hub.expected.engine import rows
 from owtsweep.studies.hub.names import list_baselines
-from owtsweep.studies.hub.resolving import scheme_names
-from owtsweep.studies.hub.varying.facts import list_common_facts
-from owtsweep.studies.hub.varying.notes import list_notes
-from owtsweep.studies.hub.worlds import require_spectrum
+from owtsweep.studies.hub.resolving import resolve_all, scheme_names
+from owtsweep.studies.hub.varying.notes import list_common_facts, list_notes
 
 #: The overrides that the command puts before the user's: a tuning whose numbers follow from the
 #: sensors, and one motion in the middle of the grid, at which an estimator is needed.
@@ -164,11 +162,13 @@ def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
             f"engine: `vary` computes means over all records, and engine={config.engine} simulates "
             "records; leave out engine",
         )
-        require(
-            "SKF" not in config.schemes,
-            "schemes: `vary` computes all amplitudes at once, and SKF has other gains at each; "
-            "leave SKF out, or use `sweep engine=expected measures.window=settled` for each value",
-        )
+        for scheme in resolve_all(config.schemes):
+            require(
+                not scheme.told_motion,
+                f"schemes: `vary` computes all amplitudes at once, and {scheme.name} has other "
+                f"gains at each; leave {scheme.name} out, or use `sweep engine=expected "
+                "measures.window=settled` for each value",
+            )
         require(
             (config.grid, config.measures, config.schemes, config.baselines)
             == (one.grid, one.measures, one.schemes, one.baselines),

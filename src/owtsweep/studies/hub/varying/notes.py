@@ -1,4 +1,4 @@
-"""Writes what a reader of the errors over a key's values has to know besides the numbers."""
+"""Writes what a reader of errors over a key's values must know: what stays alike, and notes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,29 @@ from owtsweep.config.typed import as_mapping
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.origin import list_sensors
 from owtsweep.studies.hub.tuning_rules import RECORDED
 from owtsweep.studies.hub.winners import OTHER_WINDOW
+
+
+def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
+    """Return the facts that hold for each configuration: tuning, sensors and truth, in this order.
+
+    A fact that differs between the configurations is left out.
+    """
+    listed = [_list_facts(config) for config in configs]
+    return tuple(fact for fact in listed[0] if all(fact in facts for facts in listed))
+
+
+def _list_facts(config: HubConfig) -> list[str]:
+    sensors = [f"{name} {value}" for name, value in list_sensors(config.sensors).items()]
+    return [
+        f"tuning {config.tuning_name}",
+        *sensors,
+        f"mean over all records of {config.record.duration:g} s, without the first "
+        f"{config.measures.settling_time:g} s",
+    ]
+
 
 BOUND = (
     "The Kalman bound is the least error of an estimator that assumes nothing about the motion; an "

@@ -11,6 +11,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import time_histories
 from owtsweep.figures.lines import POINTS, decimate, leaves
 from owtsweep.figures.palette import style_of
+from owtsweep.figures.style import Look
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures import name_file
@@ -151,8 +152,8 @@ def _make_errors_panel(
             note = f"shaded: ±1.96 standard deviations that {advised} states"
     for name, line in shown.errors.items():
         zorder = time_histories.ON_TOP if name == advised else 2.5
-        look = {"linewidth": 1.1, "zorder": zorder}
-        marks.append(time_histories.show_scheme(name, session.names, line, **look))
+        look: Look = {"linewidth": 1.1, "zorder": zorder}
+        marks.append(time_histories.show_scheme(name, session.names, line, look))
     reach = 1.2 * shown.bound
     notes = [note] if note else []
     if any(leaves(line, -reach, reach) for line in shown.errors.values()):
@@ -170,7 +171,9 @@ def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
         scheme = style_of(name, session.names)
-        look = {"color": scheme.color, "marker": scheme.marker, "markersize": 3, "linewidth": 0.6}
+        look: Look = {
+            "color": scheme.color, "marker": scheme.marker, "markersize": 3, "linewidth": 0.6,
+        }  # fmt: skip
         marks.append(Curve([decimate(time, scaled, POINTS)], look))
     marks += [Level(bound, bound=True) for bound in (-QUANTILE, QUANTILE)]
     label = "innovation of x\n(standard deviations)"

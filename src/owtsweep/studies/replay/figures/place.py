@@ -12,7 +12,7 @@ from owtsweep.figures import style
 from owtsweep.results.conditions import Condition
 from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.hub.public import BASELINES
-from owtsweep.studies.replay.choosing import LEAST_COVERED, LEAST_MARGIN
+from owtsweep.studies.replay.advice import LEAST_COVERED, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures import name_file
 from owtsweep.studies.replay.files import label_files

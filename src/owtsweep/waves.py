@@ -1,6 +1,7 @@
 """A sea state (JONSWAP): realisations with random phases, their kinematics, loads on a cylinder.
 
-Kinematics are linear. Loads are per metre of a fixed vertical cylinder (Morison et al. 1950). Their
+Kinematics are linear, and waves travel in one direction. Heights are in m above the still water
+line. Loads are per metre of a fixed vertical cylinder (Morison et al. 1950). Their
 inertia term is MacCamy and Fuchs' (1954), in which waves that are short beside the cylinder are
 diffracted: its coefficient is complex and 2 for long waves.
 """
@@ -17,6 +18,8 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.gravity import GRAVITY
 
+#: Raised when a number that this room computes changes.
+NUMERICS_VERSION = 0
 #: Frequencies (Hz) between which waves have lines. Above the upper edge the spectrum of a sea with
 #: a peak period of 3 s or more is below a hundredth of its peak.
 BAND = (0.02, 1.0)
