@@ -16,8 +16,8 @@ from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.base.contest import C, Contest, ContestConfig
 from owtsweep.studies.base.contract import NotFinite, Ready, Unable
 from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart
+from owtsweep.studies.base.schemes import AnyScheme
 from owtsweep.studies.base.tables import Judgement, make_rows
-from owtsweep.studies.base.users import AnyScheme
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ class MatingStudy(ContestStudy):
         """Return name -> description of each scheme: those of the blade study."""
         return dict(list_schemes("blade"))
 
-    def engine(self, config: MatingConfig) -> Engine[MatingConfig]:
+    def engine(self, config: MatingConfig) -> Engine:
         """Return the study's only engine."""
         from owtsweep.studies.mating.engine import MatingEngine
 

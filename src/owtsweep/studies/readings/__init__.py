@@ -39,7 +39,7 @@ class ReadingsStudy(HubKeys):
         """Return an empty tuple: a search has no grid of conditions."""
         return ()
 
-    def engine(self, config: ReadingsConfig) -> Engine[ReadingsConfig]:
+    def engine(self, config: ReadingsConfig) -> Engine:
         """Return the study's only engine, which does not depend on the configuration."""
         from owtsweep.studies.readings.engine import SearchEngine
 
