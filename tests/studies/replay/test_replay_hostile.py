@@ -11,8 +11,7 @@ from replay_tools import motion_file
 
 from owtsweep.cli import main
 from owtsweep.errors import InputError
-from owtsweep.studies.replay.figures import as_plain
-from owtsweep.studies.replay.files import hash_file, label_files
+from owtsweep.studies.replay.files import as_plain, hash_file, label_files
 from owtsweep.studies.replay.report import _describe_many
 from owtsweep.studies.replay.running import LONGEST_EXPERIMENT, configure, expand
 from owtsweep.studies.replay.seastates import read_table

@@ -109,7 +109,7 @@ class ReplayStudy(HubKeys):
         With a single record, the figures show this record. With several records, there is one
         figure: a map of the best schemes.
         """
-        from owtsweep.studies.replay.figures import drawings
+        from owtsweep.studies.replay.figures.listing import drawings
 
         return drawings(config, tables, metadata)
 
@@ -119,6 +119,6 @@ class ReplayStudy(HubKeys):
         With a single record, this figure shows the position over some seconds; with several
         records, it is a map of the best schemes.
         """
-        from owtsweep.studies.replay.figures import overview
+        from owtsweep.studies.replay.figures.listing import overview
 
         return overview(config)

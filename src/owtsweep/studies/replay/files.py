@@ -1,4 +1,4 @@
-"""Give files of records labels and hashes."""
+"""Gives files of records labels, hashes, and names for titles."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from pathlib import Path
 
 from owtsweep.errors import InputError, printable
 from owtsweep.io.reading import require_regular
+
+#: The number of characters that fit into a title.
+LONGEST = 80
 
 
 def label_files(files: Sequence[str]) -> dict[str, str]:
@@ -64,3 +67,17 @@ def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
             while chunk := stream.read(1 << 20):
                 result.update(chunk)
     return result.hexdigest()
+
+
+def as_plain(text: str) -> str:
+    """Return a text in a form that matplotlib draws as it is, without reading a part as a formula.
+
+    Characters that cannot be printed are replaced by escape sequences, and each `$` is escaped.
+    """
+    return printable(text).replace("$", r"\$")
+
+
+def name_file(path: str) -> str:
+    """Return the name of the file at `path` for a title, cut to `LONGEST` characters."""
+    name = Path(path).name
+    return as_plain(name if len(name) <= LONGEST else f"{name[:LONGEST]}...")

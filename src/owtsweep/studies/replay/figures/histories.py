@@ -14,8 +14,8 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.style import Look
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.figures import name_file
 from owtsweep.studies.replay.figures.traces import Traces, collect_traces
+from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.session import Session
 from owtsweep.studies.replay.states import FilterStates

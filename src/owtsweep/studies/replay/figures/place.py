@@ -14,8 +14,7 @@ from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.hub.public import BASELINES
 from owtsweep.studies.replay.advice import LEAST_COVERED, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.figures import name_file
-from owtsweep.studies.replay.files import label_files
+from owtsweep.studies.replay.files import label_files, name_file
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.place import (
     compute_rms_error,

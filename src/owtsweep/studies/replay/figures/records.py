@@ -13,7 +13,7 @@ from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.studies.hub.public import BASELINES, OTHER_WINDOW
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.figures import as_plain
+from owtsweep.studies.replay.files import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from owtsweep.figures.lines import decimate
 from owtsweep.motion.modes import LEVEL, Modes
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import BEYOND, MOST_MODES, summarise_motion
-from owtsweep.studies.replay.figures import name_file
+from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.place import read_fit
 
 if TYPE_CHECKING:
