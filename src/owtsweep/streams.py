@@ -7,6 +7,8 @@ from zlib import crc32
 
 import numpy as np
 
+__all__ = ["stream"]
+
 
 def stream(
     seed: int, study: str, conditions: Sequence[float | str], replicate: int, name: str

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pandas as pd
@@ -116,8 +117,12 @@ def test_the_example_passes_its_own_test(project: Path) -> None:
 @pytest.mark.parametrize(
     "name", sorted(set(re.findall(rf"`(?:owtsweep\.)?((?:{ROOMS})\.(?!py`)\w[\w.]*)", PAGE)))
 )
-def test_every_name_on_the_page_exists(name: str) -> None:
+def test_every_name_on_the_page_is_public(name: str) -> None:
     found: Any = import_module("owtsweep")
     for part in name.split("."):
         inner = getattr(found, part, None)
-        found = import_module(f"{found.__name__}.{part}") if inner is None else inner
+        if inner is None:
+            inner = import_module(f"{found.__name__}.{part}")
+        elif isinstance(found, ModuleType) and not isinstance(inner, ModuleType):
+            assert part in found.__all__
+        found = inner

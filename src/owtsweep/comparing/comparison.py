@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from owtsweep.config import AnyConfig
 
+__all__ = ["Aspects"]
+
 #: Sections and keys that do not count as swept: they say on which grid, where and how to run.
 NOT_SWEPT = frozenset(
     {"grid", "schemes", "baselines", "compute", "results", "name", "config_version"}

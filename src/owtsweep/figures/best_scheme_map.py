@@ -25,6 +25,8 @@ from owtsweep.figures.plane import Plane, Row
 from owtsweep.figures.shades import Shades, add_legend, list_in_legend
 from owtsweep.results.conditions import Condition
 
+__all__ = ["draw"]
+
 HATCH = "////"
 #: Opacity of the hatch, which has the colour of text on the cell's fill.
 HATCH_OPACITY = 0.35

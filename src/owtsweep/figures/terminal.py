@@ -25,6 +25,8 @@ from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
 
+__all__ = ["grid"]
+
 #: Mark after a scheme's name in cells where the data do not distinguish it from the next best.
 MARK = "~"
 NO_RESULT = "-"

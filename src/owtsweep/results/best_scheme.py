@@ -23,6 +23,8 @@ from owtsweep.statistics.inference import holm
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["find_best_schemes"]
+
 VERDICT_COLUMNS = (
     "criterion", "window", "best", "runner_up", "mse_best", "mse_runner_up", "difference",
     "ci_low", "ci_high", "distinguishable",

@@ -13,6 +13,8 @@ from owtsweep.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["Condition"]
+
 #: A value of a condition: a number, or a text for a category.
 Value = float | str
 #: Condition -> its values. Texts are shown in the order in which they are listed here.

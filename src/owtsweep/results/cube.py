@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pandas.api.extensions import ExtensionArray
 
+__all__ = ["Cube"]
+
 #: Largest number that is used: sums of squares of larger ones overflow.
 LARGEST = 1e140
 #: Most values of a cube per row, beside those of an ordinary one that lacks most of its rows.

@@ -15,6 +15,8 @@ from owtsweep.statistics.inference import mean_and_error, t_quantile
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["summarise"]
+
 
 def name_columns(conditions: Sequence[str]) -> list[str]:
     """Return the names of the columns of a summary, given the names of the conditions."""

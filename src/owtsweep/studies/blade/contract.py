@@ -20,6 +20,8 @@ from owtsweep.studies.base.knowledge import Knowledge
 if TYPE_CHECKING:
     from owtsweep.studies.blade.tuning import Tuning
 
+__all__ = ["DOF", "Estimates", "Measured", "Scheme", "Setting"]
+
 #: Translations of the centre of gravity (longitudinal, lateral, vertical), then angles as the paper
 #: has them: heading (positive clockwise seen from above), pitch, roll.
 DOF = ("u", "v", "w", "heading", "pitch", "roll")

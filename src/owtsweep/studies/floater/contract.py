@@ -19,6 +19,8 @@ from owtsweep.studies.base.knowledge import Knowledge
 if TYPE_CHECKING:
     from owtsweep.studies.floater.tuning import Tuning
 
+__all__ = ["DOF", "Estimates", "Measured", "Scheme", "Setting"]
+
 #: Degrees of freedom: surge, sway, heave, then the Euler angles roll, pitch, yaw
 #: (Mehammer et al. 2018, Eq. 1).
 DOF = ("x", "y", "z", "phi", "theta", "psi")

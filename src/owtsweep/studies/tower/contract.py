@@ -14,6 +14,8 @@ from owtsweep.studies.base.knowledge import Knowledge
 if TYPE_CHECKING:
     from owtsweep.studies.tower.tuning import Tuning
 
+__all__ = ["DIRECTIONS", "INPUTS", "Estimates", "Scheme", "Setting"]
+
 #: Directions of motion: fore-aft and side-side.
 DIRECTIONS = ("fa", "ss")
 #: Interface loads on the substructure, in the order of columns: force and moment at the lower cut,
