@@ -96,9 +96,10 @@ def test_the_sample_overwrites_nothing_else(sample, capsys):
 def test_recommendations():
     row = {
         "source": "record", "criterion": "position", "best": "HME1", "value_best": 0.04,
-        "runner_up": "MKF", "value_runner_up": 0.09, "matters": True,
+        "runner_up": "MKF", "value_runner_up": 0.09, "matters": True, "noise": "stated",
+        "advises": True, "recommended": "HME1", "value_recommended": 0.04,
     }  # fmt: skip
-    by_map = row | {"source": "map", "best": "EKF"}
+    by_map = row | {"source": "map", "best": "EKF", "recommended": "EKF"}
     told = recommend(pd.DataFrame([by_map, row]))
     assert told == (
         "recommended: run HME1; its position error is 0.2 m (root mean square), that of MKF 0.3 m"
@@ -109,7 +110,7 @@ def test_recommendations():
     alone = recommend(pd.DataFrame([row | {"runner_up": np.nan}]))
     assert alone == "recommended: run HME1; its position error is 0.2 m (root mean square)"
     assert recommend(pd.DataFrame([row]).iloc[:0]) == ""
-    other = row | {"noise": "estimated", "best": "MKF", "runner_up": "HME1"}
+    other = row | {"noise": "estimated", "best": "MKF", "recommended": "MKF", "runner_up": "HME1"}
     contradicted = recommend(pd.DataFrame([row | {"noise": "stated"}, by_map, other]))
     assert contradicted.startswith(
         "recommended: run MKF with the noise that the record shows (noise.csv), not the stated one;"

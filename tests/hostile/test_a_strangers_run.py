@@ -114,7 +114,15 @@ def test_a_scheme_of_a_stored_run_is_not_run_by_another_sweep(stranger):
         (lambda plan: {**plan, "blocks": [["../../secret", "a", 1, 1]]}, "no plan"),
         (lambda plan: {**plan, "blocks": [[plan["blocks"][0][0], "a", -1, 1]]}, "no plan"),
         (lambda plan: {**plan, "code": []}, "other schemes"),
-        (lambda plan: {**plan, "code": [{"name": 3, "linear": True}] * 2}, "lacks the name"),
+        (lambda plan: {**plan, "code": [{"name": 3, "linear": True}] * 2}, "other schemes"),
+        (
+            lambda plan: {**plan, "code": [{**plan["code"][0], "name": 3}] * 2},
+            "the name '3' cannot be used",
+        ),
+        (
+            lambda plan: {**plan, "code": [{**plan["code"][0], "batched": "all"}] * 2},
+            "batched = 'all' is none of",
+        ),
     ],
 )
 def test_a_plan_is_checked_as_what_it_is(stranger, change, says):
@@ -139,7 +147,7 @@ def test_what_is_no_scheme_class_is_refused_before_it_is_called(target, tmp_path
     monkeypatch.chdir(tmp_path)
     called: list[object] = []
     monkeypatch.setattr(os, "system", called.append)
-    with pytest.raises(InputError, match="no class with a method start"):
+    with pytest.raises(InputError, match="no class that derives from owtsweep"):
         owtsweep.run([*TINY, f"schemes=[{{_target_: {target}, command: touch harmed}}]"])
     assert called == []
     assert not any(tmp_path.iterdir())
