@@ -14,6 +14,7 @@ import numpy as np
 import owtsweep
 from owtsweep.studies import get_study
 from owtsweep.studies.hub.compiling import compile_kernels
+from owtsweep.studies.hub.compiling.share import write_in_turn
 
 TINY = ("grid=small", "grid.replicates=1", "record.duration=50")
 #: One cell of the studies whose schemes have kernels of their own.
@@ -35,6 +36,7 @@ def studies() -> None:
 
 
 def declared() -> None:
+    write_in_turn()  # the other parts write to the same folder
     with tempfile.TemporaryDirectory() as results:
         for study, cell in CELLS.items():
             schemes = f"schemes=[{','.join(get_study(study).schemes())}]"

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import groupby, pairwise
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -150,9 +149,9 @@ def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
     return result
 
 
-def _joined(columns: list[Any]) -> Any:
+def _joined(columns: list[measures.Column]) -> measures.Column:
     if isinstance(columns[0], list):
-        return [word for column in columns for word in column]
+        return [str(word) for column in columns for word in column]
     return np.concatenate(columns)
 
 

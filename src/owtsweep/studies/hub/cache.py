@@ -17,7 +17,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -58,7 +57,7 @@ def folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
 
 
-def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
+def cached(what: Mapping[str, object], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
     """Return arrays by name: from memory, else from a file, else computed and then stored.
 
     Parameters

@@ -5,8 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from owtsweep.config import AnyConfig
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
@@ -103,7 +104,7 @@ class _Engine:
         """List the figure that shows the maps of all tunings side by side."""
         from owtsweep.studies.hub.figures import maps_by_tuning
 
-        config: Any = next(iter(results.values())).config
+        config: AnyConfig = next(iter(results.values())).config
         return {
             f"{maps_by_tuning.NAME}{end}": save_figure(
                 partial(maps_by_tuning.draw, results, at), metadata

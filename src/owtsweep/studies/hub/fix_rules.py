@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import require
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 #: Values of the key `fix_rule`; the kernels use the index.
@@ -92,7 +92,7 @@ def make_fix_rule(tuning: FilterTuning) -> FixRule:
     return FixRule()
 
 
-def check_fix_rules(config: Any) -> None:
+def check_fix_rules(config: HubConfig) -> None:
     """Refuse gates that would judge fixes by a covariance that is no measure for them.
 
     HME2's is too small. That of some update rules does not grow while the gate refuses fixes, so

@@ -7,7 +7,7 @@ time.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,10 @@ SUMMED = ("x", "y", "vx", "vy", "nees", "nis")
 EXTREMES = ("position_max", "position_p95")
 WINDOWS = ("full", "settled")
 
-#: Name of a column -> its values: numbers or strings.
-Columns = dict[str, Array | NDArray[np.int64] | list[str]]
+#: The values of a column: numbers or strings.
+Column = Array | NDArray[np.int64] | list[str]
+#: Name of a column -> its values.
+Columns = dict[str, Column]
 #: The columns of a shard (a stored file of rows) with motion=spectrum, in order. With motion=plant
 #: the plant's conditions take the place of the natural period.
 COLUMNS = (
@@ -191,7 +193,7 @@ def table(
     }
 
 
-def _repeat(value: Value, rows: int) -> Any:
+def _repeat(value: Value, rows: int) -> list[str] | Array:
     return [value] * rows if isinstance(value, str) else np.full(rows, value)
 
 

@@ -10,7 +10,6 @@ not depend on which other periods a grid holds.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -74,7 +73,7 @@ def factor_at(config: HubConfig, period: float) -> float:
 
     The result is cached in a file.
     """
-    what: dict[str, Any] = {
+    what: dict[str, object] = {
         "what": "peak factor",
         "seed": config.seed,
         "duration": config.record.duration,

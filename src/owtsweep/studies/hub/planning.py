@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import attrgetter
-from typing import Any
 
-from owtsweep.config import Section, as_mapping
+from owtsweep.config import Plain, Section, as_mapping
 from owtsweep.studies.base.schemes import Entry
 from owtsweep.studies.hub.conditions import find_world, list_record_conditions
 from owtsweep.studies.hub.config import HubConfig
@@ -81,7 +80,7 @@ def superposes(config: HubConfig, scheme: Scheme) -> bool:
     return config.evaluation == "superposed" and scheme.linear and not alone
 
 
-def shared_content(config: HubConfig) -> dict[str, Any]:
+def shared_content(config: HubConfig) -> Plain:
     """Return the settings on which the numbers of every block (unit of work) depend.
 
     The values of the grid and the tuning of the schemes are not among them.
@@ -94,7 +93,7 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
     return content
 
 
-def scheme_content(config: HubConfig, entry: Entry, scheme: Scheme) -> dict[str, Any]:
+def scheme_content(config: HubConfig, entry: Entry, scheme: Scheme) -> Plain:
     """Return what a scheme's rows depend on: the scheme's name, its tuning, and a user's code.
 
     The tuning consists of the sections of the configuration that the scheme's attribute `sections`
@@ -117,5 +116,5 @@ def scheme_content(config: HubConfig, entry: Entry, scheme: Scheme) -> dict[str,
     return {"scheme": scheme.name, "tuning": tuning, **code}
 
 
-def _plain(section: Any) -> Any:
+def _plain(section: object) -> object:
     return as_mapping(section) if isinstance(section, Section) else section

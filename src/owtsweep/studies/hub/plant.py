@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep import structures, waves
-from owtsweep.config import as_mapping, changed
+from owtsweep.config import Plain, as_mapping, changed
 from owtsweep.errors import InputError, require
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.plant import HIGHEST, Plant
@@ -85,7 +85,7 @@ class PlantWorld(World):
             "s (motion.tp); lengthen the record",
         )
 
-    def list_content(self, config: HubConfig) -> dict[str, Any]:
+    def list_content(self, config: HubConfig) -> Plain:
         """Return the structure, how it answers waves, and the version of the code that does so."""
         motion = config.motion
         names = ("kind", "gamma", "modes", "damping")
@@ -95,7 +95,7 @@ class PlantWorld(World):
             "plant_version": add_versions(0, *ROOMS),
         }
 
-    def list_pairing(self, config: HubConfig) -> dict[str, Any]:
+    def list_pairing(self, config: HubConfig) -> Plain:
         """Return the structure, and how it answers waves."""
         return self.list_content(config)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
+from owtsweep.config import Plain
 from owtsweep.errors import require
 from owtsweep.studies.base.schemes import Entry, SchemeTable, StoredScheme, blame_code
 from owtsweep.studies.hub.contract import Scheme
@@ -20,7 +21,7 @@ class StoredHubScheme(StoredScheme, Scheme):
 
     kept = ("name", "linear", "batched")
 
-    def __init__(self, entry: Mapping[str, object], described: Mapping[str, Any]) -> None:
+    def __init__(self, entry: Mapping[str, object], described: Plain) -> None:
         super().__init__(entry, described)
         self.linear, self.batched = described["linear"], described["batched"]
         self.check_declared()

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from hashlib import blake2b
 from threading import local
-from typing import Any
 
 import numpy as np
 
@@ -34,7 +33,7 @@ class _Last(local):
     More is not kept, because the gains along x and y take 80 MB for records of 2000 s.
     """
 
-    what: tuple[Any, ...] | None = None
+    what: tuple[object, ...] | None = None
     axes: tuple[TunedAxis, TunedAxis]
 
 

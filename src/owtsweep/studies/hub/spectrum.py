@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from owtsweep.config import as_mapping
+from owtsweep.config import Plain, as_mapping
 from owtsweep.errors import require
 from owtsweep.motion.modulation import ModulatedSource, Modulation
 from owtsweep.motion.source import Source
@@ -65,13 +65,13 @@ class SpectrumWorld(World):
         _check_band(config)
         _check_spectrum(config)
 
-    def list_content(self, config: HubConfig) -> dict[str, Any]:
+    def list_content(self, config: HubConfig) -> Plain:
         """Return spectrum, band, scale and envelope."""
         whole = as_mapping(config)
         content = {key: whole[key] for key in ("spectrum", "normalise", "band")}
         return content | {"envelope": config.motion.envelope}
 
-    def list_pairing(self, config: HubConfig) -> dict[str, Any]:
+    def list_pairing(self, config: HubConfig) -> Plain:
         """Return spectrum, band and scale."""
         return {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
 

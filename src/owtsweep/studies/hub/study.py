@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep import estimation, evaluation, motion, sensing
+from owtsweep.config import Plain
 from owtsweep.studies.hub import kernels
 from owtsweep.studies.hub.names import describe
 from owtsweep.sweep.study import Study, add_versions
@@ -29,7 +30,7 @@ ROOMS = (motion, sensing, estimation, evaluation, kernels)
 class HubKeys(Study):
     """The base of studies that have the hub's keys: how keys are completed, checked and stored."""
 
-    def complete(self, plain: dict[str, Any]) -> dict[str, Any]:
+    def complete(self, plain: Plain) -> Plain:
         """Return the keys with numbers in place of `auto`, from the sensors by rule."""
         from owtsweep.studies.hub.tuning_rules import fill_in, warn_of_growth
 
@@ -62,7 +63,7 @@ class HubKeys(Study):
         one = next(iter(config.by_tuning().values()))
         return SCHEMES.describe_stored(resolve_all(config.schemes, one))
 
-    def hide_code(self, plain: dict[str, Any], described: object) -> dict[str, Any]:
+    def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
         from owtsweep.studies.hub.resolving import SCHEMES
 

@@ -11,9 +11,9 @@ import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from owtsweep.config import Section, changed, typed
+from owtsweep.config import Plain, Section, changed, typed
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.structures import Structure, compute_modes
@@ -73,7 +73,7 @@ VALID = {
 }
 
 
-def compute_numbers(facts: Facts, bias_walk: float) -> dict[str, Any]:
+def compute_numbers(facts: Facts, bias_walk: float) -> Plain:
     """Return key -> number for all keys that may be `auto`, by rule.
 
     `bias_walk` is the intensity of the IMU's bias walk, m/s^2/sqrt(s). A property beyond the range
@@ -103,7 +103,7 @@ def compute_numbers(facts: Facts, bias_walk: float) -> dict[str, Any]:
     }
 
 
-def fill_in(plain: dict[str, Any]) -> dict[str, Any]:
+def fill_in(plain: Plain) -> Plain:
     """Return a configuration with the rules' numbers in place of `auto`.
 
     The configuration is plain data, of one tuning or of several. A warning is logged if `auto`
@@ -146,20 +146,20 @@ def follow_sensors(config: C, sensors: SensorConfig) -> C:
     return changed(moved, **sections)
 
 
-def _parts(plain: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def _parts(plain: Plain) -> list[Plain]:
     tunings = plain.get("tunings")
     several = list(tunings.values()) if isinstance(tunings, dict) else []
     return [plain, *(part for part in several if isinstance(part, dict))]
 
 
-def _holds_auto(value: Any) -> bool:
+def _holds_auto(value: object) -> bool:
     if isinstance(value, dict):
         return any(_holds_auto(part) for part in value.values())
     return isinstance(value, str) and value == AUTO
 
 
-def _fill(plain: Mapping[str, Any], numbers: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    filled = {}
+def _fill(plain: Plain, numbers: Mapping[str, object], path: str = "") -> Plain:
+    filled: Plain = {}
     for name, value in plain.items():
         key = f"{path}{name}"
         if isinstance(value, dict):
@@ -210,14 +210,14 @@ def _clip(key: str, value: float) -> float:
     return min(max(value, low), high)
 
 
-def _compute(sensors: SensorConfig) -> dict[str, Any]:
+def _compute(sensors: SensorConfig) -> Plain:
     facts = take_facts(sensors)
     numbers = compute_numbers(facts, sensors.imu.bias_walk)
     return numbers | (RECORDED if facts == DEFAULT else {})
 
 
-def _replace(section: S, before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> S:
-    new: dict[str, Any] = {}
+def _replace(section: S, before: Plain, after: Plain, path: str) -> S:
+    new: Plain = {}
     for name, value in vars(section).items():
         key = f"{path}{name}"
         if isinstance(value, Section):
@@ -239,7 +239,7 @@ logger = logging.getLogger(__name__)
 LARGEST_GROWTH = 3.0
 
 
-def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
+def find_tilt(plain: Plain, imu: Imu) -> float:
     """Return the tilt that a filter may know, rad/m; `plain` is a configuration as plain data.
 
     If the IMU leans as the structure does, the tilt is the slope of the first mode, with the least
@@ -261,7 +261,7 @@ def find_tilt(plain: Mapping[str, Any], imu: Imu) -> float:
     return float(f"{slope:.4g}")
 
 
-def warn_of_growth(plain: Mapping[str, Any]) -> None:
+def warn_of_growth(plain: Plain) -> None:
     """Log a warning if the sensors' tilt lets errors grow more than e^`LARGEST_GROWTH` times.
 
     In p'' = f + g tilt p + b an error grows as exp(sqrt(g tilt) t) while no fix corrects it; the

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
+from owtsweep.config import Plain
 from owtsweep.motion.source import Source
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub.known import Sensors
@@ -64,11 +65,11 @@ class World(ABC):
         """Raise `InputError` if the settings of the motion do not fit together, or the sensors."""
 
     @abstractmethod
-    def list_content(self, config: HubConfig) -> dict[str, Any]:
+    def list_content(self, config: HubConfig) -> Plain:
         """Return what a block's numbers depend on because of the world, besides the conditions."""
 
     @abstractmethod
-    def list_pairing(self, config: HubConfig) -> dict[str, Any]:
+    def list_pairing(self, config: HubConfig) -> Plain:
         """Return what two runs must share so that their records can be paired."""
 
     @abstractmethod

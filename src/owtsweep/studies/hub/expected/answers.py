@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,8 +120,14 @@ def judge(values: Array) -> Verdict:
     """
     result = contest(values.reshape(len(values), -1, 1))
     clear = result.difference > RESOLUTION * result.mse_best
-    parts: Any = (result.best, result.runner_up, result.mse_best, result.mse_runner_up, clear)
-    return Verdict(*(part.reshape(values.shape[1:]) for part in parts))
+    shape = values.shape[1:]
+    return Verdict(
+        result.best.reshape(shape),
+        result.runner_up.reshape(shape),
+        result.mse_best.reshape(shape),
+        result.mse_runner_up.reshape(shape),
+        clear.reshape(shape),
+    )
 
 
 def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:

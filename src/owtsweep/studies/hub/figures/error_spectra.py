@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -204,7 +203,7 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
     names = list(errors)
     for name, of_scheme in errors.items():
         look, spectrum = style_of(name, names), of_scheme.spectrum
-        line: dict[str, Any] = {"color": look.color, "linestyle": look.line}
+        line: style.Look = {"color": look.color, "linestyle": look.line}
         curve = spectrum.frequency, spectrum.of(measure)
         axes.loglog(*curve, label=style.label_of(name), linewidth=1.6, **line)
         if of_scheme.floor is not None:

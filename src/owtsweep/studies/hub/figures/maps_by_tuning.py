@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,6 +14,7 @@ from matplotlib.patches import Patch, Polygon
 from matplotlib.patheffects import Normal, Stroke
 
 from owtsweep.arrays import Array
+from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import ONE_LINE, draw_cells
@@ -84,7 +85,7 @@ def draw(
     InputError
         If a tuning has no cell that the run's criterion and window judge.
     """
-    config: Any = next(iter(results.values())).config
+    config: AnyConfig = next(iter(results.values())).config
     criterion, window = config.measures.criterion, config.measures.window
     found = {
         tuning: find_winners(config, result.tables["best_scheme"], criterion, window)
@@ -150,13 +151,13 @@ def _find_groups(result: Results, cells: pd.DataFrame, *, second: bool) -> list[
     """
     if result.rows.empty:
         return []
-    config: Any = result.config
+    config: AnyConfig = result.config
     named = {*cells["best"], *(cells["runner_up"] if second else ())}
     return style.choose_groups(find_coinciding(make_cube(config, result.rows), CRITERIA), named)
 
 
 #: Yellow, as the envelope is in the paper. There is no fill: it would change the cells' colours.
-_OUTLINE: dict[str, Any] = {
+_OUTLINE: style.Look = {
     "fill": False, "edgecolor": "#FFDD00", "linewidth": 2.4,
     "path_effects": [Stroke(linewidth=4.8, foreground="black"), Normal()],
 }  # fmt: skip

@@ -7,7 +7,6 @@ spectrum of the paper's Eq. (1), or with motion=plant by the structure in the se
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -109,7 +108,7 @@ def draw_spectrum(config: HubConfig) -> Figure:
     given = record.given.density(fine)
     given /= np.trapezoid(given, fine)
     shown = (frequency > 0.0) & (frequency <= 1.25 * high)
-    measured: dict[str, Any] = {
+    measured: style.Look = {
         "color": MEASURED, "marker": ".", "markersize": 3, "linewidth": 0.9,
         "label": "this record (Welch)",
     }  # fmt: skip

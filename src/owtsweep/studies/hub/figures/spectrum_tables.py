@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -109,8 +108,8 @@ def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
     table.add_column("of")
     for source in (*SOURCES, "all"):
         table.add_column(source, justify="right")
-    groups: Any = noise.groupby(["scheme", "measure"], sort=False)
-    for (name, measure), rows in groups:
+    for key, rows in noise.groupby(["scheme", "measure"], sort=False):
+        name, measure = map(str, key)
         cells = [*["-"] * len(SOURCES), "does not settle"]
         if rows["mse"].notna().all():
             unit = {"position": "cm", "velocity": "cm/s"}[measure]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.figures import time_histories
+from owtsweep.figures import style, time_histories
 from owtsweep.figures.lines import Line, clip, make_line
 from owtsweep.figures.time_histories import UNITS, Curve, Panel, show_accumulated, show_errors
 from owtsweep.studies.hub.histories import Histories
@@ -23,7 +22,7 @@ ZOOM = 15.0
 #: Seconds shown of the acceleration, whose noise would hide everything else in a longer view.
 ACCELERATION_ZOOM = 6.0
 AXES = ("x", "y")
-ALONE: dict[str, Any] = {
+ALONE: style.Look = {
     "color": "#D55E00", "linewidth": 1.1, "linestyle": (0, (1, 1)), "zorder": 1.9,
     "label": "IMU alone,\nintegrated",
 }  # fmt: skip

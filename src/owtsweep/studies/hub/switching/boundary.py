@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan, log
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError, require
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.names import LISTED
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def read_boundary(points: Sequence[Sequence[float]]) -> Boundary:
     return Boundary(np.log(table[:, 0]), np.log(table[:, 1]))
 
 
-def compute_boundary(config: Any, below: str, above: str, crest: float) -> Boundary:
+def compute_boundary(config: HubConfig, below: str, above: str, crest: float) -> Boundary:
     """Compute the boundary of two schemes from their expected errors, without records.
 
     A motion that is almost a sinusoid of period T makes the settled mean square error

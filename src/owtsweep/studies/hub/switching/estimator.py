@@ -84,7 +84,7 @@ class SwitchingEstimator:
         return _join(weight, below, above)
 
 
-def _blend(weight: Any, below: Array, above: Array) -> Array:
+def _blend(weight: float | Array, below: Array, above: Array) -> Array:
     """Return the mean of two arrays; `weight` is that of the array `above`."""
     return np.asarray(below + weight * (above - below))
 

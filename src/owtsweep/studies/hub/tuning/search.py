@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.config import changed, with_values
+from owtsweep.config import Plain, changed, with_values
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.tuning.judging import errors_on_records
 from owtsweep.studies.hub.tuning.objective import (
     DURATION,
@@ -39,7 +40,7 @@ INTERVALS = 5
 STRUCTURE = {"hme.mhe.arrival": "mkf", "hme.mhe.inputs": "all", "hme.mhe.weights": "full"}
 
 #: [low, high, "log" or "int"], or the list of options.
-Space = dict[str, Any]
+Space = Plain
 
 
 def find_space(config: HubConfig, scheme: str) -> Space:
@@ -97,13 +98,13 @@ class Found:
         Number of trials made; fewer than planned if the user stopped the search.
     """
 
-    values: Mapping[str, Any]
+    values: Plain
     before: float
     after: float
     trials: int
 
 
-def search(config: HubConfig, scheme: Any, advance: Callable[[], None]) -> tuple[Found, bool]:
+def search(config: HubConfig, scheme: Scheme, advance: Callable[[], None]) -> tuple[Found, bool]:
     """Search the best numbers of one scheme; return them, and whether the user stopped the search.
 
     The same configuration gives the same numbers: every random number comes from `tune.seed`.
@@ -126,7 +127,7 @@ def search(config: HubConfig, scheme: Any, advance: Callable[[], None]) -> tuple
     study = optuna.create_study(sampler=sampler)
     for start in _list_starts(config, space):
         study.enqueue_trial(start)
-    best: dict[str, Any] = {}
+    best: Plain = {}
     least, made, before = float("inf"), 0, float("inf")
     stopped = False
     try:
@@ -145,7 +146,7 @@ def search(config: HubConfig, scheme: Any, advance: Callable[[], None]) -> tuple
     return Found(best, before, least, made), stopped
 
 
-def _list_starts(config: HubConfig, space: Space) -> list[dict[str, Any]]:
+def _list_starts(config: HubConfig, space: Space) -> list[Plain]:
     """Return the first trials: the tuning to begin with, and the rules of `tuning=matched`.
 
     Of each, only the values within their bounds are kept. If both are equal, there is one.
@@ -166,7 +167,7 @@ def _is_within(value: Any, bounds: Any) -> bool:
     return value is not None and bool(bounds[0] <= value <= bounds[1])
 
 
-def _make_training(config: HubConfig, scheme: Any) -> HubConfig:
+def _make_training(config: HubConfig, scheme: Scheme) -> HubConfig:
     """Return the configuration of the trials: with another seed than the runs that judge later."""
     training = changed(config, seed=config.tune.seed)
     if has_curves(scheme):
@@ -178,7 +179,7 @@ def _make_training(config: HubConfig, scheme: Any) -> HubConfig:
     )
 
 
-def _judge(config: HubConfig, scheme: Any, values: Mapping[str, Any]) -> float:
+def _judge(config: HubConfig, scheme: Scheme, values: Plain) -> float:
     """Compute the score of a tuning; infinite if the scheme cannot be computed with it."""
     try:
         tuned = with_values(config, values)

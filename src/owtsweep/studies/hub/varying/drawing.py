@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,7 +25,7 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 MOST_TICKS = 12
 #: Half the width that a text's marks take, where neighbouring texts are 1 apart.
 HALF_WIDTH = 0.35
-BOUND_LINE: dict[str, Any] = {
+BOUND_LINE: style.Look = {
     "color": "black", "linestyle": ":", "linewidth": 1.8, "label": "Kalman bound",
 }  # fmt: skip
 

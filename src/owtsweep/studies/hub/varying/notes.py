@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from operator import attrgetter
 
 from owtsweep.arrays import Array
-from owtsweep.config.typed import as_mapping
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
@@ -61,10 +60,4 @@ def list_notes(
 
 
 def _has_recorded_numbers(config: HubConfig) -> bool:
-    for key, number in RECORDED.items():
-        value: Any = as_mapping(config)
-        for name in key.split("."):
-            value = value[name]
-        if value != number:
-            return False
-    return True
+    return all(attrgetter(key)(config) == number for key, number in RECORDED.items())
