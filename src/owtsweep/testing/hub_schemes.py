@@ -64,9 +64,15 @@ def example_sensors() -> list[Sensors]:
         rate: float, fix_interval: int, delay: int, yaw: float, gravity: tuple[float, float]
     ) -> Sensors:
         return Sensors(
-            step=1.0 / rate, fix_interval=fix_interval, delay=delay, position_sigma=0.03,
-            force_sigma=0.15, bias_walk=1e-3, yaw=yaw, gravity=gravity,
-        )  # fmt: skip
+            step=1.0 / rate,
+            fix_interval=fix_interval,
+            delay=delay,
+            position_sigma=0.03,
+            force_sigma=0.15,
+            bias_walk=1e-3,
+            yaw=yaw,
+            gravity=gravity,
+        )
 
     return [
         sensors(20.0, 20, 4, 0.0, (0.0, 0.0)),

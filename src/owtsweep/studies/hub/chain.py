@@ -57,9 +57,14 @@ def predictor_arrays(model: Discrete | None, steps: int, step: float) -> Predict
         )
     half = float(model.B[0, 0])
     arrays = PredictorArrays(
-        steps=steps, step=step, half=half, pv=A[0, 1], pb=A[0, 2], vb=A[1, 2],
+        steps=steps,
+        step=step,
+        half=half,
+        pv=A[0, 1],
+        pb=A[0, 2],
+        vb=A[1, 2],
         old_p=half + steps * step * step,
-    )  # fmt: skip
+    )
     if model.A[1, 0] == 0.0:
         return arrays
     left = A @ model.B[:, 0]
