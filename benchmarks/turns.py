@@ -22,7 +22,8 @@ from benchmarks import STUDY
 from benchmarks.timing import Time, timed
 from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub import blocks, chain, planning
+from owtsweep.studies.hub import blocks, planning
+from owtsweep.studies.hub.schemes import chained
 from owtsweep.sweep.run import sweep
 
 #: A study's overrides, and how often a round computes it.
@@ -37,7 +38,7 @@ def measure(studies: Sequence[Turns], rounds: int) -> list[dict[str, list[float]
     with all workers, by the clock.
     """
     # Gains of every length stay at hand, as those of the only length do in a sweep.
-    chain._KEPT_CHAINS *= len(studies)
+    chained._KEPT_CHAINS *= len(studies)
     results: list[dict[str, list[float]]] = [
         {"wall": [], "compute": [], "compute_wall": []} for _ in studies
     ]
