@@ -16,7 +16,14 @@ from owtsweep.studies import get_study
 from owtsweep.studies.hub.compiling import compile_kernels
 from owtsweep.studies.hub.compiling.share import write_in_turn
 
-TINY = ("grid=small", "grid.replicates=1", "record.duration=50")
+TINY = ("grid=small", "record.duration=50")
+#: Kernels are compiled anew for each number of series that run side by side.
+RUNS = (
+    ("grid.replicates=1",),
+    ("grid.replicates=2", "name=two"),
+    ("grid.replicates=1", "evaluation=direct", "name=direct"),
+    ("grid.replicates=1", "engine=expected", "name=expected"),
+)
 #: One cell of the studies whose schemes have kernels of their own.
 CELLS = {
     "floater": ("grid.delay=[2]", "grid.bias=[0.1]", "record.duration=60", "record.settling=20"),
@@ -31,8 +38,8 @@ def online() -> None:
 
 def studies() -> None:
     with tempfile.TemporaryDirectory() as results:
-        for extra in ((), ("evaluation=direct", "name=direct"), ("engine=expected", "name=exp")):
-            owtsweep.run([*TINY, f"results={results}", *extra])
+        for words in RUNS:
+            owtsweep.run([*TINY, *words, f"results={results}"])
 
 
 def declared() -> None:
