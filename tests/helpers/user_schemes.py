@@ -76,5 +76,17 @@ class Broken(HoldLastFix):
         return Failing()
 
 
+class Told(HoldLastFix):
+    """It must be told the motion, as SKF must."""
+
+    told_motion = True
+
+
+class Kernelless(HoldLastFix):
+    """It says that it runs as a chain, and has none."""
+
+    batched = "chain"
+
+
 class NoScheme:
     """Lacks the whole contract."""

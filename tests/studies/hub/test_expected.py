@@ -290,3 +290,9 @@ def test_a_scheme_without_kernel_is_refused() -> None:
     entry = "{_target_:hold_last_fix.HoldLastFix}"
     with pytest.raises(InputError, match=r"^schemes: HoldLastFix has no kernel"):
         owtsweep.run([*SMALL, "engine=expected", f"schemes=[MKF,{entry}]"])
+
+
+def test_a_users_scheme_that_is_told_the_motion_is_not_taken_for_skf() -> None:
+    entry = "{_target_: user_schemes.Told}"
+    with pytest.raises(InputError, match=r"^schemes: hold has no kernel"):
+        configure("engine=expected", "measures.window=settled", f"schemes=[{entry}]")

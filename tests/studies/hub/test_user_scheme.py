@@ -81,6 +81,11 @@ def test_a_broken_class_is_refused_in_one_line(target: str) -> None:
     assert str(caught.value).isprintable()
 
 
+def test_a_chain_that_lacks_its_kernel_is_refused() -> None:
+    with pytest.raises(InputError, match="batched = 'chain', but it lacks the method kernel"):
+        configure("schemes=[MKF,{_target_: user_schemes.Kernelless}]")
+
+
 RUNNING = [
     *(("Running", "start", how) for how in ERRORS),
     *(("Running", "update", how) for how in ERRORS),

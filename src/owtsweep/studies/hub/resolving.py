@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from owtsweep.config import Plain
 from owtsweep.errors import require
-from owtsweep.studies.base.schemes import Entry, SchemeTable, StoredScheme, blame_code
+from owtsweep.studies.base.schemes import Entry, SchemeTable, StoredScheme, blame_code, list_names
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import LISTED
@@ -31,6 +31,10 @@ class StoredHubScheme(StoredScheme, Scheme):
         self.refuse()
 
     def kernel(self, known: Known, steps: int | None = None) -> NoReturn:
+        """Raise `InputError`, because the code of a stored scheme is never run."""
+        self.refuse()
+
+    def own_kernel(self, known: Known, steps: int) -> NoReturn:
         """Raise `InputError`, because the code of a stored scheme is never run."""
         self.refuse()
 
@@ -63,7 +67,7 @@ def resolve_all(entries: Sequence[Entry], config: HubConfig | None = None) -> li
 
 def scheme_names(config: HubConfig) -> list[str]:
     """Return the names of a configuration's schemes, without baselines, as in its key `schemes`."""
-    return [scheme.name for scheme in resolve_all(config.schemes)]
+    return list_names(config.schemes)
 
 
 def under(scheme: Scheme, config: HubConfig) -> Scheme:

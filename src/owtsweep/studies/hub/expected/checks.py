@@ -37,9 +37,11 @@ def check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
             f"sensors.gnss.{fault}: engine=expected knows white noise of fixes that all arrive; "
             f"use engine=batch, or leave {fault} at its default",
         )
+    from owtsweep.studies.hub.schemes.skf import SpectralScheme
+
     for scheme in schemes:
-        if scheme.told_motion:
-            _check_told(config, scheme.name)
+        if isinstance(scheme, SpectralScheme):
+            _check_skf(config, scheme.name)
             continue
         require(
             scheme.linear and scheme.batched == "chain",
@@ -50,7 +52,7 @@ def check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
         )
 
 
-def _check_told(config: HubConfig, name: str) -> None:
+def _check_skf(config: HubConfig, name: str) -> None:
     """Raise InputError unless SKF has errors that do not depend on the length of the record."""
     require(
         config.measures.window == "settled",

@@ -24,6 +24,7 @@ from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
 from owtsweep.studies.hub.planning import scheme_content, shared_content
 from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
+from owtsweep.studies.hub.schemes.skf import SpectralScheme
 from owtsweep.sweep.study import Block
 
 
@@ -48,7 +49,7 @@ def plan(config: HubConfig) -> list[Block]:
             "natural_periods": periods,
         }
         anew = SCHEMES.explain_anew(scheme)
-        if scheme.told_motion:
+        if isinstance(scheme, SpectralScheme):
             for amplitude in map(float, config.grid.amplitude):
                 name = f"{scheme.name}, {amplitude:g} m"
                 of_cell = {**content, "amplitude": amplitude}
