@@ -192,12 +192,13 @@ class Readied:
         Unable
             If the scheme cannot work with what it is told.
         """
-        if part.known not in self._made:
+        made = self._made.get(part.known)
+        if made is None:
             try:
-                self._made[part.known] = self._scheme.prepare(part.known)
+                made = self._scheme.prepare(part.known)
             except Unable as reason:
-                self._made[part.known] = reason
-        made = self._made[part.known]
+                made = reason
+            self._made[part.known] = made
         if isinstance(made, Unable):
             raise made
         return made.run(part.measured)

@@ -151,7 +151,7 @@ def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
 
 def _joined(columns: list[measures.Column]) -> measures.Column:
     if isinstance(columns[0], list):
-        return [str(word) for column in columns for word in column]
+        return [word for column in columns if isinstance(column, list) for word in column]
     return np.concatenate(columns)
 
 

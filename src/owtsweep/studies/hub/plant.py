@@ -15,10 +15,11 @@ from owtsweep import structures, waves
 from owtsweep.config import Plain, as_mapping, changed
 from owtsweep.errors import InputError, require
 from owtsweep.gravity import GRAVITY
-from owtsweep.motion.plant import HIGHEST, Plant
-from owtsweep.motion.source import Source
+from owtsweep.motion.plant import HIGHEST, Plant, PlantMotion
+from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.structures import Structure
+from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sections import STRUCTURE
 from owtsweep.studies.hub.world import LAYERS, World
@@ -130,6 +131,12 @@ class PlantWorld(World):
         slope = float(source.vibration.slope[0])
         # estimators multiply the tilt by GRAVITY, whatever the structure's own gravity
         return replace(sensors, tilt=slope * (source.structure.gravity / GRAVITY))
+
+    def lean(self, motion: Motion, sensors: Sensors, config: HubConfig) -> Motion:
+        """Return the motion with what an IMU feels; it may lean as the structure does."""
+        if config.sensors.imu.tilt != STRUCTURE or not isinstance(motion, PlantMotion):
+            return super().lean(motion, sensors, config)
+        return sensing.lean_as(motion, motion.slope, _structure_of(config).gravity)
 
     def list_doubts(self, config: HubConfig) -> list[str]:
         """Return sentences on sea states that are steeper than waves can be."""

@@ -14,7 +14,6 @@ from functools import cached_property, partial
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.plant import PlantMotion
 from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Value
 from owtsweep.streams import stream
@@ -22,7 +21,6 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known import Sensors
-from owtsweep.studies.hub.sections import STRUCTURE
 
 STUDY = "hub"
 #: Greatest number of bytes of motion that a worker holds at a time. If a block's replicates need
@@ -93,13 +91,7 @@ class Records:
             step=self.sensors.step,
             history=self.sensors.delay,
         )
-        if self.config.sensors.imu.tilt == STRUCTURE:
-            structure = self.config.structure
-            assert isinstance(motion, PlantMotion)  # checked with the configuration
-            assert structure is not None
-            leaning = sensing.lean_as(motion, motion.slope, structure.gravity)
-        else:
-            leaning = sensing.lean(motion, self.sensors)
+        leaning = find_world(self.config).lean(motion, self.sensors, self.config)
         return sensing.couple(leaning, self.sensors)
 
     @cached_property

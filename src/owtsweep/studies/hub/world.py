@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.config import Plain
-from owtsweep.motion.source import Source
+from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Condition, Grid, Value
+from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.known import Sensors
 
 if TYPE_CHECKING:
@@ -107,6 +108,10 @@ class World(ABC):
     def fit_sensors(self, source: Source, sensors: Sensors, config: HubConfig) -> Sensors:
         """Return what estimators may know of the sensors on this source of motion."""
         return sensors
+
+    def lean(self, motion: Motion, sensors: Sensors, config: HubConfig) -> Motion:
+        """Return a motion with what an IMU feels of it that leans as the motion does."""
+        return sensing.lean(motion, sensors)
 
     def list_doubts(self, config: HubConfig) -> list[str]:
         """Return sentences on what makes the motion doubtful."""
