@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import product
 from math import ceil, prod
-from typing import Protocol
+from typing import Any, Protocol
 
-from owtsweep.config import require
+from owtsweep.config import key, require
 from owtsweep.studies.grid_size import check_blocks
 
 #: Value of each axis of the grid in one cell; an axis without a value is missing.
@@ -22,6 +22,16 @@ class Grid(Protocol):
     @property
     def replicates(self) -> int:
         """Records per cell."""
+
+
+def key_of_records(drawn: str) -> Any:
+    """Declare the key `grid.replicates`; `drawn` is what each record draws with its own seed."""
+    return key(
+        f"records per cell, each with its own seed of {drawn}",
+        ge=1,
+        le=10_000,
+        advice="use 1 or more",
+    )
 
 
 def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schemes: int) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pydantic import field_validator
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
+from owtsweep.studies.base.axes import key_of_records
 from owtsweep.studies.blade.contract import DOF
 
 
@@ -30,10 +31,7 @@ class Grid(Section):
     heading: Axis[Positive] | None = key(
         "standard deviation of the heading; null: that of the motion", unit="deg", default=None
     )
-    replicates: int = key(
-        "records per cell, each with its own seed of motion and noise", ge=1, le=10_000,
-        advice="use 1 or more",
-    )  # fmt: skip
+    replicates: int = key_of_records("motion and noise")
 
 
 class Freedom(Section):

@@ -10,6 +10,7 @@ from pydantic import field_validator
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
+from owtsweep.studies.base.axes import key_of_records
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.contract import DOF
@@ -29,10 +30,7 @@ class Grid(Section):
     roll: Axis[Positive] | None = key(
         "standard deviation of the roll angle; null: that of the motion", unit="deg", default=None
     )
-    replicates: int = key(
-        "records per cell, each with its own seed of motion and noise", ge=1, le=10_000,
-        advice="use 1 or more",
-    )  # fmt: skip
+    replicates: int = key_of_records("motion and noise")
 
 
 class Resonance(Section):

@@ -9,6 +9,7 @@ from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
+from owtsweep.studies.base.axes import key_of_records
 from owtsweep.studies.base.contest import ContestConfig
 
 
@@ -31,10 +32,7 @@ class Grid(Section):
     outage: Axis[NotNegative] = key("length of an outage of the blade's GNSS", unit="s")
     hub_sigma: Axis[Positive] = key("standard deviation of a fix of the hub's GNSS", unit="m")
     hold: Axis[Positive] = key("how long root and hub must stay together", unit="s")
-    replicates: int = key(
-        "records per cell, each with its own seed of motions and noise", ge=1, le=10_000,
-        advice="use 1 or more",
-    )  # fmt: skip
+    replicates: int = key_of_records("motions and noise")
 
 
 class Limits(Section):

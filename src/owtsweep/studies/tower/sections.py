@@ -6,6 +6,7 @@ from typing import Literal
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
 from owtsweep.errors import require
+from owtsweep.studies.base.axes import key_of_records
 
 #: Name of a list of sensors in the section `sensors` -> kind of its channels.
 KINDS: dict[str, Literal["x", "theta", "a", "strain"]] = {
@@ -25,10 +26,7 @@ class Grid(Section):
     soil_factor: Axis[Positive] = key(
         "stiffness of the soil in the schemes' model over the true one; 1: right"
     )
-    replicates: int = key(
-        "records per cell, each with its own seed of wind and waves", ge=1, le=10_000,
-        advice="use 1 or more",
-    )  # fmt: skip
+    replicates: int = key_of_records("wind and waves")
 
 
 class Truth(Section):
