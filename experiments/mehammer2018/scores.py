@@ -14,7 +14,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.kinematic_predictor import make_transition
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.measures import compare
-from owtsweep.studies.floater.schemes.kf_steady import SteadyPredictor
+from owtsweep.studies.floater.schemes.printed import SteadyPredictor
 
 #: Surge, of which the paper shows figures.
 X = 0

@@ -34,11 +34,14 @@ class Listed(NamedTuple):
         What it is, in words, and how it is drawn; None: as a user's.
     ignores
         The axes of what schemes are told on which its estimates do not depend.
+    module
+        The module in which it stands under its name, beside its base; "": a module of its own.
     """
 
     sentence: str
     look: SchemeStyle | None
     ignores: tuple[str, ...] = ()
+    module: str = ""
 
 
 class StoredScheme(dict[str, object], AnyScheme):
@@ -91,8 +94,10 @@ class SchemeTable:
     study
         The study's name.
     package
-        The package with a module for each scheme: the scheme KF is `SCHEME` in its module `kf`.
-        Beside it stands the module `contract`, whose `Scheme` is the class of the study's schemes.
+        The package with a module for each scheme: the scheme KF is `SCHEME` in its module `kf`. A
+        variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module that
+        its line in `listed` names. Beside the package stands the module `contract`, whose
+        `Scheme` is the class of the study's schemes.
     listed
         Name -> what is known of the scheme, in the order of tables and figures.
     stored
@@ -140,8 +145,9 @@ class SchemeTable:
         if isinstance(entry, Mapping):
             return self._make(entry)
         if entry in self.listed:
-            module = import_module(f"{self.package}.{entry.lower()}")
-            return module.SCHEME  # type: ignore[no-any-return]
+            module = self.listed[entry].module
+            made = import_module(f"{self.package}.{module or entry.lower()}")
+            return getattr(made, entry if module else "SCHEME")  # type: ignore[no-any-return]
         for point in self._find_others():
             if point.name == entry:
                 scheme = self._make({"_target_": point.value.replace(":", ".")})

@@ -1,4 +1,4 @@
-"""The estimation schemes of the blade study, one file each."""
+"""The estimation schemes of the blade study; variants stand beside their base."""
 
 from __future__ import annotations
 
@@ -32,21 +32,27 @@ LISTED = {
     "MEKF_HEADING": Listed(
         "MEKF with fixes of a second antenna, which show the heading",
         SchemeStyle("#117733", "P", "-"),
+        module="mekf",
     ),
     "MEKF_OFFSET": Listed(
         "MEKF with the offset of the GNSS clock, or its delay, as a state",
         SchemeStyle("#44AA99", "<", (0, (1, 1))),
+        module="mekf",
     ),
     "MEKF_LEVER": Listed(
         "MEKF with the error of the antenna's place as states",
         SchemeStyle("#DDCC77", ">", (0, (3, 1, 1, 1))),
+        module="mekf",
     ),
     "PENDULUM": Listed(
         "MEKF that knows how the blade swings below a hook at rest",
         SchemeStyle("#332288", "D", (0, (8, 3))),
+        module="mekf",
     ),
     "FIXED_LAG": Listed(
-        "MEKF and a smoother that looks a fixed time ahead", SchemeStyle("#CC79A7", "X", "-")
+        "MEKF and a smoother that looks a fixed time ahead",
+        SchemeStyle("#CC79A7", "X", "-"),
+        module="smoother",
     ),
     "SMOOTHER": Listed(
         "MEKF and a smoother of the whole record, what post-processing does",

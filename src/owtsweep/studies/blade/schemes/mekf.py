@@ -121,3 +121,9 @@ class NavigatorScheme(Scheme):
 
 
 SCHEME = NavigatorScheme("MEKF")
+#: A second antenna 20 m along the blade shows the heading.
+MEKF_HEADING = NavigatorScheme("MEKF_HEADING", antennas=2)
+MEKF_OFFSET = NavigatorScheme("MEKF_OFFSET", offset=True)
+MEKF_LEVER = NavigatorScheme("MEKF_LEVER", lever=True)
+#: While the hook moves, e.g. hoists, it is wrong without knowing it (docs/blade.md, section 4).
+PENDULUM = NavigatorScheme("PENDULUM", swing=True)

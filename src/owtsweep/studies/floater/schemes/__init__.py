@@ -1,4 +1,4 @@
-"""The estimation schemes of the floater study, one file each."""
+"""The estimation schemes of the floater study; variants stand beside their base."""
 
 from __future__ import annotations
 
@@ -11,25 +11,32 @@ LISTED = {
     "KF_STEADY": Listed(
         "steady-state Kalman predictor as printed (Eqs. 16 to 18)",
         SchemeStyle("#E69F00", "^", (0, (4, 2))),
+        module="printed",
     ),
     "KF": Listed(
-        "time-varying Kalman predictor as printed (Eqs. 11 to 14)", SchemeStyle("#D55E00", "o", "-")
+        "time-varying Kalman predictor as printed (Eqs. 11 to 14)",
+        SchemeStyle("#D55E00", "o", "-"),
+        module="printed",
     ),
     "KF_CONSISTENT": Listed(
         "KF with process noise on velocities, as noisy accelerations make it",
         SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
+        module="linear",
     ),
     "KF_BIAS": Listed(
         "KF_CONSISTENT with a bias of each acceleration as a state",
         SchemeStyle("#0072B2", "s", (0, (4, 2))),
+        module="linear",
     ),
     "KF_DELAY": Listed(
         "KF_CONSISTENT at the time of the report, then predicted to now",
         SchemeStyle("#44AA99", "<", (0, (1, 1))),
+        module="linear",
     ),
     "KF_REPAIRED": Listed(
         "KF_CONSISTENT with both: bias as a state, delay compensated",
         SchemeStyle("#117733", "P", "-"),
+        module="linear",
     ),
     "ERROR_STATE": Listed(
         "error-state Kalman filter with quaternion attitude, for large angles",
@@ -49,6 +56,7 @@ LISTED = {
     "FIXED_LAG": Listed(
         "KF_REPAIRED and a smoother that looks a fixed time ahead",
         SchemeStyle("#999933", "d", (0, (3, 1, 1, 1, 1, 1))),
+        module="linear",
     ),
 }
 SCHEMES = SchemeTable("floater", __name__, LISTED)

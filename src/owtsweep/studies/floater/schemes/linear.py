@@ -1,8 +1,9 @@
-"""What the linear Kalman filters of the floater study share: measurements, noise, estimates.
+"""The consistent linear Kalman filters (KF_CONSISTENT to FIXED_LAG), and what KF shares with them.
 
-The printed predictors (KF_STEADY, KF) are in `printed`. The filters here are the consistent ones:
-noise of a measured acceleration enters the velocity, at all its frequencies alike; the acceleration
-goes linearly from sample to sample; and the estimate of a sample knows its report.
+What they have otherwise than the printed predictors (`printed`): noise of a measured acceleration
+enters the velocity alone, at all its frequencies alike; the acceleration goes linearly from sample
+to sample, where KF holds it and so takes velocities half a step late; and the estimate of a sample
+knows its report.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.kinematic import Noise
-from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, snap
+from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, smooth_all, snap
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.floater.attitude import hold, level, turn_rates
 from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
@@ -172,3 +173,37 @@ def make_noises(setting: Setting, walk: Array) -> list[Noise]:
         )
         for i in range(len(DOF))
     ]
+
+
+@dataclass(frozen=True)
+class FixedLag:
+    """KF_REPAIRED with a smoother, made ready for a setting.
+
+    Estimates wait for what arrives within `filters.lag`. A delay of the optical system eats up the
+    lag: with a delay of the lag, this is KF_REPAIRED without delay, an interval late; with a longer
+    one, it predicts by what is left.
+    """
+
+    filter: Linear
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        lag = round(self.filter.setting.tuning.lag / measured.step)
+        return report(smooth_all(*self.filter.read(measured), lag), wait=lag * measured.step)
+
+
+class FixedLagScheme(Scheme):
+    """The smoother of fixed lag."""
+
+    name = "FIXED_LAG"
+
+    def prepare(self, setting: Setting) -> FixedLag:
+        """Make the smoother ready for a setting."""
+        return FixedLag(Linear(setting, bias=True, delay=True))
+
+
+KF_CONSISTENT = LinearScheme("KF_CONSISTENT", bias=False, delay=False)
+KF_BIAS = LinearScheme("KF_BIAS", bias=True, delay=False)
+KF_DELAY = LinearScheme("KF_DELAY", bias=False, delay=True)
+KF_REPAIRED = LinearScheme("KF_REPAIRED", bias=True, delay=True)
+FIXED_LAG = FixedLagScheme()

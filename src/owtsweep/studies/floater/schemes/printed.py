@@ -1,19 +1,130 @@
-"""What the two predictors of Mehammer et al. (2018) share: noise, start, measurements.
+"""KF_STEADY and KF: the predictors of Mehammer et al. (2018), steady (Eqs. 16-18) or not (11-14).
 
 As printed and as the author's code has it, but for what cannot have been meant: process noise v_1
 enters by the right G_d (Eq. 9 prints I), and the Riccati step is that of Eq. (14) (the code lacks
 C P there). So both: noise of the size of accelerations drives positions as well as velocities, and
 the estimate of a sample knows the reports before it.
+
+With filters.losses=as_printed, KF multiplies R by 1e20 where all six reported positions are exactly
+zero, as the author's code does. (There, the factors of a loss also accumulate, up to infinity; that
+is left out.) The gain of KF_STEADY does not change, so it cannot leave out a loss.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.kinematic_predictor import make_noise
-from owtsweep.studies.floater.contract import DOF, Setting
-from owtsweep.studies.floater.schemes.linear import ANGLES
+from owtsweep.estimation.kinematic_predictor import (
+    make_noise,
+    make_transition,
+    predict_steady,
+    predict_varying,
+    solve_steady,
+)
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
+from owtsweep.studies.floater.schemes.linear import ANGLES, read_inputs
+
+#: By what R is multiplied in a loss.
+LOSS = 1e20
+
+
+@dataclass(frozen=True)
+class SteadyPredictor:
+    """The predictor with its gains and covariances, shape (6, 2, 2) each."""
+
+    setting: Setting
+    gain: Array
+    covariance: Array
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        position, acceleration, rate = read_inputs(self.setting, measured)
+        estimate = np.empty((*position.shape, 2))
+        nis = np.empty(position.shape)
+        variance = self.covariance[:, 0, 0] + self.setting.position_sigma**2
+        for i, start in enumerate(begin(self.setting, position)[0]):
+            predict_steady(
+                position[i], acceleration[i], rate[i], measured.step, self.gain[i], variance[i],
+                start, (estimate[i], nis[i]),
+            )  # fmt: skip
+        predict_ahead(self.setting, estimate, acceleration)
+        return Estimates(
+            np.ascontiguousarray(estimate[:, :, 0].T),
+            np.ascontiguousarray(estimate[:, :, 1].T),
+            self.covariance[None],
+            nis.T,
+        )
+
+
+class KfSteady(Scheme):
+    """The steady-state predictor as printed."""
+
+    name = "KF_STEADY"
+
+    def prepare(self, setting: Setting) -> SteadyPredictor:
+        """Compute the gains for a setting.
+
+        Raises
+        ------
+        Unable
+            If there is no steady state.
+        """
+        A = make_transition(setting.step)
+        gain, covariance = np.zeros((len(DOF), 2, 2)), np.empty((len(DOF), 2, 2))
+        for i, Q in enumerate(process_noise(setting)):
+            R = output_noise(setting, i)
+            try:
+                K, covariance[i] = solve_steady(A, np.eye(2)[: len(R)], Q, np.diag(R))
+            except np.linalg.LinAlgError:
+                raise Unable(
+                    f"{self.name} has no steady state: it believes that the acceleration of "
+                    f"{DOF[i]} has no noise"
+                ) from None
+            gain[i, :, : len(R)] = K
+        return SteadyPredictor(setting, gain, covariance)
+
+
+@dataclass(frozen=True)
+class VaryingPredictor:
+    """The predictor made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        setting = self.setting
+        position, acceleration, rate = read_inputs(setting, measured)
+        factor = np.where(np.all(position == 0.0, axis=0), LOSS, 1.0)
+        estimate, nis = np.empty((*position.shape, 2)), np.empty(position.shape)
+        covariance = np.empty((*position.shape, 2, 2))
+        start, before = begin(setting, position)
+        for i, Q in enumerate(process_noise(setting)):
+            R = output_noise(setting, i)
+            predict_varying(
+                position[i], acceleration[i], rate[i], measured.step, Q, np.resize(R, 2), factor,
+                start[i], before[i], (estimate[i], covariance[i], nis[i]),
+            )  # fmt: skip
+        predict_ahead(setting, estimate, acceleration)
+        return Estimates(
+            np.ascontiguousarray(estimate[:, :, 0].T),
+            np.ascontiguousarray(estimate[:, :, 1].T),
+            covariance.transpose(1, 0, 2, 3),
+            nis.T,
+        )
+
+
+class Kf(Scheme):
+    """The time-varying predictor as printed."""
+
+    name = "KF"
+
+    def prepare(self, setting: Setting) -> VaryingPredictor:
+        """Make the predictor ready for a setting."""
+        return VaryingPredictor(setting)
 
 
 def process_noise(setting: Setting) -> Array:
@@ -76,3 +187,7 @@ def find_start(reported: Array) -> Array:
     if there.any():
         start[:, 0] = reported[:, np.argmax(there)]
     return start
+
+
+KF_STEADY = KfSteady()
+KF = Kf()

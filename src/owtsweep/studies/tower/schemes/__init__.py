@@ -1,4 +1,4 @@
-"""The estimation schemes of the tower study, one file each."""
+"""The estimation schemes of the tower study; variants stand beside their base."""
 
 from __future__ import annotations
 
@@ -19,26 +19,31 @@ LISTED = {
         "AKF with a triangular wave load as a further input (p_2)",
         SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
         SOIL,
+        module="akf",
     ),
     "AKF_STEADY": Listed(
         "AKF with the gain of the steady state from the first step on",
         SchemeStyle("#8FA8C8", "P", (0, (2, 2))),
         SOIL,
+        module="akf",
     ),
     "AKF_LAGGED": Listed(
         "AKF and a smoother that looks a fixed time ahead",
         SchemeStyle("#332288", "s", (0, (4, 2))),
         SOIL,
+        module="akf",
     ),
     "AKF_MATERN12": Listed(
         "latent interface loads with an exponential correlation (Matern 1/2)",
         SchemeStyle("#44AA99", "<", (0, (1, 1))),
         SOIL,
+        module="matern",
     ),
     "AKF_MATERN32": Listed(
         "latent interface loads with smooth paths (Matern 3/2)",
         SchemeStyle("#117733", ">", (0, (8, 3))),
         SOIL,
+        module="matern",
     ),
     "GDF": Listed(
         "Gillijns and De Moor's joint input-state filter on the substructure",
@@ -53,10 +58,12 @@ LISTED = {
     "AKF_WHOLE": Listed(
         "AKF on the whole turbine, with soil and rotor, loads at its top",
         SchemeStyle("#D55E00", "^", "-"),
+        module="akf",
     ),
     "AKF_WHOLE_WAVE": Listed(
         "AKF_WHOLE with a triangular wave load as a further input",
         SchemeStyle("#E69F00", "h", (0, (6, 1, 1, 1))),
+        module="akf",
     ),
     "KF_WHOLE": Listed(
         "Kalman filter on the whole turbine, its loads a slow part and white noise",

@@ -1,15 +1,28 @@
-"""AKF: the augmented Kalman filter on the substructure (Simpson et al. 2025, Algorithm 1).
+"""AKF and its variants: augmented Kalman filters whose unknown loads are random walks (Eq. 23).
 
-Unknown loads at both cuts join the state as random walks (Eq. 23). Neither soil nor rotor is
-modelled, and wave loads are left out (p_1). Algorithm 1 prints P^-_{k-1} in the prediction, where
-P_{k-1} belongs.
+AKF is that of Simpson et al. (2025), Algorithm 1, on the substructure: unknown are the loads at
+both cuts. Neither soil nor rotor is modelled, and wave loads are left out (p_1). Algorithm 1 prints
+P^-_{k-1} in the prediction, where P_{k-1} belongs.
+
+- AKF_WAVE: a wave load as a further input (p_2). It falls linearly from sea level to the ground;
+  its value at sea level is a random walk like the interface loads.
+- AKF_STEADY: the gain of the steady state from the first step on.
+- AKF_LAGGED: a smoother of fixed lag. An estimate waits for `tuning.lag` seconds of later
+  measurements, so it is online, but late. That makes up for the time lag of estimates from few
+  accelerometers (section 5.3).
+- AKF_WHOLE, AKF_WHOLE_WAVE: the model is the whole turbine, on the believed soil and with the
+  rotor-nacelle. Unknown are force and moment of the wind on its top, and the wave load as in
+  AKF_WAVE. Interface loads follow from the motion (see `models`).
 """
 
 from __future__ import annotations
 
-from owtsweep.estimation.augmented import make_augmented
+from collections.abc import Callable
+
+from owtsweep.estimation.augmented import make_augmented, make_lagged, make_steady
+from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.tower.contract import Setting
-from owtsweep.studies.tower.models import Model, model_cut
+from owtsweep.studies.tower.models import Model, model_cut, model_whole
 from owtsweep.studies.tower.schemes.filtered import (
     FilterScheme,
     Settled,
@@ -20,11 +33,35 @@ from owtsweep.studies.tower.schemes.filtered import (
 
 def tune(setting: Setting, model: Model) -> Settled:
     """Make the augmented Kalman filter of a model."""
-    return make_augmented(
-        model.discrete,
-        *noises_of_walks(setting, model),
-        prior(setting, model),
-    )
+    walks = noises_of_walks(setting, model)
+    return make_augmented(model.discrete, *walks, prior(setting, model))
+
+
+def tune_steady(setting: Setting, model: Model) -> Settled:
+    """Make the augmented Kalman filter of a model with its steady gain."""
+    return make_steady(model.discrete, *noises_of_walks(setting, model))
+
+
+def tune_lagged(setting: Setting, model: Model) -> Settled:
+    """Make the smoother of a model."""
+    walks, lag = noises_of_walks(setting, model), round(setting.tuning.lag / setting.step)
+    return make_lagged(model.discrete, *walks, prior(setting, model), lag)
+
+
+def add_wave(name: str, model: Callable[..., Model]) -> Callable[[Setting], Model]:
+    """Return a maker of models with a wave load; `Unable` where the structure is in no water."""
+
+    def make(setting: Setting) -> Model:
+        if not setting.wave_shape.any():
+            raise Unable(f"{name} has no wave load to estimate: the structure stands in no water")
+        return model(setting, wave=True)
+
+    return make
 
 
 SCHEME = FilterScheme("AKF", model_cut, tune)
+AKF_WAVE = FilterScheme("AKF_WAVE", add_wave("AKF_WAVE", model_cut), tune)
+AKF_STEADY = FilterScheme("AKF_STEADY", model_cut, tune_steady)
+AKF_LAGGED = FilterScheme("AKF_LAGGED", model_cut, tune_lagged)
+AKF_WHOLE = FilterScheme("AKF_WHOLE", model_whole, tune)
+AKF_WHOLE_WAVE = FilterScheme("AKF_WHOLE_WAVE", add_wave("AKF_WHOLE_WAVE", model_whole), tune)

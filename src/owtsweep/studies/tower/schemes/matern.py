@@ -1,8 +1,9 @@
-"""AKF_MATERN12: latent interface loads, Gaussian processes with the kernel Matern 1/2.
+"""AKF_MATERN12 and AKF_MATERN32: latent interface loads, Gaussian processes with Matern kernels.
 
-The loads have an exponential correlation: walks that are pulled back to zero. Size and correlation
-time are the tuning's `sigma` and `length`. Simpson et al. (2025, section 3) name such latent
-force models as the way to go beyond the random walk of Eq. (23).
+With the kernel Matern 1/2 the loads have an exponential correlation: walks that are pulled back to
+zero. With Matern 3/2 they have smooth paths, whose rates are defined. Size and correlation time are
+the tuning's `sigma` and `length`. Simpson et al. (2025, section 3) name such latent force models as
+the way to go beyond the random walk of Eq. (23).
 """
 
 from __future__ import annotations
@@ -34,4 +35,9 @@ def tune(setting: Setting, model: Model, kernel: Literal["matern12", "matern32"]
     )
 
 
-SCHEME = FilterScheme("AKF_MATERN12", model_cut, partial(tune, kernel="matern12"), any_input=False)
+AKF_MATERN12 = FilterScheme(
+    "AKF_MATERN12", model_cut, partial(tune, kernel="matern12"), any_input=False
+)
+AKF_MATERN32 = FilterScheme(
+    "AKF_MATERN32", model_cut, partial(tune, kernel="matern32"), any_input=False
+)
