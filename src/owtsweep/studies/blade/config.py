@@ -8,6 +8,7 @@ from owtsweep.config import Config, key
 from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.contest import ContestConfig
+from owtsweep.studies.base.keys import key_of_axes, key_of_schemes, key_of_tuning, key_of_tunings
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
@@ -25,13 +26,7 @@ class BladeConfig(TunedConfig, ContestConfig):
     tuned: ClassVar[tuple[str, ...]] = ("filters",)
 
     grid: Grid = key("what is swept over")
-    axes: list[str] = key(
-        "the two axes of the map, the horizontal one first, of sigma, outage, offset, period, "
-        "amplitude, lever, heading; plane=NAME sets them and their values",
-        min_length=2,
-        max_length=2,
-        form="two axes, e.g. [sigma,outage]",
-    )
+    axes: list[str] = key_of_axes(Grid)
     record: Record = key("a record of motion and measurements")
     motion: Motion = key("how the blade moves on its hook")
     boom: Boom = key("the crane's boom and its accelerometers", default=Boom())
@@ -41,19 +36,10 @@ class BladeConfig(TunedConfig, ContestConfig):
         "a recorded lift in place of a simulated one (docs/blade.md)", default=Recorded()
     )  # fmt: skip
     sensors: Sensors = key("GNSS and total stations")
-    tuning: str | list[str] = key(
-        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
-        "on the same records"
-    )
-    tunings: dict[str, Tuned] = key(
-        "name: the section filters of this tuning; only with several tunings", default={}
-    )
+    tuning: str | list[str] = key_of_tuning()
+    tunings: dict[str, Tuned] = key_of_tunings()
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: SchemeEntries = key(
-        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
-        "of your own",
-        min_length=1,
-    )
+    schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from pydantic import field_validator
+from typing import Annotated
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
 from owtsweep.studies.base.axes import key_of_records
+from owtsweep.studies.base.keys import only_freedoms
 from owtsweep.studies.blade.contract import DOF
 
 
@@ -75,7 +74,7 @@ class Tugger(Section):
 class Motion(Section):
     """The section `motion`: how the blade moves on its hook."""
 
-    freedoms: dict[str, Freedom] = key(
+    freedoms: Annotated[dict[str, Freedom], only_freedoms(DOF)] = key(
         "u, v, w, heading, pitch, roll: of the centre of gravity, and about it"
     )
     gust_time: Positive = key("time constant of gusts", unit="s")
@@ -84,14 +83,6 @@ class Motion(Section):
         default=Tugger()
     )  # fmt: skip
     bending: Bending = key("how the blade bends beyond its root end", default=Bending())
-
-    @field_validator("freedoms", mode="before")
-    @classmethod
-    def _name_freedoms(cls, value: object) -> object:
-        unknown = sorted(set(value) - set(DOF)) if isinstance(value, Mapping) else []
-        if unknown:
-            raise ValueError(f"no degree of freedom is called {unknown[0]}; use {', '.join(DOF)}")
-        return value
 
 
 class BoomMode(Section):

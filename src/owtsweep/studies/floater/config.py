@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import ClassVar, Literal
-
-from pydantic import field_validator
+from typing import Annotated, ClassVar, Literal
 
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.axes import key_of_records
 from owtsweep.studies.base.contest import ContestConfig
+from owtsweep.studies.base.keys import (
+    key_of_axes,
+    key_of_schemes,
+    key_of_tuning,
+    key_of_tunings,
+    only_freedoms,
+)
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.tuning import Tuned, Tuning
@@ -53,7 +57,7 @@ class Motion(Section):
     """The section `motion`: what moves, set by motion=NAME."""
 
     kind: Literal["synthetic", "decay", "recorded"] = key("where the motion is from")
-    freedoms: dict[str, Freedom] = key(
+    freedoms: Annotated[dict[str, Freedom], only_freedoms(DOF)] = key(
         "x, y, z, phi, theta, psi: the motion of each; with kind=decay the standard deviation is "
         "the deflection at the release"
     )
@@ -71,14 +75,6 @@ class Motion(Section):
         "e.g. [x:SURGE,phi:ROLL:deg]",
         default=[],
     )
-
-    @field_validator("freedoms", mode="before")
-    @classmethod
-    def _name_freedoms(cls, value: object) -> object:
-        unknown = sorted(set(value) - set(DOF)) if isinstance(value, Mapping) else []
-        if unknown:
-            raise ValueError(f"no degree of freedom is called {unknown[0]}; use {', '.join(DOF)}")
-        return value
 
 
 class Sensors(Section):
@@ -135,29 +131,14 @@ class FloaterConfig(TunedConfig, ContestConfig):
     tuned: ClassVar[tuple[str, ...]] = ("filters",)
 
     grid: Grid = key("what is swept over")
-    axes: list[str] = key(
-        "the two axes of the map, the horizontal one first, of delay, bias, snr, loss, believed, "
-        "roll; plane=NAME sets them and their values",
-        min_length=2,
-        max_length=2,
-        form="two axes, e.g. [delay,bias]",
-    )
+    axes: list[str] = key_of_axes(Grid)
     record: Record = key("a record of motion and measurements")
     motion: Motion = key("what moves, set by motion=NAME")
     sensors: Sensors = key("the optical system and the inertial unit")
-    tuning: str | list[str] = key(
-        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
-        "on the same records"
-    )
-    tunings: dict[str, Tuned] = key(
-        "name: the section filters of this tuning; only with several tunings", default={}
-    )
+    tuning: str | list[str] = key_of_tuning()
+    tunings: dict[str, Tuned] = key_of_tunings()
     filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
-    schemes: SchemeEntries = key(
-        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
-        "of your own",
-        min_length=1,
-    )
+    schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 
 

@@ -11,6 +11,7 @@ from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
 from owtsweep.studies.base.axes import key_of_records
 from owtsweep.studies.base.contest import ContestConfig
+from owtsweep.studies.base.keys import key_of_axes
 
 
 def _refuse_classes(value: object) -> object:
@@ -48,13 +49,7 @@ class MatingConfig(ContestConfig):
     inert = Config.inert | {"axes", "criterion"}
 
     grid: Grid = key("what is swept over")
-    axes: list[str] = key(
-        "the two axes of the map, the horizontal one first, of sigma, outage, hub_sigma, hold; "
-        "plane=NAME sets them and their values",
-        min_length=2,
-        max_length=2,
-        form="two axes, e.g. [sigma,outage]",
-    )
+    axes: list[str] = key_of_axes(Grid)
     record: Record = key("a record of motions and measurements")
     limits: Limits = key("what counts as together")
     blade: list[str] = key("overrides of study=blade: its motion, inertial unit and sensors")

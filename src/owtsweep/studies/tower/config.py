@@ -14,6 +14,7 @@ from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.base.contest import ContestConfig
+from owtsweep.studies.base.keys import key_of_schemes, key_of_tuning, key_of_tunings
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.tower.recorded import Recorded
 from owtsweep.studies.tower.sections import Faults, Grid, Model, SeaState, Sensors, Truth, Wind
@@ -51,21 +52,12 @@ class TowerConfig(TunedConfig, ContestConfig):
     waves: SeaState = key("the sea, set by sea=NAME")
     sensors: Sensors = key("where sensors are")
     faults: Faults = key("what is wrong with sensors besides white noise")
-    tuning: str | list[str] = key(
-        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
-        "on the same records"
-    )
-    tunings: dict[str, Tuned] = key(
-        "name: the section filters of this tuning; only with several tunings", default={}
-    )
+    tuning: str | list[str] = key_of_tuning()
+    tunings: dict[str, Tuned] = key_of_tunings()
     filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
-    schemes: SchemeEntries = key(
-        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
-        "of your own",
-        min_length=1,
-    )
+    schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"
     )

@@ -1,0 +1,56 @@
+"""Keys that the configurations of several studies declare alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pydantic import BeforeValidator
+
+from owtsweep.config import Section, key
+
+
+def key_of_axes(grid: type[Section]) -> Any:
+    """Declare the key `axes`; the keys of the section `grid` but the last are names of axes."""
+    *names, _ = grid.model_fields
+    return key(
+        f"the two axes of the map, the horizontal one first, of {', '.join(names)}; plane=NAME "
+        "sets them and their values",
+        min_length=2,
+        max_length=2,
+        form=f"two axes, e.g. [{names[0]},{names[1]}]",
+    )
+
+
+def key_of_tuning() -> Any:
+    """Declare the key `tuning` of a study whose tunings set the section `filters`."""
+    return key(
+        "name of the file that sets the section `filters`, or a list of names, whose tunings run "
+        "on the same records"
+    )
+
+
+def key_of_tunings() -> Any:
+    """Declare the key `tunings` of such a study."""
+    return key("name: the section filters of this tuning; only with several tunings", default={})
+
+
+def key_of_schemes() -> Any:
+    """Declare the key `schemes`."""
+    return key(
+        "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
+        "of your own",
+        min_length=1,
+    )
+
+
+def only_freedoms(names: Sequence[str]) -> BeforeValidator:
+    """Return a validator that refuses a mapping with other keys than degrees of freedom."""
+
+    def check(value: object) -> object:
+        unknown = sorted(set(value) - set(names)) if isinstance(value, Mapping) else []
+        if unknown:
+            raise ValueError(f"no degree of freedom is called {unknown[0]}; use {', '.join(names)}")
+        return value
+
+    return BeforeValidator(check)
