@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
-from owtsweep.estimation.blade_angles import find_angles, make_rotation, require_rotations
+from owtsweep.estimation.blade_angles import find_angles, require_rotations
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Truth
 
@@ -22,7 +21,7 @@ RATE = 5.0
 COLUMNS = (
     "root_u", "root_v", "root_w", "cog_u", "cog_v", "cog_w", "heading", "pitch", "roll",
 )  # fmt: skip
-TRANSLATIONS, ROTATIONS = COLUMNS[:6], COLUMNS[6:]
+ROTATIONS = COLUMNS[6:]
 COG = np.zeros(3)
 
 
@@ -63,52 +62,6 @@ def describe_prisms(prisms: Array) -> Array:
 def resample(times: Array, values: Array, wanted: Array) -> Array:
     """Interpolate the columns of values (n, k) linearly, shape (m, k)."""
     return np.column_stack([np.interp(wanted, times, column) for column in values.T])
-
-
-def relate_to_crane(
-    time: Array, motion: Array, crane_time: Array, tip: Array, slewing: Array | None = None
-) -> Array:
-    """Return a motion of the blade relative to that of the crane, shape (n, 9).
-
-    Seen from the boom's tip, in axes that turn with the crane: what is left if the load follows the
-    crane is constant (section 2.2; Fig. 13 compares both by eye).
-
-    Parameters
-    ----------
-    time, motion
-        Times in s, and a motion as in `COLUMNS`, m and rad, shape (n, 9).
-    crane_time, tip
-        Increasing times in s by the same clock, around all of `time`, and where the boom's tip is
-        then in the frame of the motion, m, shape (m, 3): as it is measured, or its displacement
-        alone, which moves the result by a constant if nothing slews. They are interpolated.
-    slewing
-        Angle by which the crane has slewed, rad, positive clockwise as the heading, shape (m,);
-        None if it does not.
-
-    Raises
-    ------
-    InputError
-        If the crane's times do not increase or do not reach around those of the blade.
-    """
-    require(
-        len(crane_time) > 1 and bool(np.all(np.diff(crane_time) > 0.0)),
-        "crane_time: the times do not increase; sorted times without repetition would work",
-    )
-    require(
-        crane_time[0] <= time[0] and time[-1] <= crane_time[-1],
-        f"crane_time: {crane_time[0]:g} to {crane_time[-1]:g} s do not reach around the blade's "
-        f"{time[0]:g} to {time[-1]:g} s; cut the blade's motion to them",
-    )
-    angle = np.zeros(len(time)) if slewing is None else np.interp(time, crane_time, slewing)
-    still = np.zeros_like(angle)
-    turned = make_rotation(np.column_stack([angle, still, still]))
-    moved = resample(crane_time, tip, time)
-    seen = motion.copy()
-    for at in (0, 3):
-        seen[:, at : at + 3] = np.einsum("nji,nj->ni", turned, motion[:, at : at + 3] - moved)
-    seen[:, 6] -= angle
-    seen[:, 6] -= 2.0 * np.pi * np.round(seen[:, 6] / (2.0 * np.pi))
-    return seen
 
 
 def _describe(root: Array, rotation: Array) -> Array:

@@ -10,7 +10,7 @@ from scipy.signal import butter
 
 from experiments.floater import delay_margin
 from experiments.floater.delay_margin import Loop, find_margin, record_responses
-from owtsweep.studies.floater.schemes.lowpass import balance_lag_and_noise
+from owtsweep.studies.floater.schemes.positions_alone import balance_lag_and_noise
 
 STEP, PERIOD, ZETA = 0.25, 12.0, 0.05
 W = 2.0 * np.pi / PERIOD

@@ -8,14 +8,11 @@ import numpy as np
 import pytest
 from hanging import QUIET, make, run, score
 
-from experiments.maes2018.processing import relate_to_crane
-from owtsweep.errors import InputError
-from owtsweep.estimation.blade_angles import find_angles, make_rotation
 from owtsweep.estimation.double_integration import pass_high
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
-from owtsweep.studies.blade.schemes.double_integration import merge
+from owtsweep.studies.blade.schemes.fixed_gains import merge
 
 STILL = "boom.follow=[0,0,0]"
 INNER = slice(400, -400)  # at 20 Hz
@@ -128,30 +125,3 @@ def test_it_says_what_it_cannot_do() -> None:
     with pytest.raises(Unable, match="more than 10 s"):
         run("DOUBLE_INTEGRATION", setting, short)
     assert run("DOUBLE_INTEGRATION", setting, replace(measured, boom=None)).boom is None
-
-
-def test_what_follows_the_crane_is_still() -> None:
-    """A load fixed to a crane that slews about its pedestal, luffs, and is seen at other times."""
-    crane_time = np.arange(0.0, 30.0, 0.01)
-    slewing = 0.4 * np.sin(0.2 * crane_time) + 3.0
-    pedestal, reach = np.array([5.0, -30.0, 2.0]), np.array([0.3, 28.0, 0.0])
-
-    def turn(angle):
-        return make_rotation(np.column_stack([angle, 0 * angle, 0 * angle]))
-
-    tip = pedestal + turn(slewing) @ reach
-    tip[:, 2] += 0.05 * crane_time
-    time = np.arange(0.5, 29.0, 0.2)
-    R = turn(0.4 * np.sin(0.2 * time) + 3.0)
-    at = pedestal + R @ reach + np.outer(time, [0.0, 0.0, 0.05])
-    root, cog = (at + R @ np.array(hung) for hung in ([-18.0, 0.0, -9.0], [0.0, 0.0, -9.0]))
-    motion = np.concatenate([root, cog, find_angles(R)], axis=1)
-    seen = relate_to_crane(time, motion, crane_time, tip, slewing)
-    still = np.broadcast_to([-18.0, 0.0, -9.0, 0.0, 0.0, -9.0, 0.0, 0.0, 0.0], seen.shape)
-    assert seen == pytest.approx(still, abs=1e-4)
-    shaken = motion[:, :3] - relate_to_crane(time, motion, crane_time, tip)[:, :3]
-    assert shaken == pytest.approx(at, abs=1e-4)
-    with pytest.raises(InputError, match=r"crane_time: 0 to 29\.99 s do not reach around"):
-        relate_to_crane(time + 5.0, motion, crane_time, tip)
-    with pytest.raises(InputError, match="crane_time: the times do not increase"):
-        relate_to_crane(time, motion, crane_time[::-1], tip)

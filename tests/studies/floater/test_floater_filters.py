@@ -14,7 +14,7 @@ from owtsweep.estimation.complementary import blend_acceleration, blend_rate, pl
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.complementary import find_crossover
-from owtsweep.studies.floater.schemes.lowpass import balance_lag_and_noise
+from owtsweep.studies.floater.schemes.positions_alone import balance_lag_and_noise
 
 _, SETTING, _ = make()
 

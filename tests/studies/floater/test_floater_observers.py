@@ -14,8 +14,12 @@ from sine_records import find_lag, report
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.schemes import SCHEMES
-from owtsweep.studies.floater.schemes.lowpass import balance_lag_and_noise
-from owtsweep.studies.floater.schemes.passive_observer import ABOVE, FASTEST, find_waves
+from owtsweep.studies.floater.schemes.positions_alone import (
+    ABOVE,
+    FASTEST,
+    balance_lag_and_noise,
+    find_waves,
+)
 
 NAMES = ("LOWPASS", "COMPLEMENTARY", "PASSIVE_OBSERVER")
 _, SETTING, _ = make()

@@ -249,19 +249,11 @@ class Scheme(contract.Scheme[Setting, Measured, Estimates]):
 
 @dataclass(frozen=True)
 class Direct(Scheme):
-    """A scheme that computes nothing beforehand.
-
-    Attributes
-    ----------
-    name
-        The scheme's name.
-    make
-        Makes of what the scheme is told what runs over measurements.
-    """
+    """A scheme by its name, and by what makes it ready for a setting."""
 
     name: str
     make: Callable[[Setting], contract.Ready[Measured, Estimates]]
 
     def prepare(self, known: Setting) -> contract.Ready[Measured, Estimates]:
-        """Keep what the scheme is told."""
+        """Make the scheme ready for a setting."""
         return self.make(known)

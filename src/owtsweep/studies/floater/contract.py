@@ -6,6 +6,7 @@ All arrays of a record begin with its samples. Columns are the degrees of freedo
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -168,3 +169,15 @@ class Scheme(contract.Scheme[Setting, Measured, Estimates]):
     """A scheme of the floater study."""
 
     study = "floater"
+
+
+@dataclass(frozen=True)
+class Direct(Scheme):
+    """A scheme by its name, and by what makes it ready for a setting."""
+
+    name: str
+    make: Callable[[Setting], contract.Ready[Measured, Estimates]]
+
+    def prepare(self, known: Setting) -> contract.Ready[Measured, Estimates]:
+        """Make the scheme ready for a setting."""
+        return self.make(known)

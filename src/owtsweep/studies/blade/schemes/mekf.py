@@ -1,4 +1,8 @@
-"""MEKF: the multiplicative Kalman filter, alone or with further antennas and states."""
+"""MEKF: the multiplicative Kalman filter, alone or with further antennas and states; smoothers.
+
+SMOOTHER passes back over the whole record, as post-processing does, FIXED_LAG over the last
+`filters.lag` seconds.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,8 @@ from scipy.linalg import expm
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial import ERRORS
 from owtsweep.estimation.inertial_filter import SWING, filter_fixes
-from owtsweep.studies.blade.contract import Estimates, Measured, Scheme, Setting
+from owtsweep.estimation.inertial_smoother import link, smooth_all, smooth_lag
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Scheme, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     Found,
     begin,
@@ -105,6 +110,52 @@ def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array
 
 
 @dataclass(frozen=True)
+class Smoother:
+    """The smoother, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        states, covariances, nis = Navigator(self.setting).filter(measured)
+        links = link_samples(self.setting, measured, states, covariances)
+        out = (np.empty_like(states), np.empty_like(covariances))
+        smooth_all(states, covariances, links, out)
+        return report(self.setting, measured, Found(*out, nis), wait=len(nis) * measured.step)
+
+
+@dataclass(frozen=True)
+class FixedLag:
+    """The smoother, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        states, covariances, nis = Navigator(self.setting).filter(measured)
+        links = link_samples(self.setting, measured, states, covariances)
+        out = (np.empty_like(states), np.empty_like(covariances))
+        lag = round(self.setting.tuning.lag / measured.step)
+        smooth_lag(states, covariances, links, measured.due, lag, out)
+        between = np.diff(np.flatnonzero(measured.due)).max(initial=1) - 1
+        return report(
+            self.setting, measured, Found(*out, nis), wait=(lag + between) * measured.step
+        )
+
+
+def link_samples(
+    setting: Setting, measured: Measured, states: Array, covariances: Array
+) -> tuple[Array, Array, Array]:
+    """Return how samples follow from later ones, as of `inertial_smoother.link`."""
+    links = (np.empty_like(states), np.empty_like(covariances), np.empty_like(covariances))
+    link(
+        states, covariances, measured.specific_force, measured.rate, measured.step,
+        find_noise(setting), links,
+    )  # fmt: skip
+    return links
+
+
+@dataclass(frozen=True)
 class NavigatorScheme(Scheme):
     """The multiplicative filter with what it is given besides: attributes of `Navigator`."""
 
@@ -127,3 +178,5 @@ MEKF_OFFSET = NavigatorScheme("MEKF_OFFSET", offset=True)
 MEKF_LEVER = NavigatorScheme("MEKF_LEVER", lever=True)
 #: While the hook moves, e.g. hoists, it is wrong without knowing it (docs/blade.md, section 4).
 PENDULUM = NavigatorScheme("PENDULUM", swing=True)
+SMOOTHER = Direct("SMOOTHER", Smoother)
+FIXED_LAG = Direct("FIXED_LAG", FixedLag)

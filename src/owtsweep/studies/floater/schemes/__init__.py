@@ -43,7 +43,9 @@ LISTED = {
         SchemeStyle("#332288", "D", (0, (8, 3))),
     ),
     "PASSIVE_OBSERVER": Listed(
-        "non-linear passive observer on positions alone", SchemeStyle("#CC79A7", "X", "-")
+        "non-linear passive observer on positions alone",
+        SchemeStyle("#CC79A7", "X", "-"),
+        module="positions_alone",
     ),
     "COMPLEMENTARY": Listed(
         "complementary filter: positions below, accelerations above a frequency",
@@ -52,6 +54,7 @@ LISTED = {
     "LOWPASS": Listed(
         "low-pass filter and numerical differentiation of positions",
         SchemeStyle("#8C8C8C", "*", (0, (1, 2))),
+        module="positions_alone",
     ),
     "FIXED_LAG": Listed(
         "KF_REPAIRED and a smoother that looks a fixed time ahead",

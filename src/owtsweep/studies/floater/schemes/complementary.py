@@ -14,7 +14,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
+from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import (
     ANGLES,
     read_inputs,
@@ -69,28 +69,21 @@ def find_crossover(setting: Setting, column: int) -> float:
     return float(max(root.real for root in roots))
 
 
-class ComplementaryScheme(Scheme):
-    """The complementary filter."""
+def prepare(setting: Setting) -> Complementary:
+    """Choose the crossover for a setting.
 
-    name = "COMPLEMENTARY"
-
-    def prepare(self, setting: Setting) -> Complementary:
-        """Choose the crossover for a setting.
-
-        Raises
-        ------
-        Unable
-            If accelerations are believed to have no noise, so that positions never count.
-        """
-        best = np.array([find_crossover(setting, i) for i in range(len(DOF))])
-        if setting.body:
-            best[list(ANGLES)] = setting.rate_sigma / setting.position_sigma[list(ANGLES)]
-        if not np.all(best > 0.0):
-            raise Unable(
-                f"{self.name} has no crossover: it believes that accelerations have no noise"
-            )
-        fastest = FASTEST * 2.0 * np.pi / setting.step
-        return Complementary(setting, np.minimum(setting.tuning.crossover * best, fastest))
+    Raises
+    ------
+    Unable
+        If accelerations are believed to have no noise, so that positions never count.
+    """
+    best = np.array([find_crossover(setting, i) for i in range(len(DOF))])
+    if setting.body:
+        best[list(ANGLES)] = setting.rate_sigma / setting.position_sigma[list(ANGLES)]
+    if not np.all(best > 0.0):
+        raise Unable("COMPLEMENTARY has no crossover: it believes that accelerations have no noise")
+    fastest = FASTEST * 2.0 * np.pi / setting.step
+    return Complementary(setting, np.minimum(setting.tuning.crossover * best, fastest))
 
 
-SCHEME = ComplementaryScheme()
+SCHEME = Direct("COMPLEMENTARY", prepare)

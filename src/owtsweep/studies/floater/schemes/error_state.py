@@ -15,7 +15,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.error_state import ERRORS, STATES, filter_body, find_quaternion
 from owtsweep.estimation.kinematic_filter import snap
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
+from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import find_age, find_bias, keep_reports
 
 
@@ -71,24 +71,19 @@ class ErrorState:
         return state, np.diag(sigma**2)
 
 
-class ErrorStateScheme(Scheme):
-    """The error-state filter."""
+def prepare(setting: Setting) -> ErrorState:
+    """Make the filter ready for a setting.
 
-    name = "ERROR_STATE"
-
-    def prepare(self, setting: Setting) -> ErrorState:
-        """Make the filter ready for a setting.
-
-        Raises
-        ------
-        Unable
-            If sensors are not fixed to the body.
-        """
-        if not setting.body:
-            raise Unable(
-                f"{self.name} needs specific force and rates of the body: use sensors.frame=body"
-            )
-        return ErrorState(setting)
+    Raises
+    ------
+    Unable
+        If sensors are not fixed to the body.
+    """
+    if not setting.body:
+        raise Unable(
+            "ERROR_STATE needs specific force and rates of the body: use sensors.frame=body"
+        )
+    return ErrorState(setting)
 
 
-SCHEME = ErrorStateScheme()
+SCHEME = Direct("ERROR_STATE", prepare)

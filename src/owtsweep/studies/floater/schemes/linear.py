@@ -9,6 +9,7 @@ knows its report.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from owtsweep.estimation.kinematic import Noise
 from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, smooth_all, snap
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.floater.attitude import hold, level, turn_rates
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
+from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 
 #: The degrees of freedom whose rates are measured: the angles (Eq. 5, matrix C).
 ANGLES = range(3, 6)
@@ -59,19 +60,6 @@ class Linear:
         bias, walk = find_bias(setting) if self.bias else (np.zeros(6), np.zeros(6))
         noises = make_noises(setting, walk)
         return record, noises, np.column_stack([*setting.motion_sigma[:2], bias])
-
-
-@dataclass(frozen=True)
-class LinearScheme(Scheme):
-    """A scheme of one linear filter; attributes are those of `Linear`, and the scheme's name."""
-
-    name: str
-    bias: bool
-    delay: bool
-
-    def prepare(self, setting: Setting) -> Linear:
-        """Make the filter ready for a setting."""
-        return Linear(setting, self.bias, self.delay)
 
 
 def report(found: Found, wait: float = 0.0) -> Estimates:
@@ -192,18 +180,8 @@ class FixedLag:
         return report(smooth_all(*self.filter.read(measured), lag), wait=lag * measured.step)
 
 
-class FixedLagScheme(Scheme):
-    """The smoother of fixed lag."""
-
-    name = "FIXED_LAG"
-
-    def prepare(self, setting: Setting) -> FixedLag:
-        """Make the smoother ready for a setting."""
-        return FixedLag(Linear(setting, bias=True, delay=True))
-
-
-KF_CONSISTENT = LinearScheme("KF_CONSISTENT", bias=False, delay=False)
-KF_BIAS = LinearScheme("KF_BIAS", bias=True, delay=False)
-KF_DELAY = LinearScheme("KF_DELAY", bias=False, delay=True)
-KF_REPAIRED = LinearScheme("KF_REPAIRED", bias=True, delay=True)
-FIXED_LAG = FixedLagScheme()
+KF_CONSISTENT = Direct("KF_CONSISTENT", partial(Linear, bias=False, delay=False))
+KF_BIAS = Direct("KF_BIAS", partial(Linear, bias=True, delay=False))
+KF_DELAY = Direct("KF_DELAY", partial(Linear, bias=False, delay=True))
+KF_REPAIRED = Direct("KF_REPAIRED", partial(Linear, bias=True, delay=True))
+FIXED_LAG = Direct("FIXED_LAG", lambda setting: FixedLag(Linear(setting, bias=True, delay=True)))

@@ -25,7 +25,7 @@ from owtsweep.estimation.kinematic_predictor import (
     solve_steady,
 )
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.contract import DOF, Estimates, Measured, Scheme, Setting
+from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import ANGLES, read_inputs
 
 #: By what R is multiplied in a loss.
@@ -60,32 +60,27 @@ class SteadyPredictor:
         )
 
 
-class KfSteady(Scheme):
-    """The steady-state predictor as printed."""
+def prepare_steady(setting: Setting) -> SteadyPredictor:
+    """Compute the gains of KF_STEADY for a setting.
 
-    name = "KF_STEADY"
-
-    def prepare(self, setting: Setting) -> SteadyPredictor:
-        """Compute the gains for a setting.
-
-        Raises
-        ------
-        Unable
-            If there is no steady state.
-        """
-        A = make_transition(setting.step)
-        gain, covariance = np.zeros((len(DOF), 2, 2)), np.empty((len(DOF), 2, 2))
-        for i, Q in enumerate(process_noise(setting)):
-            R = output_noise(setting, i)
-            try:
-                K, covariance[i] = solve_steady(A, np.eye(2)[: len(R)], Q, np.diag(R))
-            except np.linalg.LinAlgError:
-                raise Unable(
-                    f"{self.name} has no steady state: it believes that the acceleration of "
-                    f"{DOF[i]} has no noise"
-                ) from None
-            gain[i, :, : len(R)] = K
-        return SteadyPredictor(setting, gain, covariance)
+    Raises
+    ------
+    Unable
+        If there is no steady state.
+    """
+    A = make_transition(setting.step)
+    gain, covariance = np.zeros((len(DOF), 2, 2)), np.empty((len(DOF), 2, 2))
+    for i, Q in enumerate(process_noise(setting)):
+        R = output_noise(setting, i)
+        try:
+            K, covariance[i] = solve_steady(A, np.eye(2)[: len(R)], Q, np.diag(R))
+        except np.linalg.LinAlgError:
+            raise Unable(
+                "KF_STEADY has no steady state: it believes that the acceleration of "
+                f"{DOF[i]} has no noise"
+            ) from None
+        gain[i, :, : len(R)] = K
+    return SteadyPredictor(setting, gain, covariance)
 
 
 @dataclass(frozen=True)
@@ -115,16 +110,6 @@ class VaryingPredictor:
             covariance.transpose(1, 0, 2, 3),
             nis.T,
         )
-
-
-class Kf(Scheme):
-    """The time-varying predictor as printed."""
-
-    name = "KF"
-
-    def prepare(self, setting: Setting) -> VaryingPredictor:
-        """Make the predictor ready for a setting."""
-        return VaryingPredictor(setting)
 
 
 def process_noise(setting: Setting) -> Array:
@@ -189,5 +174,5 @@ def find_start(reported: Array) -> Array:
     return start
 
 
-KF_STEADY = KfSteady()
-KF = Kf()
+KF_STEADY = Direct("KF_STEADY", prepare_steady)
+KF = Direct("KF", VaryingPredictor)

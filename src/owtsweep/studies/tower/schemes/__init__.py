@@ -49,11 +49,13 @@ LISTED = {
         "Gillijns and De Moor's joint input-state filter on the substructure",
         SchemeStyle("#CC79A7", "D", "-"),
         SOIL,
+        module="joint",
     ),
     "DUAL": Listed(
         "dual Kalman filter on the substructure: inputs, then states",
         SchemeStyle("#882255", "X", (0, (4, 2))),
         SOIL,
+        module="joint",
     ),
     "AKF_WHOLE": Listed(
         "AKF on the whole turbine, with soil and rotor, loads at its top",
@@ -74,12 +76,15 @@ LISTED = {
         SchemeStyle("#999933", "d", "-"),
     ),
     "THRUST_LEVER": Listed(
-        "thrust from one sensor, times the lever, static", SchemeStyle("#8C8C8C", "*", (0, (1, 2)))
+        "thrust from one sensor, times the lever, static",
+        SchemeStyle("#8C8C8C", "*", (0, (1, 2))),
+        module="static",
     ),
     "QUASI_STATIC": Listed(
         "static shapes of the substructure through the inclinometers",
         SchemeStyle("#7A3B12", "8", (0, (3, 1, 1, 1, 1, 1))),
         SOIL,
+        module="static",
     ),
 }
 SCHEMES = SchemeTable("tower", __name__, LISTED)

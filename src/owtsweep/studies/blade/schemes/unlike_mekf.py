@@ -1,0 +1,80 @@
+"""UKF and INVARIANT_EKF: filters of the states of MEKF that linearise otherwise.
+
+UKF is the unscented Kalman filter on 15 errors, what the paper's system runs (section 2.1).
+INVARIANT_EKF is the left-invariant extended Kalman filter with biases.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.inertial import ERRORS
+from owtsweep.estimation.inertial_invariant import filter_invariant
+from owtsweep.estimation.inertial_unscented import filter_unscented
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
+from owtsweep.studies.blade.schemes.navigation import (
+    Found,
+    begin,
+    find_noise,
+    find_variance,
+    make_room,
+    report,
+)
+
+
+@dataclass(frozen=True)
+class Unscented:
+    """The unscented filter, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        found = _filter(filter_unscented, self.setting, measured, begin(self.setting))
+        return report(self.setting, measured, found)
+
+
+@dataclass(frozen=True)
+class Invariant:
+    """The invariant filter, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        s, P = begin(self.setting)
+        turn = _turn_errors(s[None])[0]
+        found = _filter(filter_invariant, self.setting, measured, (s, turn.T @ P @ turn))
+        turn = _turn_errors(found.states)
+        at_rest = turn @ found.covariances @ turn.transpose(0, 2, 1)
+        return report(self.setting, measured, found._replace(covariances=at_rest))
+
+
+def _filter(
+    run: Callable[..., None], setting: Setting, measured: Measured, start: tuple[Array, Array]
+) -> Found:
+    """Run a filter of `estimation` on the fixes of the first antenna."""
+    found = make_room(measured)
+    run(
+        measured.fixes[:, :1].copy(), setting.geometry.levers[:1], find_variance(setting, measured),
+        measured.due, measured.specific_force, measured.rate, measured.step, find_noise(setting),
+        start, tuple(found),
+    )  # fmt: skip
+    return found
+
+
+def _turn_errors(states: Array) -> Array:
+    """Return by what errors in the body's frame become those of `inertial`, (steps, 15, 15)."""
+    turn = np.tile(np.eye(ERRORS), (len(states), 1, 1))
+    rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
+    turn[:, :3, :3] = turn[:, 3:6, 3:6] = rotation
+    return turn
+
+
+UKF = Direct("UKF", Unscented)
+INVARIANT_EKF = Direct("INVARIANT_EKF", Invariant)

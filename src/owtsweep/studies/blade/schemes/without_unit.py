@@ -1,0 +1,102 @@
+"""Schemes that do without the inertial unit: HOLD, GNSS_WAHBA and TOTAL_STATIONS.
+
+- HOLD: the last fix stands until the next one; the attitude is that of the start.
+- GNSS_WAHBA: position and attitude from three antennas, by Wahba's problem; held between fixes.
+- TOTAL_STATIONS: the paper's reference: three prisms, interpolated, by Wahba's problem. Positions
+  are interpolated to a common time base, after which Eqs. 4 to 8 give position and attitude
+  (section 3.1). The time stamps are taken as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.wahba import carry_point, find_pose
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.blade.contract import PRISMS, ROOT, Direct, Estimates, Measured, Setting
+from owtsweep.studies.blade.schemes.navigation import require_antennas
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Holding, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        (position, _), rotation = self.setting.start
+        geometry = self.setting.geometry
+        given = position + rotation @ geometry.levers[0]
+        fix = hold_last(measured.fixes[:, 0], given)
+        return Estimates(
+            root=fix + rotation @ (geometry.root - geometry.antennas[0]),
+            root_velocity=np.zeros_like(fix),
+            rotation=np.broadcast_to(rotation, (len(fix), 3, 3)),
+        )
+
+
+def hold_last(values: Array, given: Array) -> Array:
+    """Return values (steps, ...) in which NaN are those before; `given` before the first one."""
+    lost = np.isnan(values).reshape(len(values), -1).any(axis=1)
+    last = np.maximum.accumulate(np.where(lost, -1, np.arange(len(values))))
+    held = values[np.maximum(last, 0)].copy()
+    held[last < 0] = given
+    return held
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """The least squares, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        (position, _), given = self.setting.start
+        geometry = self.setting.geometry
+        origin, rotation = find_pose(geometry.antennas, measured.fixes)
+        rotation = hold_last(rotation, given)
+        root = hold_last(
+            carry_point(origin, rotation, geometry.root), position + given @ geometry.to_root
+        )
+        return Estimates(root=root, root_velocity=np.zeros_like(root), rotation=rotation)
+
+
+def prepare_geometry(setting: Setting) -> Geometry:
+    """Make the least squares ready for a setting; `Unable` without three antennas."""
+    require_antennas(setting, 3)
+    return Geometry(setting)
+
+
+@dataclass(frozen=True)
+class Stations:
+    """The least squares, made ready for a setting."""
+
+    setting: Setting
+
+    def run(self, measured: Measured) -> Estimates:
+        """Estimate from the measurements of a record."""
+        if len(measured.prisms) == 0:
+            raise Unable("needs total stations, and the record has none")
+        steps, step = len(measured.rate), measured.step
+        time = step * np.arange(steps)
+        flat = measured.prisms.reshape(len(measured.prisms), -1)
+        columns = [np.interp(time, measured.prism_times, column) for column in flat.T]
+        points = np.column_stack(columns).reshape(steps, *PRISMS.shape)
+        origin, rotation = find_pose(PRISMS, points, about="first")
+        root = carry_point(origin, rotation, ROOT)
+        return Estimates(
+            root=root,
+            root_velocity=np.gradient(root, step, axis=0),
+            rotation=rotation,
+            wait=float(np.diff(measured.prism_times).max()),
+        )
+
+
+HOLD = Direct("HOLD", Hold)
+GNSS_WAHBA = Direct("GNSS_WAHBA", prepare_geometry)
+TOTAL_STATIONS = Direct("TOTAL_STATIONS", Stations)

@@ -1,0 +1,63 @@
+"""GDF and DUAL: filters on the substructure that solve for inputs and states in two steps.
+
+- GDF is Gillijns and De Moor's joint input-state filter (2007), with direct feedthrough. Nothing is
+  believed of the inputs: each step solves for them by least squares. So the accelerometers alone
+  must tell all interface loads apart: the feedthrough matrix J needs as many independent rows as
+  there are inputs.
+- DUAL is the dual Kalman filter (Azam, Chatzi and Papadimitriou 2015). One Kalman filter estimates
+  the inputs, as random walks seen through the feedthrough of the accelerometers; a second one takes
+  these inputs as known and estimates the states. Neither knows the other's covariance. On a
+  structure that is free to move this loop is mostly unstable; the scheme then says so.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.estimation.dual import make_dual
+from owtsweep.estimation.gillijns import find_feedthrough_rank, make_gillijns
+from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.tower.contract import Setting
+from owtsweep.studies.tower.models import Model, model_cut
+from owtsweep.studies.tower.schemes.filtered import (
+    FilterScheme,
+    Settled,
+    noise_of_sensors,
+    noise_of_states,
+    noises_of_walks,
+    size_of_inputs,
+)
+
+
+def tune_joint(setting: Setting, model: Model) -> Settled:
+    """Make the joint filter of a model.
+
+    Raises
+    ------
+    Unable
+        If the feedthrough matrix has too small a rank.
+    """
+    rank, inputs = find_feedthrough_rank(model.discrete.J), len(model.inputs)
+    if rank < inputs:
+        raise Unable(
+            f"GDF is blind: the feedthrough matrix J has rank {rank}, but {inputs} inputs are "
+            "unknown; it needs as many accelerometers at different heights"
+        )
+    initial = setting.tuning.initial * np.eye(2 * model.modes)
+    return make_gillijns(
+        model.discrete, noise_of_states(setting, model), noise_of_sensors(setting), initial
+    )
+
+
+def tune_dual(setting: Setting, model: Model) -> Settled:
+    """Make the dual filter of a model."""
+    return make_dual(
+        model.discrete,
+        *noises_of_walks(setting, model),
+        setting.tuning.initial * np.eye(2 * model.modes),
+        np.diag(size_of_inputs(setting, model) ** 2),
+    )
+
+
+GDF = FilterScheme("GDF", model_cut, tune_joint)
+DUAL = FilterScheme("DUAL", model_cut, tune_dual)
