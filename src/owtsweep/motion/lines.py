@@ -21,6 +21,14 @@ class Series(NamedTuple):
     acceleration: Array
 
 
+class Span(NamedTuple):
+    """The samples of a record: their number, the interval in s, and how many come before it."""
+
+    steps: int
+    step: float
+    lead: int = 0
+
+
 def find_frequencies(steps: int, step: float) -> Array:
     """Return the frequencies of the lines in Hz, for a record of `steps` samples of `step` s."""
     return np.arange(steps + 1) / (2 * steps * step)

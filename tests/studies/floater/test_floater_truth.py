@@ -12,6 +12,7 @@ from scipy.signal import freqs
 from scipy.spatial.transform import Rotation
 
 from owtsweep.gravity import GRAVITY
+from owtsweep.motion.lines import Span
 from owtsweep.streams import stream
 from owtsweep.studies import compose
 from owtsweep.studies.floater.attitude import find_body_rates, find_specific_force
@@ -31,7 +32,7 @@ def period(*words, replicate=0, roll=None):
     """Return one period of 2000 samples (twice the record), after which a motion repeats."""
     config = configure(*words)
     draws = partial(stream, config.seed, config.study, (), replicate)
-    return draw_motion(config.motion, draws, steps=1000, step=0.1, lead=1000, roll=roll)
+    return draw_motion(config.motion, draws, Span(1000, 0.1, 1000), roll)
 
 
 def differentiate(values, step):

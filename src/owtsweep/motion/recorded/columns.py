@@ -183,6 +183,32 @@ def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
     return None
 
 
+def name_signals(
+    table: ChannelTable, signals: Sequence[str], given: Sequence[str]
+) -> dict[str, tuple[str, str]]:
+    """Return signal -> name and unit ("": none is stated) of its column, for signals that have one.
+
+    Parameters
+    ----------
+    table
+        The opened file.
+    signals
+        Names of signals, each of which may be that of a column. Time has a well-known name.
+    given
+        Items SIGNAL:NAME or SIGNAL:NAME:UNIT for columns that are called otherwise, or have another
+        unit than the file states. Items for columns of other files are passed over.
+    """
+    columns = {name: (name, table.unit(name)) for name in signals if name in table.names}
+    clock = guess_roles(table.names).get("time")
+    if clock is not None:
+        columns["time"] = (clock, table.unit(clock))
+    for item in given:
+        signal, name, *unit = item.split(":")
+        if signal in (*signals, "time") and name in table.names:
+            columns[signal] = (name, unit[0] if unit else table.unit(name))
+    return columns
+
+
 def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     """Return the name of the channel called `wanted`, spelled as in the file.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 from owtsweep.gravity import STANDARD_GRAVITY
 
 #: dimension -> (SI unit, unit -> factor to SI)
@@ -69,3 +69,24 @@ def find_factor(unit: str, wanted: str, argument: str) -> float:
     else:
         reason = f"is a unit of {other}, not of {wanted}"
     raise InputError(f"{argument}: {unit!r} {reason}: use one of {', '.join(table)} (SI: {si})")
+
+
+def find_factor_to(si: str, unit: str, argument: str) -> float:
+    """Return the factor from a unit to the SI unit `si`, which may be rad/s; 1 if `unit` is "".
+
+    Raises
+    ------
+    InputError
+        As `find_factor`.
+    """
+    if not unit:
+        return 1.0
+    if si != "rad/s":
+        wanted = next(name for name, (own, _) in DIMENSIONS.items() if own == si)
+        return find_factor(unit, wanted, argument)
+    angle, slash, time = unit.strip().lower().partition("/")
+    require(
+        bool(slash) and find_dimension(angle) == "angle" and time.strip() in ("s", "sec"),
+        f"{argument}: {unit!r} is not a unit of angular velocity: use rad/s or deg/s",
+    )
+    return find_factor(angle, "angle", argument)

@@ -14,9 +14,9 @@ from owtsweep.errors import InputError, require, shorten
 from owtsweep.io.reading import read_bytes
 from owtsweep.motion.recorded import open_table
 from owtsweep.motion.recorded.checks import require_possible
-from owtsweep.motion.recorded.columns import guess_roles
+from owtsweep.motion.recorded.columns import name_signals
 from owtsweep.motion.recorded.formats.table import ChannelTable
-from owtsweep.motion.recorded.units import find_dimension, find_factor
+from owtsweep.motion.recorded.units import find_factor_to
 
 FORCE, RATE = ("fx", "fy", "fz"), ("wx", "wy", "wz")
 LOCAL, GLOBE = ("x", "y", "z"), ("latitude", "longitude", "height")
@@ -28,7 +28,6 @@ UNITS = {
     **dict.fromkeys((*LOCAL, "height"), "m"),
     **dict.fromkeys(("latitude", "longitude"), "deg"),
 }
-DIMENSIONS = {"s": "time", "m": "length", "m/s^2": "acceleration"}
 #: Qualities of an NMEA fix: those that there are, no fix, and a float solution.
 QUALITIES, NO_FIX, FLOAT = range(10), 0, 5
 #: Largest NMEA file, bytes; seconds of a day.
@@ -228,16 +227,7 @@ def _read_nmea(path: Path) -> Fixes:
 
 def _load(table: ChannelTable, signals: Sequence[str], given: Sequence[str]) -> dict[str, Array]:
     """Return signal -> values in the units of `UNITS`."""
-    named: dict[str, tuple[str, str]] = {}
-    clock = guess_roles(table.names).get("time")
-    for signal in signals:
-        name = clock if signal == "time" and clock is not None else signal
-        if name in table.names:
-            named[signal] = (name, table.unit(name))
-    for item in given:
-        signal, *words = item.split(":")
-        if signal in signals and words[0] in table.names:
-            named[signal] = (words[0], words[1] if words[1:] else table.unit(words[0]))
+    named = name_signals(table, signals, given)
     missing = [signal for signal in signals if signal not in named]
     require(
         not missing,
@@ -254,18 +244,9 @@ def _load(table: ChannelTable, signals: Sequence[str], given: Sequence[str]) -> 
 
 def _find_factor(unit: str, wanted: str, argument: str) -> float:
     """Return the factor from the unit of a column; 1 if the file states none."""
-    if not unit:
-        return 1.0
-    if wanted == "rad/s":
-        angle, slash, time = unit.strip().lower().partition("/")
-        require(
-            bool(slash) and find_dimension(angle) == "angle" and time.strip() in ("s", "sec"),
-            f"{argument}: {unit!r} is not a unit of angular velocity: use rad/s or deg/s",
-        )
-        return find_factor(angle, "angle", argument)
-    if wanted == "deg":
-        return float(np.rad2deg(find_factor(unit, "angle", argument)))
-    return find_factor(unit, DIMENSIONS[wanted], argument)
+    if wanted == "deg" and unit:
+        return float(np.rad2deg(find_factor_to("rad", unit, argument)))
+    return find_factor_to(wanted, unit, argument)
 
 
 def _check_times(path: Path, time: Array) -> None:

@@ -9,19 +9,17 @@ v, w, p, q, r (derivatives of the six, in the basin's frame as in section 2.3) a
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require, shorten
 from owtsweep.io.reading import expand_home
-from owtsweep.motion.lines import Series
+from owtsweep.motion.lines import Series, Span
 from owtsweep.motion.recorded.checks import require_possible
-from owtsweep.motion.recorded.columns import guess_roles
+from owtsweep.motion.recorded.columns import name_signals
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable
-from owtsweep.motion.recorded.units import find_dimension, find_factor
+from owtsweep.motion.recorded.units import find_factor_to
 from owtsweep.studies.floater.attitude import STEEPEST
 from owtsweep.studies.floater.config import Motion as MotionSection
 from owtsweep.studies.floater.contract import DOF
@@ -29,21 +27,13 @@ from owtsweep.studies.floater.contract import DOF
 #: Names of the columns of velocities and accelerations; all signals but time.
 VELOCITIES, ACCELERATIONS = ("u", "v", "w", "p", "q", "r"), ("ax", "ay", "az")
 SIGNALS = (*DOF, *VELOCITIES, *ACCELERATIONS)
-#: SI unit -> dimension, as `units` calls it.
-DIMENSION = {"m": "length", "rad": "angle", "m/s": "velocity", "m/s^2": "acceleration"}
 #: A row may be off its time by this part of a step, because times are rounded; the mean step may
 #: differ from the record's by the second one.
 UNEVEN, OTHER_STEP = 0.05, 1e-3
 
 
 def read_motion(
-    motion: MotionSection,
-    stream: object,
-    *,
-    steps: int,
-    step: float,
-    lead: int,
-    roll: float | None = None,
+    motion: MotionSection, stream: object, span: Span, roll: float | None = None
 ) -> Series:
     """Read a recorded motion; before the record it rests at its first position.
 
@@ -53,35 +43,26 @@ def read_motion(
         The section `motion`, with a file.
     stream, roll
         Not used: nothing is random, and the roll is that of the file.
-    steps, step
-        Number of samples that are taken from the file's beginning, and sampling interval (s).
-    lead
-        Number of samples before the record.
+    span
+        The samples that are taken from the file's beginning, and the lead before them.
 
     Raises
     ------
     InputError
         If the file cannot be used, lacks a column, is too short, or has another step.
     """
-    require(
-        motion.file is not None,
-        "motion.file: kind=recorded needs a file; give motion.file=basin.csv",
-    )
+    steps, step, lead = span
     table = open_table(expand_home(str(motion.file)))
     columns = _find_columns(motion.columns, table)
-    used = dict.fromkeys(column.name for column in columns.values())
-    loaded = table.load(list(used), None)
-    clock = columns["time"]
-    time = loaded[clock.name] * find_factor(
-        clock.unit or "s", "time", f"{table.path}: {clock.name}"
-    )
-    _check_time(table, clock.name, time, steps, step)
+    loaded = table.load(list(dict.fromkeys(column for column, _ in columns.values())), None)
+    clock, unit = columns["time"]
+    time = loaded[clock] * find_factor_to("s", unit, f"{table.path}: {clock}")
+    _check_time(table, clock, time, steps, step)
 
     def take(name: str, wanted: str) -> Array:
         column, unit = columns[name]
-        values = loaded[column][:steps] * _find_factor(
-            unit or wanted, wanted, f"{table.path}: column {column}"
-        )
+        factor = find_factor_to(wanted, unit, f"{table.path}: column {column}")
+        values = loaded[column][:steps] * factor
         require(
             bool(np.isfinite(values).all()),
             f"{table.path}: column {column} lacks numbers; fill the gaps or cut the record there",
@@ -100,7 +81,7 @@ def read_motion(
     steepest = float(np.abs(position[:, DOF.index("theta")]).max())
     require(
         steepest < STEEPEST,
-        f"{table.path}: column {columns['theta'].name} reaches {steepest:g} rad, where Euler "
+        f"{table.path}: column {columns['theta'][0]} reaches {steepest:g} rad, where Euler "
         "angles fail; if angles are in degrees, say so: motion.columns=[phi:NAME:deg,"
         "theta:NAME:deg,psi:NAME:deg]",
     )
@@ -119,19 +100,8 @@ def read_motion(
     )
 
 
-class Column(NamedTuple):
-    """Where a signal stands: the name of its column, and its unit ("": none is stated)."""
-
-    name: str
-    unit: str
-
-
-def _find_columns(given: list[str], table: ChannelTable) -> dict[str, Column]:
-    """Return signal -> its column: as given, else of its own name, if there is such a one."""
-    columns = {name: Column(name, table.unit(name)) for name in SIGNALS if name in table.names}
-    clock = guess_roles(table.names).get("time")
-    if clock is not None:
-        columns["time"] = Column(clock, table.unit(clock))
+def _find_columns(given: list[str], table: ChannelTable) -> dict[str, tuple[str, str]]:
+    """Return signal -> name and unit of its column; all of `DOF` and time have one."""
     listed = f"it has {shorten(', '.join(table.names), 300)}"
     for item in given:
         signal, *named = item.split(":")
@@ -144,7 +114,7 @@ def _find_columns(given: list[str], table: ChannelTable) -> dict[str, Column]:
             named[0] in table.names,
             f"motion.columns: {table.path} has no column {named[0]!r}; {listed}",
         )
-        columns[signal] = Column(named[0], named[1] if named[1:] else table.unit(named[0]))
+    columns = name_signals(table, SIGNALS, given)
     for name in DOF:
         require(
             name in columns,
@@ -156,18 +126,6 @@ def _find_columns(given: list[str], table: ChannelTable) -> dict[str, Column]:
         "motion.columns=[time:NAME]",
     )
     return columns
-
-
-def _find_factor(unit: str, wanted: str, argument: str) -> float:
-    """Return the factor to SI from a unit of a signal whose SI unit is `wanted`."""
-    if wanted == "rad/s":
-        angle, slash, time = unit.strip().lower().partition("/")
-        require(
-            bool(slash) and find_dimension(angle) == "angle" and time.strip() in ("s", "sec"),
-            f"{argument}: {unit!r} is not a unit of angular velocity: use rad/s or deg/s",
-        )
-        return find_factor(angle, "angle", argument)
-    return find_factor(unit, DIMENSION[wanted], argument)
 
 
 def _check_time(table: ChannelTable, clock: str, time: Array, steps: int, step: float) -> None:

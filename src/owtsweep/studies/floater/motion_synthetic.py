@@ -15,25 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.motion.lines import Series, find_frequencies, respond, sample, scale_to_one
+from owtsweep.motion.lines import Series, Span, find_frequencies, respond, sample, scale_to_one
 from owtsweep.studies.floater.config import Motion as MotionSection
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.waves import Sea
 
 #: Lines end at this multiple of a natural frequency, and of the waves' peak.
 HIGHEST = 3.0
+#: Returns a new random generator, given a name.
+Stream = Callable[[str], np.random.Generator]
 #: Coupled degrees of freedom: the second follows the first, with a sign.
 COUPLED = {"theta": ("x", 1.0), "phi": ("y", -1.0)}
 
 
 def draw_motion(
-    motion: MotionSection,
-    stream: Callable[[str], np.random.Generator],
-    *,
-    steps: int,
-    step: float,
-    lead: int,
-    roll: float | None = None,
+    motion: MotionSection, stream: Stream, span: Span, roll: float | None = None
 ) -> Series:
     """Draw a motion.
 
@@ -43,10 +39,8 @@ def draw_motion(
         The section `motion`.
     stream
         Function that returns a new random generator, given a name.
-    steps, step
-        Number of samples and sampling interval (s).
-    lead
-        Number of samples before the record, at most `steps`.
+    span
+        The samples; the lead is at most as long as the record.
     roll
         Standard deviation of the roll angle in degrees, in place of the section's; None: that.
 
@@ -55,7 +49,7 @@ def draw_motion(
     Series
         lead + steps samples.
     """
-    frequency = find_frequencies(steps, step)
+    frequency = find_frequencies(span.steps, span.step)
     parts = [_describe_resonances(motion, frequency), _describe_waves(motion, frequency)]
     sizes = [[motion.freedoms[name].resonance.sigma for name in DOF],
              [motion.freedoms[name].waves for name in DOF]]  # fmt: skip
@@ -70,7 +64,7 @@ def draw_motion(
         column = DOF.index("phi")
         own = np.sqrt(0.5 * np.sum(np.abs(lines[:, column]) ** 2))
         lines[:, column] *= np.deg2rad(roll) / own
-    series = sample(lines, steps, step, lead)
+    series = sample(lines, *span)
     return series._replace(position=mean + series.position)
 
 
@@ -94,7 +88,7 @@ def _describe_waves(motion: MotionSection, frequency: Array) -> Array:
 
 
 def _draw_lines(
-    density: Array, coupling: float, stream: Callable[[str], np.random.Generator], words: str
+    density: Array, coupling: float, stream: Stream, words: str
 ) -> NDArray[np.complex128]:
     """Draw complex amplitudes with a variance of 1 per column, shape (lines, 6).
 
@@ -111,15 +105,7 @@ def _draw_lines(
     return np.asarray(drawn, dtype=np.complex128)
 
 
-def decay(
-    motion: MotionSection,
-    stream: object,
-    *,
-    steps: int,
-    step: float,
-    lead: int,
-    roll: float | None = None,
-) -> Series:
+def decay(motion: MotionSection, stream: object, span: Span, roll: float | None = None) -> Series:
     """Return a free decay from the deflections `resonance.sigma`, at rest before time 0.
 
     That is a moored buoy, pulled out and released in still water (section 3.2).
@@ -130,14 +116,12 @@ def decay(
         The section `motion`.
     stream
         Not used: nothing is random.
-    steps, step
-        Number of samples and sampling interval (s).
-    lead
-        Number of samples before the release.
+    span
+        The samples; the release is after the lead.
     roll
         Deflection of roll in degrees, in place of the section's; None: that.
     """
-    time = step * (np.arange(lead + steps) - lead)
+    time = span.step * (np.arange(span.lead + span.steps) - span.lead)
     moving = time >= 0.0
     later = np.where(moving, time, 0.0)
     columns = []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.lines import Series, interpolate
+from owtsweep.motion.lines import Series, Span, interpolate
 from owtsweep.streams import stream
 from owtsweep.studies.floater.attitude import find_body_rates, find_specific_force
 from owtsweep.studies.floater.contract import Truth
@@ -66,7 +66,7 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
     step, steps = 1.0 / record.rate, record.steps
     lead = min(int(np.ceil(max(config.grid.delay))) + MARGIN, steps)
     draws = partial(stream, config.seed, config.study, (), replicate)
-    series = WORLDS[motion.kind].draw(motion, draws, steps=steps, step=step, lead=lead, roll=roll)
+    series = WORLDS[motion.kind].draw(motion, draws, Span(steps, step, lead), roll)
     position, velocity, acceleration = (part[lead:] for part in series)
     angles = position[:, 3:]
     truth = Truth(

@@ -5,46 +5,29 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.io.reading import expand_home, hash_file
-from owtsweep.motion.lines import Series
+from owtsweep.motion.lines import Series, Span
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.contract import DOF, Truth
 from owtsweep.studies.floater.motion_recorded import read_motion
-from owtsweep.studies.floater.motion_synthetic import decay, draw_motion
+from owtsweep.studies.floater.motion_synthetic import Stream, decay, draw_motion
 from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 
 if TYPE_CHECKING:
     from owtsweep.studies.floater.config import FloaterConfig, Motion
 
 
-class Draw(Protocol):
-    """Makes lead + steps samples of a motion, as `motion_synthetic.draw_motion`."""
-
-    def __call__(
-        self,
-        motion: Motion,
-        stream: Callable[[str], np.random.Generator],
-        /,
-        *,
-        steps: int,
-        step: float,
-        lead: int,
-        roll: float | None = None,
-    ) -> Series:
-        """Return the motion."""
-
-
 @dataclass(frozen=True)
 class World(ABC):
-    """What moves: how it is made, checked and described."""
+    """What moves: how it is made (as by `draw_motion`), checked and described."""
 
-    draw: Draw
+    draw: Callable[[Motion, Stream, Span, float | None], Series]
 
     @abstractmethod
     def check(self, config: FloaterConfig) -> None:
@@ -147,7 +130,7 @@ class Recorded(World):
     def check_outside(self, config: FloaterConfig) -> None:
         """Raise `InputError` if the file cannot be used."""
         record = config.record
-        read_motion(config.motion, None, steps=record.steps, step=1.0 / record.rate, lead=0)
+        read_motion(config.motion, None, Span(record.steps, 1.0 / record.rate))
 
     def describe(self, motion: Motion) -> str:
         """Return the file."""
