@@ -10,11 +10,10 @@ from tools import Streaming, assert_same, configure, measured
 
 from owtsweep.motion.tracking import Candidate, SpectrumTracker
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.axis_filters import KalmanAxisFilter
+from owtsweep.studies.hub.axis_filters import KalmanAxisFilter, ScheduledFilter
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.resolving import resolve
-from owtsweep.studies.hub.scheduled_filter import ScheduledFilter
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.tracked_models import GrowingGains, make_candidate
 from owtsweep.studies.hub.tracking_filter import TrackingFilter

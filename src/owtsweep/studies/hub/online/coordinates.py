@@ -1,4 +1,6 @@
-"""Says in whose coordinates an online estimator works: about an origin, stated or the first fix.
+"""Checks what an online estimator is given, and says in whose coordinates it works.
+
+It works about an origin, stated or the first fix.
 
 The schemes of Ren et al. (2019) start from zero with a standard deviation of about a metre. So
 positions far from zero, such as map coordinates, must be taken about an origin near the hub.
@@ -9,6 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
@@ -89,3 +92,43 @@ def make_estimates(steps: int, unknown: int = 0) -> OnlineEstimates:
             series[:unknown] = np.nan
         out.covariance[:unknown] = np.diag([np.inf, np.inf])
     return out
+
+
+def check_sample(specific_force: Array, position: Array | None) -> None:
+    """Raise `ValueError` if what `update` is given is not two numbers each."""
+    _check_pair("specific_force", specific_force)
+    if position is not None:
+        _check_pair("position", position)
+
+
+def _check_pair(name: str, value: Array) -> None:
+    if np.shape(value) != (2,):  # NumPy would use one number for both
+        raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")
+
+
+def check_samples(force: Array, positions: Array, first: int) -> NDArray[np.intp]:
+    """Return which of some samples have a fix; `first` is the step of the first sample.
+
+    Raises
+    ------
+    ValueError
+        If the shapes are wrong, a number is infinite, a specific force is NaN, or only one
+        component of a fix is NaN.
+    """
+    if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
+        raise ValueError(
+            f"specific_force, positions: their shapes are {force.shape} and {positions.shape}; "
+            "give both the shape (steps, 2)"
+        )
+    if not np.isfinite(force).all():
+        step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
+        raise ValueError(
+            f"specific_force: it is not finite at step {step}; give two finite numbers"
+        )
+    there = positions == positions  # not NaN
+    if there.any() and (not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(positions).any()):
+        raise ValueError(
+            "position: a fix has a component that is missing or infinite; give both components as "
+            "finite numbers, or leave the fix out"
+        )
+    return np.flatnonzero(there[:, 0])

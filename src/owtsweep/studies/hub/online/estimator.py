@@ -22,7 +22,12 @@ from owtsweep.studies.hub.kernels.online_layout import (
     OnlineRegisters,
 )
 from owtsweep.studies.hub.known import Sensors
-from owtsweep.studies.hub.online.coordinates import FARTHEST, make_estimates
+from owtsweep.studies.hub.online.coordinates import (
+    FARTHEST,
+    check_sample,
+    check_samples,
+    make_estimates,
+)
 from owtsweep.studies.hub.online.registers import new_registers
 
 if TYPE_CHECKING:
@@ -126,9 +131,7 @@ class OnlineEstimator:
             then only partly processed, so every later call raises this error too: start a new
             estimator.
         """
-        _check_pair("specific_force", specific_force)  # NumPy would use one number for both
-        if position is not None:
-            _check_pair("position", position)
+        check_sample(specific_force, position)
         self._force[0] = specific_force
         self._fix[0] = np.nan if position is None else position
         out = self.run(self._force, self._fix)
@@ -218,26 +221,10 @@ class OnlineEstimator:
         """
         if self._lost:
             raise ArithmeticError(self._lost)
-        if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
-            raise ValueError(
-                f"specific_force, positions: their shapes are {force.shape} and "
-                f"{positions.shape}; give both the shape (steps, 2)"
-            )
         first = self._skipped + int(self._registers.counter[STEP])
-        if not np.isfinite(force).all():
-            step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
-            raise ValueError(
-                f"specific_force: it is not finite at step {step}; give two finite numbers"
-            )
-        there = positions == positions  # not NaN
-        if not there.any():
+        at = check_samples(force, positions, first)
+        if len(at) == 0:
             return 0 if self._origin is not None else len(force)
-        if not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(positions).any():
-            raise ValueError(
-                "position: a fix has a component that is missing or infinite; give both components "
-                "as finite numbers, or leave the fix out"
-            )
-        at = np.flatnonzero(there[:, 0])
         unknown = int(at[0]) if self._origin is None else 0
         if self._horizon.active:
             begin = self._skipped + unknown
@@ -300,8 +287,3 @@ class OnlineEstimator:
             m.node[:] = last
         m.given[:] = last[0]
         self.solved += 1
-
-
-def _check_pair(name: str, value: Array) -> None:
-    if np.shape(value) != (2,):
-        raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")

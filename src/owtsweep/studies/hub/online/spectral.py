@@ -11,7 +11,7 @@ from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.axis_filters import AxisFilter
 from owtsweep.studies.hub.known import ZERO, Sensors
-from owtsweep.studies.hub.online.coordinates import check_origin
+from owtsweep.studies.hub.online.coordinates import check_origin, check_sample, check_samples
 
 
 class SpectralEstimator:
@@ -86,9 +86,7 @@ class SpectralEstimator:
             If a sample is not two finite numbers, or a fix comes at a step that is no multiple of
             the fix interval. The estimator is left unchanged.
         """
-        for name, value in (("specific_force", specific_force), ("position", position)):
-            if value is not None and np.shape(value) != (2,):
-                raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")
+        check_sample(specific_force, position)
         self._force[0] = specific_force
         self._fix[0] = np.nan if position is None else position
         state, covariance, residual, variance = self._run(self._force, self._fix)
@@ -133,23 +131,7 @@ class SpectralEstimator:
         return state, covariance, innovation, of_innovation
 
     def _check(self, force: Array, fixes: Array) -> None:
-        if force.ndim != 2 or force.shape[1] != 2 or force.shape != fixes.shape:
-            raise ValueError(
-                f"specific_force, positions: their shapes are {force.shape} and {fixes.shape}; "
-                "give both the shape (steps, 2)"
-            )
-        if not np.isfinite(force).all():
-            step = self._step + int(np.argmax(~np.isfinite(force).all(axis=1)))
-            raise ValueError(
-                f"specific_force: it is not finite at step {step}; give two finite numbers"
-            )
-        there = fixes == fixes  # not NaN
-        if not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(fixes).any():
-            raise ValueError(
-                "position: a fix has a component that is missing or infinite; give both components "
-                "as finite numbers, or leave the fix out"
-            )
-        at = self._step + np.flatnonzero(there[:, 0])
+        at = self._step + check_samples(force, fixes, self._step)
         interval = self._sensors.fix_interval
         off = at[at % interval != 0]
         if len(off):

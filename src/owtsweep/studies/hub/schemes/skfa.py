@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from owtsweep.motion.tracking import LEAST
-from owtsweep.studies.hub.axis_filters import AxisFilter, KalmanAxisFilter
+from owtsweep.studies.hub.axis_filters import AxisFilter, KalmanAxisFilter, ScheduledFilter
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import ZERO, Known
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
-from owtsweep.studies.hub.scheduled_filter import ScheduledFilter
 from owtsweep.studies.hub.spectral_axis import SpectralAxis
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
 
