@@ -1,4 +1,4 @@
-"""The command line of the scripts: where they write, what they are told, and what they print."""
+"""What scripts share: their command line, what they write and print, and work side by side."""
 
 import sys
 import tomllib
@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
+from joblib import Parallel, cpu_count
 from matplotlib.figure import Figure
 
 import owtsweep
 from owtsweep.figures.drawings import save_figure
+from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.runs import Run
 
@@ -75,3 +77,17 @@ def draw_named(
 def open_run() -> Run:
     """Return the run that the first argument names, or the default study, run first if needed."""
     return owtsweep.load(sys.argv[1]) if len(sys.argv) > 1 else owtsweep.run()
+
+
+def compute(jobs: Mapping[str, Any]) -> list[Any]:
+    """Return the results of delayed calls, in their order; tell the name of each when it is done.
+
+    `jobs` maps names to calls that joblib's `delayed` made. They run in as many processes as there
+    are cores.
+    """
+    results = Parallel(min(cpu_count(), len(jobs)), return_as="generator")(jobs.values())
+    found = []
+    for name, result in zip(jobs, results, strict=True):
+        tell_step(name)
+        found.append(result)
+    return found

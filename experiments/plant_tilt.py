@@ -1,10 +1,11 @@
 """Find the single tilt by which HME1 follows a structure under waves best, and what then remains.
 
-    python -m experiments.plant_tilt [FILE.csv] [key=value ...]
+    python -m experiments.plant_tilt [FOLDER] [key=value ...]
 
 An IMU on a structure leans by the slope of each mode, in resonance and in its quasi-static answer
-to the waves; a filter knows one tilt, p'' = f + g tilt p + b. FILE (default: plant_tilt.csv) gets
-the settled position MSE (m^2, x + y) of HME1 with tuning=matched, for each sea state and each case:
+to the waves; a filter knows one tilt, p'' = f + g tilt p + b. FOLDER (default: results/plant) gets
+plant_tilt.csv: the settled position MSE (m^2, x + y) of HME1 with tuning=matched, for each sea
+state and each case:
 
 - level: the IMU stays level, so there is no tilt to know;
 - one slope: the IMU leans by the slope of the first mode in all motion, and HME1 knows it;
@@ -18,16 +19,14 @@ is the product of both errors. All cases of a sea state have the same waves and 
 overrides are those of `sweep motion=plant`.
 """
 
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import minimize_scalar
 
+from experiments.command import read_words, show, write
 from owtsweep.config import changed
-from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.known import Known
@@ -97,10 +96,7 @@ def compare_tilts(words: list[str], hs: float, tp: float) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    arguments = sys.argv[1:]
-    named = bool(arguments) and arguments[0].endswith(".csv")
-    path = Path(arguments.pop(0) if named else "plant_tilt.csv")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    table = pd.concat([compare_tilts(arguments, *sea) for sea in SEAS])
-    write_table(path.parent, path.stem, table)
-    print(table.to_string(index=False, float_format="%.4g"))
+    folder, _, overrides = read_words("results/plant")
+    table = pd.concat([compare_tilts(overrides, *sea) for sea in SEAS])
+    write(folder, {"plant_tilt": table})
+    show(table, 4)

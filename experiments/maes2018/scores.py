@@ -11,6 +11,7 @@ from joblib import delayed
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from experiments.command import compute
 from experiments.maes2018.clock_offset import find_offset
 from experiments.maes2018.processing import (
     COLUMNS,
@@ -20,7 +21,6 @@ from experiments.maes2018.processing import (
     process,
 )
 from experiments.maes2018.scenarios import COASTING, REFERENCE, Record, compose_cell, simulate
-from experiments.parallel import compute
 from owtsweep.arrays import Array
 from owtsweep.estimation.blade_angles import find_angles, make_rotation
 from owtsweep.estimation.double_integration import RATE, pass_high

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 import pandas as pd
 from joblib import delayed
 
+from experiments.command import compute
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_composed
 from experiments.mehammer2018.scores import score
-from experiments.parallel import compute
 from owtsweep.studies.base.axes import Cell, list_cells
 from owtsweep.studies.composing import compose
 from owtsweep.studies.floater.config import FloaterConfig

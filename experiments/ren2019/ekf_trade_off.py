@@ -17,15 +17,14 @@ an estimate of zero. Both are settled. Three families of filters trade one for t
 The sensors are those of table 5. The best filters get the IMU averaged over .1 s.
 """
 
-import sys
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from scipy.signal import cont2discrete, lfilter
 
+from experiments.command import read_words, show, write
 from owtsweep.figures import style
-from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.known import Known
@@ -188,13 +187,11 @@ def main(folder):
     rows += [(f"published {name}", np.nan, *values) for name, values in points.items()]
     columns = ["filter", "parameter", "noise_floor", "motion_term"]
     table = pd.DataFrame(rows, columns=columns)
-    write_table(folder, "ekf_trade_off", table)
-    print(table.to_string(index=False, float_format="%.3g"))
+    show(table)
     print(f"variance of a record whose largest displacement is 1 m: {variance:.4f} m^2")
     print(fit_leak(config))
     print(f"std of the correlation of motion's and noise's errors, EKF: {correlation(config):.2f}")
-    for file in style.save(draw(table, points), folder, "ekf_trade_off", {}):
-        print(file)
+    write(folder, {"ekf_trade_off": table}, {"ekf_trade_off": partial(draw, table, points)})
 
 
 def draw(table, points):
@@ -225,5 +222,4 @@ def draw(table, points):
 
 
 if __name__ == "__main__":
-    with style.context():
-        main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))
+    main(read_words(".").folder)

@@ -1,6 +1,8 @@
 """Fit Eq. (1) of Ren et al. (2019) to the plant's motion, and set it beside their Table 4.
 
-    python -m experiments.ren2019.plant_spectrum [FILE.csv] [key=value ...]
+    python -m experiments.ren2019.plant_spectrum [FOLDER] [key=value ...]
+
+FOLDER (default: results/plant) gets plant_spectrum.csv.
 
 The overrides are those of `sweep motion=plant`, e.g. structure=mine.yaml. For each sea state,
 number of blades and friction angle, the periodograms of all records are averaged; Whittle's
@@ -9,15 +11,13 @@ Rows with the source "table 4" are the published spectrum, moved to the same nat
 al. fitted it at Hs 2 m, Tp 8 s without blades.
 """
 
-import sys
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from owtsweep.io.tables import write_table
+from experiments.command import read_words, show, write
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.whittle import BAND, fit_lines, periodogram
 from owtsweep.streams import stream
@@ -29,8 +29,7 @@ from owtsweep.studies.hub.records import STUDY
 #: The band around the resonance, relative to the first natural frequency.
 AROUND = 0.8, 1.25
 
-words = sys.argv[1:]
-path = Path(words.pop(0) if words and words[0].endswith(".csv") else "plant_spectrum.csv")
+folder, _, words = read_words("results/plant")
 seas = ["motion.hs=[2.0]", "motion.tp=[6.0,8.0]", "motion.blades=[0,1,2]"]
 config: Any = compose(["motion=plant", "record.duration=2000", *seas, *words])
 step = 1.0 / config.sensors.imu.rate
@@ -66,5 +65,5 @@ for conditions in list_record_conditions(config):
         }
     )  # fmt: skip
 table = pd.DataFrame(rows)
-write_table(path.parent, path.stem, table)
-print(table.drop(columns=["friction_angle"]).to_string(index=False, float_format="%.4g"))
+write(folder, {"plant_spectrum": table})
+show(table.drop(columns=["friction_angle"]), 4)

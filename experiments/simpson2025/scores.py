@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from joblib import delayed
 
-from experiments.parallel import compute
+from experiments.command import compute
 from experiments.simpson2025.scenarios import ALL, Outcome, run_scenarios
 from owtsweep.arrays import Array
 from owtsweep.evaluation.signals import (

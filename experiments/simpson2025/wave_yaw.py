@@ -15,15 +15,13 @@ import pandas as pd
 from joblib import delayed
 from matplotlib.figure import Figure
 
-from experiments.command import read_words, write
-from experiments.parallel import compute
+from experiments.command import compute, read_words, write
 from experiments.simpson2025.scenarios import NOISE, Scenario, run_scenarios
 from experiments.simpson2025.scores import damages_of
 from owtsweep.figures import style
 from owtsweep.io.steps import show_steps
-from owtsweep.studies.base.contest import describe_draws
-from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contest import describe_errors, describe_truth
+from owtsweep.studies.base.contest import describe_origin
+from owtsweep.studies.tower.contest import CONTEST
 
 #: Angle between waves and wind, degrees.
 YAWS = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
@@ -68,19 +66,6 @@ def draw_yaws(table: pd.DataFrame, note: str) -> Figure:
     return figure
 
 
-def describe_origin(config: TowerConfig) -> str:
-    """Return in one line the tuning, the truth, the sensors, the records and their seed."""
-    wrong = describe_errors(config)
-    parts = [
-        f"Tuning {config.tuning_name}",
-        f"truth: {describe_truth(config)}",
-        f"sensors {config.sensors.name}",
-        *([f"wrong: {wrong}"] if wrong else []),
-        describe_draws(config),
-    ]
-    return "; ".join(parts)
-
-
 def _compare(yaw: float, replicate: int, overrides: Sequence[str]) -> list[dict[str, object]]:
     """Return the rows of one angle and record."""
     scenarios = {Scenario(sea="waves", scheme=scheme): words for words, scheme in INPUTS.items()}
@@ -101,8 +86,8 @@ if __name__ == "__main__":
         table = collect(range(records))
     config = Scenario(sea="waves").compose([f"grid.replicates={records}"])
     note = (
-        f"{describe_origin(config)}, {NOISE:g} % noise; yaw as on the axis. S-N curve as printed. "
-        "Lines: means; dots: records; grey: within 25 %. Across the waves there is little to "
-        "estimate: side-side at 0 deg, wind alone moves the structure."
+        f"{describe_origin(CONTEST, config)}, {NOISE:g} % noise; yaw as on the axis. S-N curve as "
+        "printed. Lines: means; dots: records; grey: within 25 %. Across the waves there is little "
+        "to estimate: side-side at 0 deg, wind alone moves the structure."
     )
     write(folder, {"wave_yaw": table}, {"wave_yaw": partial(draw_yaws, table, note)})

@@ -19,8 +19,7 @@ import pandas as pd
 from joblib import delayed
 from matplotlib.figure import Figure
 
-from experiments.command import read_data, read_words, write
-from experiments.parallel import compute
+from experiments.command import compute, read_data, read_words, write
 from experiments.simpson2025.scenarios import place_sensors
 from owtsweep.figures import best_scheme_map, style
 from owtsweep.io.steps import show_steps
