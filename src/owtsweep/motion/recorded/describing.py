@@ -47,8 +47,9 @@ class Channel:
         Rate in Hz, from the median interval between values; NaN if the file has no usable time.
     gaps
         (start, end) in s of the gaps longer than 0.1 s and longer than ten sampling intervals.
-
-    Of a channel that holds no numbers all attributes but name and unit have their default values.
+    numeric
+        Whether the channel holds numbers. If not, all attributes but name and unit have their
+        default values.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Channel:
     largest: float = np.nan
     rate: float = np.nan
     gaps: tuple[tuple[float, float], ...] = ()
+    numeric: bool = True
 
 
 @dataclass(frozen=True)
@@ -257,7 +259,7 @@ def _describe_clock(name: str, time: Array) -> str:
 
 def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -> Channel:
     if values is None:
-        return Channel(name=name, unit=unit)
+        return Channel(name=name, unit=unit, numeric=False)
     there = np.isfinite(values)
     kept = values[there]
     if len(kept) == 0:
