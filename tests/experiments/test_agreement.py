@@ -202,8 +202,8 @@ def test_numbers_of_a_folder_of_results_are_compared_with_its_rows(tmp_path):
 
     made, kept = tmp_path / "made", tmp_path / "kept"
     for folder in (made, kept):
-        (folder / "paper" / "figures").mkdir(parents=True)
-        (folder / "paper" / "figures" / "consistency.csv").write_text("nees\n1.0\n")
+        (folder / "paper" / "fidelity").mkdir(parents=True)
+        (folder / "paper" / "fidelity" / "consistency.csv").write_text("nees\n1.0\n")
         (folder / "paper" / "summary.csv").write_text("scheme,mean\nMKF,1.0\n")
         (folder / "paper" / "cases").mkdir()
     rows = pd.DataFrame({"scheme": ["A", "A", "B"], "replicate": [0, 1, 0], "value": [1.0, 2, 3]})
@@ -214,7 +214,7 @@ def test_numbers_of_a_folder_of_results_are_compared_with_its_rows(tmp_path):
     keeper.keep_rows("paper")
     assert keeper.differing == []
     rows.assign(value=[1.0, 2.1, 3]).to_parquet(made / "paper" / "cases" / "part-2.parquet")
-    (made / "paper" / "figures" / "consistency.csv").write_text("nees\n1.1\n")
+    (made / "paper" / "fidelity" / "consistency.csv").write_text("nees\n1.1\n")
     keeper.keep("paper")
     keeper.keep_rows("paper")
     assert keeper.differing == ["paper/consistency.csv", "rows of paper/cases"]
