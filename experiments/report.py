@@ -47,6 +47,7 @@ def write_paper(
         judged,
         title=texts["title"],
         about=texts["about"].format(**values),
+        metadata=texts["metadata"],
         tables=tables,
         middle=[Heading(texts["heading"]), Paragraph(texts["paragraph"]), shown],
         end=end,

@@ -82,6 +82,7 @@ class Reproduction:
         self.figures(name)
         run = str(self.results / name)
         self.script("ren2019.figures", run, "figure_15", "figure_16", "figure_17")
+        self.script("ren2019.tables_6_to_9", run)
         self.script("ren2019.fidelity", run)
 
     def tabulate(self, run: str, folder: str, name: str, measures: list[str] | None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -16,12 +17,14 @@ from owtsweep.figures.style import describe_window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.origin import describe_in_a_line
 from owtsweep.verdicts.inference import JudgedStatement, explain
-from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
 from owtsweep.verdicts.report import count_verdicts, statement_section
 from owtsweep.verdicts.score_table import Boundary
 
-#: Paragraphs of the report.
+#: Paragraphs of the report, and what is said below its pictures.
 TEXTS = read_data(__file__)
+#: Pictures of the numbers of tables 6-9.
+PLOTS = ("published_against_reproduced", "ratios")
 #: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a position fix).
 FREEDOM = {"nees": 4.0, "nis": 2.0}
 
@@ -34,6 +37,7 @@ def document(
     judged: Sequence[JudgedStatement],
     along_x: Sequence[JudgedStatement],
     note: str,
+    pictures: Mapping[str, Path],
 ) -> list[Block]:
     """Write the whole report on one run, as blocks (headings, paragraphs, tables) of a page.
 
@@ -51,6 +55,8 @@ def document(
         The first of these statements, judged in x alone.
     note
         A sentence that tells where the definitions of the tests come from.
+    pictures
+        Figure name -> PNG file: published_against_reproduced, ratios and boundaries.
     """
     numbers = tables["fidelity_numbers"]
     window, schemes = describe_window(config.measures.window), ", ".join(evidence.schemes)
@@ -62,7 +68,9 @@ def document(
         *_summary(tables["fidelity"], numbers, judged, along_x),
         *statement_section(judged, note),
         *_x_section(evidence, judged, along_x),
-        *_number_section(evidence, numbers),
+        *_number_section(evidence, numbers, pictures),
+        Heading("Boundary between HME1 and HME2"),
+        Picture(pictures["boundaries"], TEXTS["boundaries"]),
         *own.consistency_section(tables["consistency"], evidence.schemes, FREEDOM),
         *own.missing_section(numbers, judged),
     ]
@@ -138,13 +146,25 @@ def _describe_boundary(boundary: Boundary) -> str:
     return f"{boundary.value:.3g} [{boundary.low:.3g}, {boundary.high:.3g}]"
 
 
-def _number_section(evidence: Evidence, numbers: pd.DataFrame) -> list[Block]:
+def _number_section(
+    evidence: Evidence, numbers: pd.DataFrame, pictures: Mapping[str, Path]
+) -> list[Block]:
     """Write the section on the 64 numbers of tables 6-9 of Ren et al. (2019).
 
-    The section has four tables, and the reasons for numbers that the run misses by more than a
-    factor of 2. `numbers` is the result of `numbers.compare_numbers`.
+    The section has two figures, four tables, and the reasons for numbers that the run misses by
+    more than a factor of 2. `numbers` is the result of `numbers.compare_numbers`; `pictures` maps
+    figure names to PNG files.
     """
-    blocks: list[Block] = [Heading("Numbers of tables 6-9"), Paragraph(TEXTS["records"])]
+    corrected: Any = numbers[numbers["printed"] != numbers["published"]].itertuples()
+    misprints = "".join(
+        f" Table {row.table}, {row.scheme} {row.measure}: {own.format_published(row)}."
+        for row in corrected
+    )
+    blocks: list[Block] = [
+        Heading("Numbers of tables 6-9"),
+        Paragraph(TEXTS["records"]),
+        *(Picture(pictures[name], TEXTS[name] + misprints) for name in PLOTS),
+    ]
     for number, cell in TABLE_CELLS.items():
         condition = f"natural period {cell.natural_period:g} s, amplitude {cell.amplitude:g} m"
         blocks += [

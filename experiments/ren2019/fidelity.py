@@ -3,8 +3,8 @@
     python -m experiments.ren2019.fidelity RUN
 
 RUN is the folder of a run of the hub study. Its subfolder fidelity/ gets fidelity.md,
-fidelity.html, fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv and consistency.csv; with
-several tunings, fidelity/<tuning>/. The time histories at 3.8 s (F9 and F11) are
+fidelity.html, fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv, consistency.csv and the
+figures; with several tunings, fidelity/<tuning>/. The time histories at 3.8 s (F9 and F11) are
 simulated with the run's configuration. Of a run with motion=plant only these are judged: the other
 statements need natural periods and amplitudes as conditions.
 """
@@ -14,15 +14,17 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import cast
 
 import pandas as pd
 
 import owtsweep
+from experiments.ren2019 import plots
 from experiments.ren2019.consistency import judge_consistency
 from experiments.ren2019.contents import FREEDOM, TEXTS, document
-from experiments.ren2019.evidence import Evidence
+from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, Evidence
 from experiments.ren2019.histories import MOST_REPLICATES, measure_histories
 from experiments.ren2019.numbers import compare_numbers
 from experiments.ren2019.summaries import X_ALONE, fidelity_table
@@ -44,6 +46,10 @@ CLAIMS = read_claims(Path(__file__).with_name("claims.toml"))
 OF_FIGURES = CLAIMS.statements[:5]
 #: The statements on time histories.
 OF_HISTORIES = tuple(s for s in CLAIMS.statements if s.name in ("F9", "F11"))
+#: Measure of the paper's tables -> its label in figures.
+MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
+#: Title of a panel -> its measures.
+PANELS = {"MSE of x and y (m²)": ("x", "y"), "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy")}
 
 
 def judge_all(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
@@ -83,8 +89,19 @@ def write_report(run: Run, folder: Path) -> list[Path]:
         "fidelity_claims": tabulate_claims([*judged, *along_x]),
         "consistency": judge_consistency(evidence, FREEDOM),
     }
-    page = document(name, config, evidence, tables, judged, along_x, CLAIMS.note)
-    return report.write_report(folder, f"Fidelity of {name}", tables, page)
+    amplitudes = config.grid.amplitude
+    return report.write_report(
+        folder,
+        title=f"Fidelity of {name}",
+        tables=tables,
+        figures={
+            "published_against_reproduced": lambda: plots.scatter(numbers, SCHEMES, PANELS),
+            "ratios": lambda: plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
+            "boundaries": lambda: plots.draw_boundaries(evidence.boundaries, amplitudes),
+        },
+        contents=partial(document, name, config, evidence, tables, judged, along_x, CLAIMS.note),
+        metadata=run.metadata(),
+    )
 
 
 def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | None) -> list[Path]:
@@ -105,6 +122,7 @@ def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | Non
         [ScoreTable(histories)],
         title=f"What run {name} says about the time histories of Ren et al. (2019)",
         about=about,
+        metadata=run.metadata(),
     )
 
 

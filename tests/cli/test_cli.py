@@ -88,13 +88,14 @@ def test_figures_draws_everything(capsys):
 @pytest.mark.faults  # slow: all figures of a paper
 def test_scripts_draw_their_figures(capsys, monkeypatch):
     main(["sweep", *SMALL, "grid.natural_period=[4.0,6.0,8.0]", "schemes=[MKF,HME1]"])
-    capsys.readouterr()
-    monkeypatch.setattr(sys, "argv", ["figures", str(only_run())])
-    monkeypatch.delitem(sys.modules, "experiments.ren2019.figures", raising=False)
-    runpy.run_module("experiments.ren2019.figures", run_name="__main__")
-    files = [Path(line) for line in capsys.readouterr().out.splitlines()]
-    assert len(set(files)) == 24
-    assert all(file.is_file() and "figure" in file.name for file in files)
+    for name, count in (("figures", 24), ("tables_6_to_9", 2)):
+        capsys.readouterr()
+        monkeypatch.setattr(sys, "argv", [name, str(only_run())])
+        monkeypatch.delitem(sys.modules, f"experiments.ren2019.{name}", raising=False)
+        runpy.run_module(f"experiments.ren2019.{name}", run_name="__main__")
+        files = [Path(line) for line in capsys.readouterr().out.splitlines()]
+        assert len(set(files)) == count
+        assert all(file.is_file() and name[:-1] in file.name for file in files)
 
 
 def test_show_prints_the_manifest(capsys):

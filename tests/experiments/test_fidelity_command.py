@@ -61,7 +61,7 @@ def test_the_script_writes_the_report(home, monkeypatch, capsys):
     fidelity.main("results/small")
     out, err = capsys.readouterr()
     assert err == ""
-    assert out == "6 files: results/small/fidelity/fidelity.html\n"
+    assert out == "12 files: results/small/fidelity/fidelity.html\n"
     folder = home / "results" / "small" / "fidelity"
     csv = {path.stem: pd.read_csv(path) for path in folder.glob("*.csv")}
     assert set(csv) == {"fidelity", "fidelity_numbers", "fidelity_claims", "consistency"}
@@ -85,18 +85,22 @@ def test_the_script_writes_the_report(home, monkeypatch, capsys):
     assert agrees["table 8 EKF x"] in ("yes", "no")
 
     markdown = (folder / "fidelity.md").read_text(encoding="utf-8")
+    pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", markdown)
+    assert len(pictures) == 3
+    assert all((folder / picture).is_file() for picture in pictures)
     assert "What this run lacks" in markdown
     assert "Table 9 EKF" in markdown.split("What this run lacks")[1]
     for line in (
         "## Statements", "### F11", "## F1 to F5 in x + y, and in x alone", "### Table 6",
-        "mainly the", "| EKF | vx | 1.98e-03 (misprinted as 1.98e-02) |",
+        "## Boundary", "mainly the", "| EKF | vx | 1.98e-03 (misprinted as 1.98e-02) |",
     ):  # fmt: skip
         assert line in markdown
 
     html = Sources()
     html.feed((folder / "fidelity.html").read_text(encoding="utf-8"))
     assert html.open == []
-    assert html.loaded == []
+    assert len(html.loaded) == 3
+    assert all(source.startswith("data:image/png;base64,") for source in html.loaded)
     assert "What this run lacks" in html.text
 
 

@@ -1,9 +1,11 @@
-"""Write a document as Markdown or as HTML."""
+"""Write a document as Markdown, which links to its pictures, or as HTML, which embeds them."""
 
 from __future__ import annotations
 
+import base64
 import html
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 from owtsweep.io import markdown
@@ -21,6 +23,8 @@ th, td { border-bottom: 1px solid #ddd; padding: .25rem .6rem; text-align: left;
 th { border-bottom: 2px solid #888; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td.good { background: #e3f2e6; } td.bad { background: #fbe5dd; } td.open { background: #f3f1e1; }
+figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
+figcaption { font-size: .85rem; color: #555; }
 """
 #: Text of a table's cell -> CSS class that sets the cell's colour.
 CLASSES = {
@@ -56,15 +60,26 @@ class TextTable(NamedTuple):
     numbers: Sequence[str] = ()
 
 
-Block = Heading | Paragraph | Bullets | TextTable
+class Picture(NamedTuple):
+    """A PNG file and a caption that tells what the file shows."""
+
+    path: Path
+    caption: str
 
 
-def to_markdown(blocks: Sequence[Block]) -> str:
-    """Return a document, given as its headings, paragraphs, lists and tables, as Markdown text."""
-    return "\n\n".join(map(_markdown, blocks)) + "\n"
+Block = Heading | Paragraph | Bullets | TextTable | Picture
 
 
-def _markdown(block: Block) -> str:
+def to_markdown(blocks: Sequence[Block], folder: Path) -> str:
+    """Return a document as Markdown text.
+
+    `blocks` are the document's headings, paragraphs, lists, tables and pictures. Links to pictures
+    are relative to `folder`, in which the pictures must lie.
+    """
+    return "\n\n".join(_markdown(block, folder) for block in blocks) + "\n"
+
+
+def _markdown(block: Block, folder: Path) -> str:
     match block:
         case Heading(text, level):
             return f"{'#' * level} {markdown.escape(text)}"
@@ -72,12 +87,17 @@ def _markdown(block: Block) -> str:
             return markdown.escape(text)
         case Bullets(items):
             return "\n".join(f"- {markdown.escape(item)}" for item in items)
+        case Picture(path, caption):
+            return f"![{markdown.escape(caption)}]({path.relative_to(folder).as_posix()})"
         case TextTable(columns, rows, numbers):
             return markdown.table(columns, rows, numbers=numbers)
 
 
 def to_html(blocks: Sequence[Block], title: str) -> str:
-    """Return a document, given as its headings, paragraphs, lists and tables, as an HTML page."""
+    """Return a document as the text of one HTML file, in which all pictures are embedded.
+
+    `blocks` are the document's headings, paragraphs, lists, tables and pictures.
+    """
     body = "\n".join(_html(block) for block in blocks)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -95,6 +115,13 @@ def _html(block: Block) -> str:
             return f"<p>{html.escape(text)}</p>"
         case Bullets(items):
             return "<ul>\n" + "\n".join(f"<li>{html.escape(item)}</li>" for item in items) + "</ul>"
+        case Picture(path, caption):
+            data = base64.b64encode(path.read_bytes()).decode()
+            text = html.escape(caption)
+            return (
+                f'<figure><img alt="{text}" src="data:image/png;base64,{data}">'
+                f"<figcaption>{text}</figcaption></figure>"
+            )
         case TextTable(columns, rows, numbers):
             are_numbers = [column in numbers for column in columns]
             head = _line("th", columns, are_numbers)

@@ -1,15 +1,17 @@
-"""Write the files of a report on published results: tables, Markdown and HTML pages.
+"""Write the files of a report on published results: tables, figures, Markdown and HTML pages.
 
 Some sections of the page are the same for every study.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from owtsweep.figures.drawings import save_figure
 from owtsweep.io.files import write_atomically
+from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.verdicts.claims_file import ClaimsFile
 from owtsweep.verdicts.inference import (
@@ -35,23 +37,36 @@ from owtsweep.verdicts.score_table import ScoreTable
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 
 def write_report(
-    folder: Path, title: str, tables: Mapping[str, pd.DataFrame], blocks: Sequence[Block]
+    folder: Path,
+    *,
+    title: str,
+    tables: Mapping[str, pd.DataFrame],
+    figures: Mapping[str, Callable[[], Figure]],
+    contents: Callable[[Mapping[str, Path]], Sequence[Block]],
+    metadata: Mapping[str, str],
 ) -> list[Path]:
     """Write all files of the report that compares a run with published results.
 
     Parameters
     ----------
     folder
-        Where to write the tables, fidelity.md and fidelity.html; made if it does not exist.
+        Where to write; made if it does not exist. The tables, fidelity.md and fidelity.html go
+        into this folder, the figures into its subfolder `figures`.
     title
         Title of the HTML file.
     tables
         File name without suffix -> table.
-    blocks
-        The page's headings, paragraphs, lists and tables.
+    figures
+        File name without suffix -> function that draws the figure.
+    contents
+        Function that makes the page's headings, paragraphs, tables and pictures. Its argument is a
+        mapping from the name of a figure to the PNG file of this figure.
+    metadata
+        Name -> text to store inside each file of a figure.
 
     Returns
     -------
@@ -60,8 +75,15 @@ def write_report(
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = [write_table(folder, stem, table) for stem, table in tables.items()]
+    pictures = {}
+    for number, (stem, draw) in enumerate(figures.items(), 1):
+        tell_step(f"figure {number} of {len(figures)}: {stem}")
+        saved = save_figure(draw, metadata)(folder / "figures", stem)
+        pictures[stem] = saved[0]
+        files += saved
+    blocks = contents(pictures)
     for path, text in {
-        folder / "fidelity.md": to_markdown(blocks),
+        folder / "fidelity.md": to_markdown(blocks, folder),
         folder / "fidelity.html": to_html(blocks, title),
     }.items():
         write_atomically(path, text)
@@ -76,6 +98,7 @@ def write_verdicts(
     *,
     title: str,
     about: str,
+    metadata: Mapping[str, str],
     tables: Mapping[str, pd.DataFrame] | None = None,
     middle: Sequence[Block] = (),
     end: Sequence[Block] = (),
@@ -84,7 +107,7 @@ def write_verdicts(
 
     Parameters
     ----------
-    folder, title
+    folder, title, metadata
         As of `write_report`.
     file, scores
         The claims, and the tables of scores by which they are judged.
@@ -102,16 +125,22 @@ def write_verdicts(
     """
     statements, goals = judge(file.statements, scores, file), judge(file.goals, scores, file)
     claims = tabulate_claims([*statements, *goals])
-    blocks = [
-        Heading(title, 1),
-        Paragraph(about),
-        *short_section(statements, goals),
-        *statement_section(statements, file.note),
-        *middle,
-        *(goal_section(goals) if goals else []),
-        *end,
-    ]
-    return write_report(folder, title, {**(tables or {}), "fidelity_claims": claims}, blocks)
+    return write_report(
+        folder,
+        title=title,
+        tables={**(tables or {}), "fidelity_claims": claims},
+        figures={},
+        contents=lambda _: [
+            Heading(title, 1),
+            Paragraph(about),
+            *short_section(statements, goals),
+            *statement_section(statements, file.note),
+            *middle,
+            *(goal_section(goals) if goals else []),
+            *end,
+        ],
+        metadata=metadata,
+    )
 
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
