@@ -17,7 +17,6 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.blocks import Records, check_estimates
 from owtsweep.studies.base.contract import NotFinite, Scheme, Unable
 from owtsweep.studies.base.study import DeclaredStudy
@@ -61,7 +60,7 @@ def _check_on_record(scheme: Scheme[Any, Any, Any], config: Any) -> None:
     found = get_study(scheme.study)
     assert isinstance(found, DeclaredStudy), f"study: {scheme.study!r} declares no estimates"
     declaration, name = found.declaration(), scheme.name
-    cell = list_cells(declaration.contest.axes, config.grid)[0]
+    cell = declaration.axes.list_cells(config)[0]
     ((record, parts),) = Records(declaration, config, [0]).take(config, cell)
     for part in parts.values():
         given = deepcopy(part.measured)

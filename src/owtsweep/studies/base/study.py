@@ -118,7 +118,7 @@ class DeclaredStudy(ContestStudy):
         """Return the study's only engine."""
         from owtsweep.studies.base.engine import DeclaredEngine
 
-        return DeclaredEngine(self.declaration())
+        return DeclaredEngine(self.declaration(), self.contest())
 
     def estimate(self, config: ContestConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""

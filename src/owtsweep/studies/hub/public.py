@@ -13,7 +13,7 @@ from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, sum_errors
-    from owtsweep.studies.hub.blocks import backend
+    from owtsweep.studies.hub.batching import backend
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.known import Known, Sensors
     from owtsweep.studies.hub.names import BASELINES, INSTEAD
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-    from owtsweep.studies.hub.planning import scheme_content
     from owtsweep.studies.hub.records import make_records
     from owtsweep.studies.hub.resolving import SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.sections import Grid
@@ -45,14 +44,14 @@ __all__ = [
     "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks", "compile_kernels",
     "error_spectrum", "expected_mse", "fix_count", "fix_noise", "follow_sensors",
     "has_acceleration", "lag_of", "look_constant", "make_records", "make_sensors", "noise_floor",
-    "resolve", "resolve_all", "scheme_content", "simulate_bias", "state_chunks",
+    "resolve", "resolve_all", "simulate_bias", "state_chunks",
     "sum_errors", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
 _HOMES = {
     "batch": ["Lanes", "sum_errors"],
-    "blocks": ["backend"],
+    "batching": ["backend"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
     "compiling": ["compile_kernels"],
     "config": ["HubConfig"],
@@ -63,7 +62,6 @@ _HOMES = {
     "known": ["Known", "Sensors"],
     "names": ["BASELINES", "INSTEAD"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
-    "planning": ["scheme_content"],
     "records": ["make_records"],
     "resolving": ["SCHEMES", "resolve", "resolve_all"],
     "sections": ["Grid"],

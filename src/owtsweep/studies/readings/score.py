@@ -64,7 +64,7 @@ def scheme_products(
     chain = None
     for period, batch in lanes.items():
         sensors = batch.records.sensors
-        settled = round(config.measures.settling_time / sensors.step)
+        settled = config.measures.find_settled(sensors.step)
         if chain is None:  # its gains do not depend on the period, and take most of the time
             chain = resolved.kernel(Known(sensors, config), batch.records.steps)
         (sums,) = sum_errors([chain], batch.records, settled, consistency=False)

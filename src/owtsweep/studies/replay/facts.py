@@ -124,7 +124,7 @@ def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Arra
     simulations begin with a transient. If the true motion is unknown, the displacement is a
     scheme's estimate after the settling time.
     """
-    settled = round(config.measures.settling_time / record.step)
+    settled = config.measures.find_settled(record.step)
     if record.position is not None:
         begin = settled if config.measures.window == "settled" else 0
         xy, source = bridge_gaps(record.position)[begin:], record.truth
