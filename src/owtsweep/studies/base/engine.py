@@ -9,6 +9,7 @@ from owtsweep.studies.base import blocks, maps, tables
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contest import C, Contest, ContestConfig
 from owtsweep.studies.base.declaration import AnyDeclaration
+from owtsweep.sweep.study import Engine
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from owtsweep.sweep.study import Block
 
 
-class ContestEngine(Generic[C]):
+class ContestEngine(Engine, Generic[C]):
     """What follows from a contest alone: tables, maps and the lines on the terminal."""
 
     samples = True
@@ -63,7 +64,7 @@ class ContestEngine(Generic[C]):
 
 
 class DeclaredEngine(ContestEngine[ContestConfig]):
-    """The only engine of a declared study (protocol `owtsweep.sweep.study.Engine`)."""
+    """The only engine of a declared study."""
 
     def __init__(self, declaration: AnyDeclaration) -> None:
         super().__init__(declaration.contest)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from owtsweep.studies.hub.public import ROOMS, HubKeys
-from owtsweep.sweep.study import Block, add_versions
+from owtsweep.sweep.study import Block, Engine, add_versions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["ReplayStudy"]
 
 
-class ReplayStudy(HubKeys):
+class ReplayStudy(HubKeys, Engine):
     """The study of recorded data, which is also its only engine.
 
     A block of the plan runs one scheme on one record. A further block for each record runs no
@@ -32,7 +32,7 @@ class ReplayStudy(HubKeys):
     numerics_version = add_versions(1, *ROOMS)
     samples = True
     #: Columns without which no table can be made.
-    row_types: ClassVar[Mapping[str, type]] = {
+    row_types: Mapping[str, type] = {
         **dict.fromkeys(("file", "scheme", "measure", "window"), str),
         **dict.fromkeys(("replicate", "value", "n_samples"), float),
     }
