@@ -309,9 +309,8 @@ class Run:
         study without tunings has no such column.
         """
         table = self.table("best_scheme")
-        tuning = getattr(self.config, "tuning", None)
-        if isinstance(tuning, str) and not self.tuning:
-            table.insert(0, "tuning", tuning)
+        if self.config.tuning_name and not self.tuning and "tuning" not in table:
+            table.insert(0, "tuning", self.config.tuning_name)
         return table
 
 
