@@ -71,12 +71,13 @@ def _check_on_record(scheme: Scheme[Any, Any, Any], config: Any) -> None:
             continue
         assert _equal(given, part.measured), f"{name}: run changes the measurements"
         try:
-            check_estimates(declaration, first, declaration.count_samples(record))
+            for each in (first, second):
+                check_estimates(declaration, each, declaration.count_samples(record))
         except NotFinite as reason:
             raise AssertionError(f"{name}: {reason}") from None
         for field in declaration.estimates:
-            one: Any = getattr(first, field, None)
-            other: Any = getattr(second, field, None)
+            one: Any = getattr(first, field)
+            other: Any = getattr(second, field)
             assert one is other is None or np.array_equal(one, other, equal_nan=True), (
                 f"{name}: {field} differs from run to run; keep no state in the scheme, and draw "
                 "no random numbers"

@@ -10,6 +10,7 @@ from owtsweep.studies.base import blocks, maps, tables
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contest import AnyContest, C, Contest, ContestConfig
 from owtsweep.studies.base.declaration import AnyDeclaration
+from owtsweep.sweep.study import Engine
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from owtsweep.sweep.study import Block
 
 
-class ContestEngine(Generic[C]):
+class ContestEngine(Engine, Generic[C]):
     """What follows from a contest alone: tables, maps and the lines on the terminal."""
 
     samples = True
@@ -90,7 +91,7 @@ class DeclaredBlocks:
 
 
 class DeclaredEngine(DeclaredBlocks, ContestEngine[ContestConfig]):
-    """The only engine of a declared contest (protocol `owtsweep.sweep.study.Engine`)."""
+    """The only engine of a declared contest."""
 
     def __init__(self, declaration: AnyDeclaration, contest: AnyContest) -> None:
         DeclaredBlocks.__init__(self, declaration)

@@ -209,11 +209,12 @@ class SchemeTable:
         if isinstance(scheme, StoredScheme):
             scheme.refuse()
         plain = entry if isinstance(entry, str) else {str(k): v for k, v in entry.items()}
-        return {"entry": plain} | describe_source(type(scheme))
+        return {"entry": plain} | describe_source(type(scheme), scheme.version)
 
     def explain_anew(self, scheme: AnyScheme) -> str:
         """Return why stored rows of a scheme must be computed anew; "" if they can be used."""
-        return "" if scheme.name in self.listed else explain_doubt(type(scheme))
+        ours = scheme.name in self.listed
+        return "" if ours else explain_doubt(type(scheme), scheme.version)
 
     def list_ignored(self, scheme: AnyScheme) -> Sequence[str]:
         """Return the axes on which a scheme's estimates do not depend; a user's may name some."""

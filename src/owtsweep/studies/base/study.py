@@ -28,7 +28,7 @@ class ContestStudy(Study):
     and `check_outside` of a configuration in its module `checks`.
     """
 
-    schema_version = 1
+    commands = frozenset({"compare"})
 
     def config_type(self) -> type[ContestConfig]:
         """Return the class of the study's configurations."""
@@ -95,6 +95,8 @@ class ContestStudy(Study):
 
 class DeclaredStudy(ContestStudy):
     """A study whose package has a `DECLARATION` in its module `declaration`, and `SCHEMES`."""
+
+    commands = frozenset({"compare", "estimate"})
 
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme."""

@@ -56,6 +56,8 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     unbatched
         Why a scheme that can run as a chain does not under the tuning, as subject of a message with
         its verb, e.g. "its constraints leave"; "" if that is not so.
+    least_duration
+        The shortest record, s, in which the scheme chooses a spectrum; 0 if it chooses none.
     """
 
     study = "hub"
@@ -64,6 +66,7 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     batched: Literal["", "chain", "own"] = ""
     on_board: bool = False
     unbatched: str = ""
+    least_duration: float = 0.0
 
     @abstractmethod
     def start(self, known: Known) -> Estimator:

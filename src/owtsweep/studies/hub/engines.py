@@ -30,7 +30,7 @@ from owtsweep.studies.hub.resolving import resolve_all, scheme_names
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK, count_table_bytes
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.studies.hub.world import World
-from owtsweep.sweep.study import Square
+from owtsweep.sweep.study import Engine, Square
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,13 +39,13 @@ if TYPE_CHECKING:
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.gather import Results
-    from owtsweep.sweep.study import Block, Engine
+    from owtsweep.sweep.study import Block
 
 
 logger = logging.getLogger(__name__)
 
 
-class _Engine:
+class _Engine(Engine):
     """The part that all engines of the study share: the columns of rows, and the main result.
 
     The main result is the map: a picture of the best scheme at each natural period and amplitude.
@@ -113,7 +113,7 @@ class _Engine:
         }
 
 
-class RecordsEngine(_Engine, DeclaredBlocks):
+class RecordsEngine(DeclaredBlocks, _Engine):
     """The engine for the keys engine=batch and engine=reference: runs schemes on records.
 
     Records are simulated measurements.

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.batching import backend
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.compiling import compile_kernels
+    from owtsweep.studies.hub.conditions import find_world
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme
     from owtsweep.studies.hub.error_spectrum import (
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
         look_constant,
     )
     from owtsweep.studies.hub.estimates import OnePassSeries, chunks, state_chunks, trajectories
+    from owtsweep.studies.hub.fix_lines import Line
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.known import Known, Sensors
     from owtsweep.studies.hub.names import BASELINES, INSTEAD
@@ -40,12 +42,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
-    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "NoiseFloor", "OnePassSeries",
-    "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks", "compile_kernels",
-    "error_spectrum", "expected_mse", "fix_count", "fix_noise", "follow_sensors",
-    "has_acceleration", "lag_of", "look_constant", "make_records", "make_sensors", "noise_floor",
-    "resolve", "resolve_all", "simulate_bias", "state_chunks",
-    "sum_errors", "trajectories",
+    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "Line", "NoiseFloor",
+    "OnePassSeries", "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks",
+    "compile_kernels", "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
+    "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_records",
+    "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
+    "state_chunks", "sum_errors", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
@@ -54,10 +56,12 @@ _HOMES = {
     "batching": ["backend"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
     "compiling": ["compile_kernels"],
+    "conditions": ["find_world"],
     "config": ["HubConfig"],
     "contract": ["Scheme"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["OnePassSeries", "chunks", "state_chunks", "trajectories"],
+    "fix_lines": ["Line"],
     "kernels.layout": ["WIDTH"],
     "known": ["Known", "Sensors"],
     "names": ["BASELINES", "INSTEAD"],

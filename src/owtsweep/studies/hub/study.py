@@ -79,6 +79,7 @@ class HubStudy(HubKeys):
     name = "hub"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
+    commands = frozenset({"compare", "estimate", "spectrum", "tune", "vary"})
 
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme and baseline that the study provides."""

@@ -38,7 +38,7 @@ NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "c
 
 
 class MatingEngine(ContestEngine["MatingConfig"]):
-    """The engine of the mating study (protocol `owtsweep.sweep.study.Engine`)."""
+    """The engine of the mating study."""
 
     def __init__(self) -> None:
         super().__init__(CONTEST)
