@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import Compute, Config, Section, key
-from owtsweep.sweep.study import OK, Block, Study
+from owtsweep.sweep.study import OK, Block, Engine, Study
 
 SCHEMES = ("A", "B", "C", "D")
 
@@ -30,7 +30,7 @@ class BulkConfig(Config):
     grid: BulkGrid = key("how many cases", default=BulkGrid())
 
 
-class BulkStudy(Study):
+class BulkStudy(Study, Engine):
     """The study and its engine: the value of a case is a known function of the case's number."""
 
     name = "bulk"

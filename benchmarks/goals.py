@@ -169,7 +169,7 @@ def _long_records(results: dict[str, Any]) -> Iterator[Goal]:
             "under 1 GB",
             f"{peak:.0f} MB at its peak",
             peak < MEGABYTES,
-            "each worker holds `hub.records.MEMORY_SHARE` bytes of motion; all of them share the "
+            "each worker holds `hub.sizes.MEMORY_SHARE` bytes of motion; all of them share the "
             "gains, which are kept step by step up to 2621 s (tuning=paper)",
         )
 

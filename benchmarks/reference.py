@@ -15,7 +15,6 @@ import numpy as np
 from benchmarks import STUDY
 from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.studies import compose
-from owtsweep.studies.hub import blocks
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
@@ -51,7 +50,7 @@ def measure(
 
     rows = []
     for name in SCHEMES:
-        estimator = blocks.start(resolve(name), Known(sensors, config))
+        estimator = resolve(name).start_for_runs(Known(sensors, config))
 
         def feed(first: int, count: int, estimator: Any = estimator) -> None:
             for k in range(first * M, (first + count) * M):

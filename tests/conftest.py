@@ -9,7 +9,8 @@ import pytest
 def kernels() -> None:
     """Compile the hub study's kernels (or load them from numba's cache) once per session."""
     from owtsweep.studies import compose
-    from owtsweep.studies.hub import blocks, planning
+    from owtsweep.studies.base import blocks
+    from owtsweep.studies.hub.declaration import find_declaration
 
     small = [
         "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",
@@ -18,5 +19,6 @@ def kernels() -> None:
     ]  # fmt: skip
     for evaluation in ("superposed", "direct"):
         config = compose([*small, f"evaluation={evaluation}"])
-        for _ in blocks.run(config, planning.plan(config)):  # type: ignore[arg-type]
+        declaration = find_declaration(config)  # type: ignore[arg-type]
+        for _ in blocks.run(declaration, config, blocks.plan(declaration, config)):
             pass

@@ -15,7 +15,6 @@ import pandas as pd
 from experiments.command import read_words, show, write
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies import compose
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.doubts import EARTH_RATE, TAKEN_FOR_BIAS
@@ -75,7 +74,7 @@ def judge(config, changes, schemes, records):
     `changes` is name -> what changes a case, and the configuration that schemes are told.
     """
     rows = []
-    for cell in list_cells(CONTEST.axes, config.grid):
+    for cell in CONTEST.list_cells(config):
         worlds = [make_world(config, cell, number) for number in range(records)]
         cases = [observe(config, cell, world) for world in worlds]
         window = Judged(config.record.settled, find_last_outage(config, cell["outage"]))

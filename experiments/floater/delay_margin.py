@@ -33,7 +33,6 @@ from experiments.command import read_words, show
 from owtsweep.arrays import Array
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies import compose
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
@@ -114,7 +113,7 @@ def find_margins(config: FloaterConfig) -> dict[str, float | str]:
         fixed to the body.
     """
     motion = make_truth(config, 0)
-    cell = {**list_cells(CONTEST.axes, config.grid)[0], "delay": 0.0}
+    cell = {**CONTEST.list_cells(config)[0], "delay": 0.0}
     setting = make_setting(config, motion, cell)
     section = config.motion.freedoms["x"].resonance
     loop = Loop(2.0 * np.pi / section.period, section.damping, setting.step)

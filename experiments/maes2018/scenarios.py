@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from experiments.command import read_data
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
@@ -54,7 +53,7 @@ def compose_cell(words: Sequence[str]) -> BladeConfig:
 
 def simulate(config: BladeConfig, replicate: int) -> Record:
     """Make the record with a number of the only cell of a configuration."""
-    (cell,) = list_cells(CONTEST.axes, config.grid)
+    (cell,) = CONTEST.list_cells(config)
     case = observe(config, cell, make_world(config, cell, replicate))
     judged = Judged(config.record.settled, find_last_outage(config, cell["outage"]))
     return Record(replicate, config, case.truth, case.measured, case.tell(config, cell), judged)

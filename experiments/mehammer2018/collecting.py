@@ -14,7 +14,7 @@ from joblib import delayed
 from experiments.command import compute
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_composed
 from experiments.mehammer2018.scores import score
-from owtsweep.studies.base.axes import Cell, list_cells
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.composing import compose
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
@@ -80,7 +80,7 @@ def score_plane(plane: str, overrides: Sequence[str] = ()) -> pd.DataFrame:
     assert isinstance(config, FloaterConfig)
     motions = [make_truth(config, replicate) for replicate in range(RECORDS)]
     rows = []
-    for cell in list_cells(CONTEST.axes, config.grid):
+    for cell in CONTEST.list_cells(config):
         name = name_cell(config, cell)
         for replicate, motion in enumerate(motions):
             measured = measure(config, motion, cell, replicate)

@@ -14,7 +14,6 @@ import numpy as np
 from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.contract import Ready
 from owtsweep.studies.composing import compose
 from owtsweep.studies.floater.config import FloaterConfig
@@ -111,7 +110,7 @@ def run_scenario(
 
 def run_composed(scenario: Scenario, config: FloaterConfig, replicate: int) -> dict[str, Outcome]:
     """Run a scenario, of which `config` is the configuration, on the record with a number."""
-    (cell,) = list_cells(CONTEST.axes, config.grid)
+    (cell,) = CONTEST.list_cells(config)
     motion = make_truth(config, replicate, cell.get("roll"))
     if scenario.printed:
         motion = integrate_as_printed(motion)

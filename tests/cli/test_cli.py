@@ -237,14 +237,13 @@ def test_users_schemes_linear_or_not_stand_beside_ours():
 def test_an_edited_scheme_is_a_new_scheme(monkeypatch):
     import inspect
 
-    from owtsweep.studies import compose
-    from owtsweep.studies.hub.planning import plan
+    from owtsweep.studies import compose, get_study
 
     config = compose([*SMALL, "schemes=[{_target_:user_schemes.HoldLastFix}]"])
-    before = plan(config)[0].content
+    before = get_study("hub").engine(config).plan(config)[0].content
     source = inspect.getsource(sys.modules["user_schemes"])
     monkeypatch.setattr(inspect, "getsource", lambda _: source + "# edited")
-    assert plan(config)[0].content != before
+    assert get_study("hub").engine(config).plan(config)[0].content != before
 
 
 def test_python_interface_reads_back_what_it_ran():

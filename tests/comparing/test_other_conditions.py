@@ -16,7 +16,7 @@ from owtsweep.comparing.report import describe_origins
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition
 
-GAIN = Condition("gain", "sensor gain", scale="log", expands=True)
+GAIN = Condition("gain", "sensor gain", scale="log", enters="scale")
 
 
 def compare_runs(folder: Path, rows: list[pd.DataFrame], describe) -> Findings:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from owtsweep.evaluation.estimate import Estimate, Innovation, Quantity
-from owtsweep.evaluation.loop import run_estimator, run_steps
+from owtsweep.evaluation.loop import RecordEstimator, run_estimator, run_steps
 from owtsweep.evaluation.trajectory import Trajectory
 
 
@@ -62,7 +62,7 @@ def test_pieces_of_a_run_are_the_run():
 def test_what_offers_a_record_at_once_is_asked_for_it():
     force, fixes, interval = make_record()
 
-    class AtOnce(Recorder):
+    class AtOnce(Recorder, RecordEstimator):
         def run_record(self, specific_force, positions):
             assert np.array_equal(positions[::interval], fixes)
             assert np.isnan(positions).any(axis=1).sum() == 16
@@ -94,7 +94,7 @@ def test_a_bad_estimate_is_refused_with_its_step(estimate, error, words):
 
 
 def test_a_record_at_once_must_be_finite_too():
-    class Lost:
+    class Lost(RecordEstimator):
         def update(self, specific_force, position=None):
             raise NotImplementedError
 

@@ -28,7 +28,7 @@ from owtsweep.figures.drawings import Drawing
 from owtsweep.io.tables import write_table
 from owtsweep.results.conditions import Condition
 from owtsweep.results.status import FAILED, OK, UNABLE
-from owtsweep.sweep.study import Block, Study
+from owtsweep.sweep.study import Block, Engine, Study
 
 
 class DummyGrid(Section):
@@ -58,7 +58,7 @@ ROWS = {
 
 
 @dataclass
-class DummyStudy(Study):
+class DummyStudy(Study, Engine):
     """A study as small as can be, which is its own only engine; two cases per block.
 
     `faults` says at which block (by its label) what happens: "raise", "memory", "exit", "silent"

@@ -5,7 +5,6 @@ from functools import cache
 import numpy as np
 
 from owtsweep.studies import compose
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.blade.cases import make_world, observe
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.measures import Judged, compare
@@ -28,7 +27,7 @@ def make(*words, replicate=0, short=True):
     """Return configuration, truth, measurements and setting of a record; 100 s if short."""
     short_words = ("record.duration=100", "record.settling=20") if short else ()
     config = compose([*CELL, *short_words, *words])
-    (cell,) = list_cells(CONTEST.axes, config.grid)
+    (cell,) = CONTEST.list_cells(config)
     world = make_world(config, cell, replicate)
     case = observe(config, cell, world)
     return config, world.motion, case.measured, case.tell(config, cell)

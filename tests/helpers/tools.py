@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from omegaconf import OmegaConf
 
 from owtsweep.config import as_mapping
 from owtsweep.studies import compose, from_mapping
-from owtsweep.studies.hub import blocks, estimates, planning
+from owtsweep.studies.base import blocks
+from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.known import Estimator, Known, Sensors
+from owtsweep.studies.hub.declaration import find_declaration
+from owtsweep.studies.hub.known import Estimator, Known, Measured, Sensors
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.sensors import Measurements, observe
+from owtsweep.studies.hub.sensors import observe
+from owtsweep.sweep.study import Block
 
 Array = NDArray[np.float64]
 
@@ -55,23 +60,23 @@ def configure(*overrides: str, tuning: str = "paper") -> HubConfig:
     return config
 
 
-def whole_series(records: Records, amplitude: float, index: int = 0) -> Measurements:
+def whole_series(records: Records, amplitude: float, index: int = 0) -> Measured:
     """What the sensors report of one replicate, specific force in the IMU's frame."""
     signal = observe(records.motion[index], records.direction, records.sensors)
     noise = records.noise[index]
-    return Measurements(
+    return Measured(
         amplitude * signal.specific_force + noise.specific_force,
         amplitude * signal.fixes + noise.fixes,
     )
 
 
-def measured(config: HubConfig, amplitude: float = 0.7) -> tuple[Measurements, Sensors]:
+def measured(config: HubConfig, amplitude: float = 0.7) -> tuple[Measured, Sensors]:
     """Sensor data of the first replicate at the first natural period."""
     records = make_records(config, config.grid.natural_period[0], [0])
     return whole_series(records, amplitude), records.sensors
 
 
-def ned(measurements: Measurements, sensors: Sensors) -> tuple[Array, Array]:
+def ned(measurements: Measured, sensors: Sensors) -> tuple[Array, Array]:
     """Lanes of the batch engine: specific force and fixes in NED, (steps, 2) and (fixes, 2)."""
     return measurements.specific_force @ sensors.rotation.T, measurements.fixes
 
@@ -92,7 +97,7 @@ class Run(NamedTuple):
     innovation_variance: Array
 
 
-def run_batch(scheme: Scheme, config: HubConfig, data: Measurements, sensors: Sensors) -> Run:
+def run_batch(scheme: Scheme, config: HubConfig, data: Measured, sensors: Sensors) -> Run:
     """The batch engine on one series, with what its filter holds inside."""
     chain: Chain = scheme.kernel(Known(sensors, config), len(data.specific_force))
     force, fixes = ned(data, sensors)
@@ -110,7 +115,7 @@ def run_batch(scheme: Scheme, config: HubConfig, data: Measurements, sensors: Se
     )
 
 
-def run_reference(scheme: Scheme, config: HubConfig, data: Measurements, sensors: Sensors) -> Run:
+def run_reference(scheme: Scheme, config: HubConfig, data: Measured, sensors: Sensors) -> Run:
     """A loop over `update` of one of our schemes, looking into its filter."""
     estimator: Any = scheme.start(Known(sensors, config))
     kf = (estimator.chain if hasattr(estimator, "chain") else estimator).filter.kf
@@ -155,12 +160,24 @@ class Key(NamedTuple):
     replicate: int
 
 
+def plan_blocks(config: HubConfig) -> list[Block]:
+    """The blocks of a configuration that runs records."""
+    return blocks.plan(find_declaration(config), config)
+
+
+def run_blocks(
+    config: HubConfig, of_group: Sequence[Block]
+) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run blocks of one group; each with its rows."""
+    return blocks.run(find_declaration(config), config, of_group)
+
+
 def rows_of(config: HubConfig) -> dict[Key, dict[str, Any]]:
     """All rows of a study; none may have failed."""
     table = {}
-    plan = planning.plan(config)
+    plan = plan_blocks(config)
     for group in dict.fromkeys(block.group for block in plan):
-        for _, rows in blocks.run(config, [block for block in plan if block.group == group]):
+        for _, rows in run_blocks(config, [block for block in plan if block.group == group]):
             for row in rows.to_dict("records"):
                 assert row["status"] == "ok", row["reason"]
                 if np.isnan(row["amplitude"]):

@@ -70,7 +70,6 @@ def test_a_broken_contract_is_told(source: Any, message: str) -> None:
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_a_source_keeps_the_protocol(source: Source) -> None:
-    assert isinstance(source, Source)
     steps, step, history = 500, 0.05, 7
     realise = partial(source.realise, steps=steps, step=step, history=history)
     asked: list[str] = []

@@ -186,7 +186,7 @@ def test_refusals() -> None:
 
 
 def test_a_boundary_over_other_conditions_or_over_none() -> None:
-    gain = Condition("gain", "gain", scale="log", expands=True)
+    gain = Condition("gain", "gain", scale="log", enters="scale")
     soil, heading = Condition("soil", "soil"), Condition("heading", "heading", "deg")
     rows = run_rows(MEANS).rename(columns={"natural_period": "heading", "amplitude": "gain"})
     both = pd.concat([rows.assign(soil="clay"), rows.assign(soil="sand", noise=2.0 * rows.noise)])

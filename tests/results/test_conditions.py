@@ -93,7 +93,7 @@ def test_a_scheme_that_is_unable_leaves_its_cell_and_says_why():
 
 
 def test_a_superposed_scheme_that_is_unable_leaves_all_values():
-    gain = Condition("gain", "gain", scale="log", expands=True)
+    gain = Condition("gain", "gain", scale="log", enters="scale")
     rows = make_rows((SOIL,)).assign(gain=np.nan, motion=1.0, cross=0.0, noise=2.0)
     rows = leave(rows, "GDF", "no fix", soil="clay", gain=np.nan)
     cube = Cube.of_rows(rows, SCHEMES, (SOIL, gain), GRID | {"gain": [1.0, 3.0]})
@@ -113,7 +113,7 @@ def test_nothing_but_unable_schemes_still_has_a_summary():
 
 
 def test_conditions_that_make_no_table_are_refused():
-    gain = Condition("gain", "gain", expands=True)
+    gain = Condition("gain", "gain", enters="scale")
     with pytest.raises(InputError, match=r"^conditions: gain expands and is not the last"):
         require_usable((gain, NOISE))
     for conditions in ((), (NOISE, NOISE)):

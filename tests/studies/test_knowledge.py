@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.blocks import Records
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import Scheme, Unable
 from owtsweep.studies.base.schemes import SchemeTable
 
 #: A short record of each declared study; the buoy moves alike in every record.
@@ -26,7 +25,7 @@ def tell(study: str, *words: str) -> list[Any]:
     """Return what schemes are told of all parts of two records of the first cell."""
     config: Any = compose([f"study={study}", *SHORT[study], *words])
     declaration = get_study(study).declaration()
-    cell = list_cells(declaration.contest.axes, config.grid)[0]
+    cell = declaration.axes.list_cells(config)[0]
     taken = Records(declaration, config, [0, 1]).take(config, cell)
     return [part.known for _, parts in taken for part in parts.values()]
 
@@ -46,7 +45,7 @@ def test_another_number_of_a_tuning_or_of_an_array_is_other_knowledge() -> None:
     assert told != object()
 
 
-class Counting:
+class Counting(Scheme[Any, Any, Any]):
     """A scheme of the floater that counts what is asked of it, and is unable after that."""
 
     name = "KF"

@@ -7,7 +7,6 @@ from typing import Any
 import pandas as pd
 
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.sweep.keys import block_key
 
 WORDS = [
@@ -24,7 +23,7 @@ def list_keys(blocks: list[Any]) -> list[str]:
 def test_more_records_of_a_cell_add_only_the_missing_blocks() -> None:
     config: Any = compose(WORDS)
     engine: Any = STUDY.engine(config)
-    cells = list_cells(engine.contest.axes, config.grid)
+    cells = engine.contest.list_cells(config)
     first = engine.plan(config)
     assert list_keys(engine.plan(config, cells, 10)) == list_keys(first)
     more = engine.plan(config, cells[1:], 30)
@@ -38,7 +37,7 @@ def test_more_records_of_a_cell_add_only_the_missing_blocks() -> None:
 def test_tables_and_maps_are_made_of_cells_with_unequal_numbers_of_records() -> None:
     config: Any = compose([*WORDS, "grid.replicates=2"])
     engine: Any = STUDY.engine(config)
-    cells = list_cells(engine.contest.axes, config.grid)
+    cells = engine.contest.list_cells(config)
     blocks = [*engine.plan(config, cells[:1]), *engine.plan(config, cells[1:], 4)]
     rows = pd.concat([
         rows for block in blocks for _, rows in engine.run(config, [block])

@@ -35,6 +35,7 @@ from owtsweep.sweep.run import sweep
 class ComparableStudy(DummyStudy):
     """The dummy study, with a comparison: mean value per run."""
 
+    commands = frozenset({"compare"})
     seen: list[Comparison] = field(default_factory=list)
 
     def compare(self, comparison: Comparison, folder: Path, *, metadata: Any) -> Findings:

@@ -77,6 +77,5 @@ def test_what_cannot_be_read_is_doubted_unless_it_has_a_version():
     class_of_a_notebook = type("Mine", (), {"__module__": "a_notebook"})
     assert describe_source(class_of_a_notebook) == {"source": UNKNOWN}
     assert "version = ..." in explain_doubt(class_of_a_notebook)
-    with_version = type("Mine", (), {"__module__": "a_notebook", "version": 2})
-    assert describe_source(with_version) == {"source": UNKNOWN, "version": "2"}
-    assert explain_doubt(with_version) == ""
+    assert describe_source(class_of_a_notebook, 2) == {"source": UNKNOWN, "version": "2"}
+    assert explain_doubt(class_of_a_notebook, 2) == ""

@@ -12,7 +12,7 @@ from pathlib import Path
 from owtsweep.cli.program import DONE, INTERRUPTED
 from owtsweep.cli.running import show_answer
 from owtsweep.errors import InputError, require
-from owtsweep.sweep.study import PlaceQuestion, Placing
+from owtsweep.sweep.study import PlaceQuestion
 
 #: Most heights to choose from that are read.
 MOST_HEIGHTS = 300
@@ -37,8 +37,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.sweep.study import blame
 
     study = get_study(locate(options.overrides).study or DEFAULT)
-    if not isinstance(study, Placing):
-        serving = list_serving(Placing)
+    if "place" not in study.commands:
+        serving = list_serving("place")
         raise InputError(
             f"study: {study.name!r} has no sensors to place; `place` serves {serving} only: "
             f"`owtsweep place study={serving.partition(',')[0]}`"

@@ -24,14 +24,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.studies import compose, get_study
     from owtsweep.studies.registry import list_serving
     from owtsweep.sweep.keys import run_folder, run_hash
-    from owtsweep.sweep.study import Spectral, blame
+    from owtsweep.sweep.study import blame
 
     config = compose(options.overrides, options.config_dir)
     study = get_study(config.study)
-    if not isinstance(study, Spectral):
+    if "spectrum" not in study.commands:
         raise InputError(
             f"study: {config.study!r} has no error spectra; `spectrum` serves "
-            f"{list_serving(Spectral)} only"
+            f"{list_serving('spectrum')} only"
         )
     from rich.console import Console
 

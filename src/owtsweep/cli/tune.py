@@ -35,7 +35,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
     from owtsweep.studies import compose, get_study
     from owtsweep.studies.registry import list_serving
-    from owtsweep.sweep.study import Tunable, blame
+    from owtsweep.sweep.study import blame
 
     given = {word.lstrip("+").partition("=")[0] for word in options.overrides}
     start = [] if GROUP in given else [f"{GROUP}={START}"]
@@ -45,10 +45,10 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         f"{GROUP}: a search begins with one tuning; name one, e.g. {GROUP}={START}",
     )
     study = get_study(config.study)
-    if not isinstance(study, Tunable):
+    if "tune" not in study.commands:
         raise InputError(
             f"study: {config.study!r} has nothing to tune; `tune` serves "
-            f"{list_serving(Tunable)} only"
+            f"{list_serving('tune')} only"
         )
     path = _choose_path(options.output, config)
     check_writable(path.parent, "--output", "name another file by --output FILE")

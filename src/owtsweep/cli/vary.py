@@ -19,7 +19,7 @@ from owtsweep.results.conditions import Condition, Value
 from owtsweep.studies import compose, get_study, locate
 from owtsweep.studies.registry import DEFAULT, list_serving
 from owtsweep.sweep.keys import NOT_IDENTIFYING, hash_text, question_hash
-from owtsweep.sweep.study import Study, Varying, blame
+from owtsweep.sweep.study import Study, blame
 
 EXAMPLE = "sensors.gnss.rate=1,2,5,10"
 #: Most values of a key: more can be told apart neither in the table nor in the figure.
@@ -138,18 +138,18 @@ def compose_each(
     return key, _by_value(key, composed)
 
 
-def _require_varying(study: Study) -> Varying:
-    """Return a study as one that can vary a key.
+def _require_varying(study: Study) -> Study:
+    """Return a study that can vary a key.
 
     Raises
     ------
     InputError
         If the study cannot vary a key.
     """
-    if not isinstance(study, Varying):
+    if "vary" not in study.commands:
         raise InputError(
             f"study: {study.name!r} cannot vary a key; leave out study={study.name}, because "
-            f"`vary` serves {list_serving(Varying)} only; "
+            f"`vary` serves {list_serving('vary')} only; "
             f"`owtsweep sweep --multirun study={study.name}` takes several values of a key"
         )
     return study

@@ -12,7 +12,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 from owtsweep.errors import printable
 from owtsweep.results.conditions import Condition, Grid
@@ -191,32 +191,6 @@ class Findings:
     report: str = ""
     figures: tuple[Path, ...] = ()
     origin: str = ""
-
-
-@runtime_checkable
-class Comparable(Protocol):
-    """The interface of a study whose runs can be compared."""
-
-    def compare(
-        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
-    ) -> Findings:
-        """Compare runs, write figures into `folder`, and return tables, figures and text.
-
-        Parameters
-        ----------
-        comparison
-            The runs, and the pairs of runs to compare.
-        folder
-            Folder for the figures.
-        metadata
-            Name -> text; these texts are stored inside the files of the figures.
-
-        Raises
-        ------
-        InputError
-            If these runs cannot be compared. In this case nothing is written.
-        """
-        ...
 
 
 def flatten(config: Mapping[str, object], prefix: str = "") -> dict[str, object]:

@@ -87,6 +87,11 @@ class Config(Section):
         """
         return {"": self}
 
+    @property
+    def tuning_name(self) -> str:
+        """The name of the tuning; "" for a study without tunings."""
+        return ""
+
     def start_of_folder(self) -> str:
         """Return the text with which the name of the run folder begins, before the run's hash."""
         return self.experiment

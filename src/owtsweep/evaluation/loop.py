@@ -6,6 +6,7 @@ A measurement that comes less often, such as a position from GNSS, is called a f
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Protocol
 
@@ -17,13 +18,7 @@ from owtsweep.evaluation.trajectory import Trajectory
 
 
 class Updating(Protocol):
-    """The interface of an estimator that can be run step by step.
-
-    An estimator may also have a method `run_record(inputs, fixes)`, which takes many steps in one
-    call: `inputs` and `fixes` have one row per step, and the row of `fixes` is NaN at steps without
-    a fix. The method returns a `Trajectory` with the estimates that `update` would give step by
-    step.
-    """
+    """The interface of an estimator that can be run step by step."""
 
     def update(self, inputs: Array, fix: Array | None = None, /) -> object:
         """Take the measurements of a step, and return an `Estimate` of the present state.
@@ -31,6 +26,21 @@ class Updating(Protocol):
         `inputs` are the quantities measured at every step, such as accelerations. `fix` is a
         measurement that does not come at every step, such as a position from GNSS; None if this
         step has no fix.
+        """
+
+
+class RecordEstimator(ABC):
+    """The base class of an estimator that can also take many steps in one call."""
+
+    @abstractmethod
+    def update(self, inputs: Array, fix: Array | None = None, /) -> object:
+        """Take the measurements of a step, as `Updating.update`."""
+
+    @abstractmethod
+    def run_record(self, inputs: Array, fixes: Array, /) -> Trajectory:
+        """Take the measurements of many steps; return the estimates that `update` would give.
+
+        Both have one row per step; the row of `fixes` is NaN at steps without a fix.
         """
 
 
@@ -80,8 +90,8 @@ def run_steps(
 ) -> Trajectory:
     """Run an estimator over the next steps of a record, and return the estimates of these steps.
 
-    If the estimator has a method `run_record`, the method is called once for all steps. Otherwise
-    the method `update` is called at each step.
+    The method `run_record` of a `RecordEstimator` is called once for all steps. Of others, the
+    method `update` is called at each step.
 
     Parameters
     ----------
@@ -105,9 +115,8 @@ def run_steps(
         If an estimate lacks a quantity, has the wrong shape or is not finite. The message about an
         estimate of `update`, or about one that is not finite, names the step.
     """
-    run_record = getattr(estimator, "run_record", None)
-    if run_record is not None:
-        trajectory: Trajectory = run_record(inputs, fixes)
+    if isinstance(estimator, RecordEstimator):
+        trajectory = estimator.run_record(inputs, fixes)
         _check_trajectory(trajectory, len(inputs), sum(len(each.components) for each in judged))
     else:
         estimates = _update_step_by_step(estimator, inputs, fixes)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 
@@ -64,7 +64,6 @@ class Motion:
         return np.concatenate([past, self.position[first + earlier * stride :: stride]])[:count]
 
 
-@runtime_checkable
 class Source(Protocol):
     """The interface of a source of motion, such as a spectrum or a recorded file.
 

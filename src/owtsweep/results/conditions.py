@@ -37,14 +37,11 @@ class Condition:
     in_streams
         Whether the condition's value is part of the keys of random streams, so that each value has
         different random numbers.
-    expands
-        Whether one computed result serves all values of the condition (`results.superposition`). In
-        the row of such a result the condition is NaN. Only the last condition may expand.
     plural
         The plural of the label, used in sentences; if it is "", the label with an s is used.
     enters
-        What the condition changes: "world" (what moves), "sensors" (what is measured of it), or
-        "knowledge" (what schemes are told).
+        What the condition changes: "world" (what moves), "sensors" (what is measured of it),
+        "knowledge" (what schemes are told), or "scale" (a factor on what moves).
     """
 
     name: str
@@ -52,9 +49,17 @@ class Condition:
     unit: str = ""
     scale: Literal["linear", "log"] = "linear"
     in_streams: bool = False
-    expands: bool = False
     plural: str = ""
-    enters: Literal["world", "sensors", "knowledge"] = "world"
+    enters: Literal["world", "sensors", "knowledge", "scale"] = "world"
+
+    @property
+    def expands(self) -> bool:
+        """Whether one computed result can serve all values of the condition.
+
+        In the row of such a result (`results.superposition`) the condition is NaN. Only the last
+        condition may expand.
+        """
+        return self.enters == "scale"
 
     @property
     def title(self) -> str:
@@ -92,8 +97,7 @@ def require_usable(conditions: Sequence[Condition]) -> None:
     ------
     InputError
         If there is no condition, or if two conditions have the same name. Also if a condition other
-        than the last has `expands` set. (Only the last may have one computed result that serves all
-        its values.)
+        than the last expands.
     """
     names = [condition.name for condition in conditions]
     if not names or len(set(names)) < len(names):

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
 
 from owtsweep.config import Config, Tree, conf_directory, require
 from owtsweep.config.common import TREES
@@ -105,8 +104,7 @@ def get_study(name: str) -> Study:
     module, _, attribute = entry.target.partition(":")
     with blame_package(name):
         study = getattr(import_module(module), attribute)()
-        lacks = _lacks(study)
-        require(not lacks, f"the study lacks {', '.join(lacks)}")
+        require(isinstance(study, Study), f"{attribute} is no subclass of Study")
         require(study.name == name, f"the study's `name` is {study.name!r}")
         require(
             issubclass(study.config_type(), Config), "config_type() returns no subclass of Config"
@@ -116,19 +114,18 @@ def get_study(name: str) -> Study:
 
 def list_schemes(name: str) -> Mapping[str, str]:
     """Return name -> description of the schemes of the study called `name`; {} if it has none."""
-    schemes: Mapping[str, str] = getattr(get_study(name), "schemes", dict)()
-    return schemes
+    return get_study(name).schemes()
 
 
-def list_serving(protocol: type) -> str:
-    """Return the names of the studies that have a protocol such as `sweep.study.Tunable`, in words.
+def list_serving(command: str) -> str:
+    """Return the names of the studies for which a command of `Study.commands` works, in words.
 
     A study of another package that does not work is left out.
     """
     serving = []
     for name in names():
         try:
-            if isinstance(get_study(name), protocol):
+            if command in get_study(name).commands:
                 serving.append(name)
         except InputError:
             continue
@@ -166,12 +163,6 @@ def _of_others() -> list[tuple[str, Entry]]:
         for point in entry_points(group=GROUP)
         if point.name not in OURS
     ]
-
-
-def _lacks(study: Any) -> list[str]:
-    """Return the sorted names of the members of `Study` that `study` does not have."""
-    members = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
-    return sorted(member for member in members if not hasattr(study, member))
 
 
 def find_tree(name: str) -> Tree:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from owtsweep.comparing.comparison import (
     RUN,
     Candidate,
-    Comparable,
     Comparison,
     Findings,
     make_pairs,
@@ -98,7 +97,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
         why = f" ({notes[0]})" if notes else ""
         raise InputError(f"{paths[0]}: {number} has a succeeded case{why}; compare needs two runs")
     study = loaded[0][0].study
-    if not isinstance(study, Comparable):
+    if "compare" not in study.commands:
         raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
     comparison = _arrange(loaded, preferred)
     hashes = " ".join(candidate.hash for candidate in comparison.runs)

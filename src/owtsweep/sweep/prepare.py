@@ -16,7 +16,7 @@ from owtsweep.sweep.keys import question_hash, run_folder, run_hash
 from owtsweep.sweep.plan import PLAN_FILE, count_cases, is_of_other_version, make_plan
 from owtsweep.sweep.provenance import read_mean_seconds
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.study import Predicting, Study, blame
+from owtsweep.sweep.study import Study, blame
 
 #: Files in the root of a run folder that a sweep writes, besides tables.
 FILES = (asked.CONFIG, PLAN_FILE, "manifest.json", "run.log")
@@ -162,10 +162,8 @@ def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
     }
     compute = config.compute
     workers = compute.workers or (0 if compute.backend == "dask" else cpu_count())
-    predicted = None
-    if isinstance(run.engine, Predicting):
-        with blame(study):
-            predicted = run.engine.predict(config, list(missing.values()), workers)
+    with blame(study):
+        predicted = run.engine.predict(config, list(missing.values()), workers)
     rough, memory = predicted or (None, None)
     mean = read_mean_seconds(run.folder)
     spent = rough if mean is None else mean * len(missing)

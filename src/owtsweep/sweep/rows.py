@@ -111,7 +111,7 @@ def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
     engine = study.engine(config)
     conditions = [c.name for c in study.conditions(config) if not c.expands]
     needed = dict.fromkeys([*engine.sort_columns(), *conditions])
-    return {"status": str, "reason": str, **needed, **getattr(engine, "row_types", {})}
+    return {"status": str, "reason": str, **needed, **engine.row_types}
 
 
 def kinds_of(schema: pa.Schema) -> dict[str, str]:

@@ -30,7 +30,7 @@ from owtsweep.sweep.provenance import (
 )
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.study import UNABLE, Study, WarmsUp
+from owtsweep.sweep.study import UNABLE, Study
 from owtsweep.sweep.worker import TaskResult, Work, all_versions, one_line
 
 logger = logging.getLogger(__name__)
@@ -188,11 +188,10 @@ class _Sweep:
                 self._take(result)
 
     def _warm_up(self) -> None:
-        engine, work = self.run.engine, self.executor.work
         # a cluster's machines have folders of their own
-        if isinstance(engine, WarmsUp) and work.backend != "dask":
+        if self.executor.work.backend != "dask":
             for config in self.run.config.by_tuning().values():
-                engine.warm_up(config, self.executor.workers)
+                self.run.engine.warm_up(config, self.executor.workers)
 
     def _drop_doubtful(self) -> None:
         """Delete stored blocks (units of work) that must be computed anew, and log why.

@@ -19,7 +19,7 @@ from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import Plan, count_cases, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks, needed_columns
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, UNABLE, Engine, Joint, Study, blame
+from owtsweep.sweep.study import OK, UNABLE, Engine, Study, blame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -309,9 +309,8 @@ class Run:
         study without tunings has no such column.
         """
         table = self.table("best_scheme")
-        tuning = getattr(self.config, "tuning", None)
-        if isinstance(tuning, str) and not self.tuning:
-            table.insert(0, "tuning", tuning)
+        if self.config.tuning_name and not self.tuning and "tuning" not in table:
+            table.insert(0, "tuning", self.config.tuning_name)
         return table
 
 
@@ -331,23 +330,22 @@ def list_drawings(
     metadata
         Texts to store in the figures' files.
     """
-    untuned: frozenset[str] = frozenset()
     listed: dict[str, Drawing] = {}
-    if "" not in results and isinstance(engine, Joint):
-        untuned = engine.untuned
+    if "" not in results:
         listed |= engine.joint_drawings(results, metadata)
     for tuning, result in results.items():
         drawings = engine.drawings(result.config, result.tables, result.rows, metadata)
         for name, drawing in drawings.items():
-            shared = tuning == "" or name in untuned
+            shared = tuning == "" or name in engine.untuned
             listed.setdefault(name if shared else f"{name}_{tuning}", drawing)
     return listed
 
 
 def name_overview(engine: Engine, results: Mapping[str, Results]) -> str:
     """Return the name, in `list_drawings`, of the figure of the main result."""
-    if "" not in results and isinstance(engine, Joint):
-        return next(iter(engine.joint_drawings(results, {})))
+    joint = {} if "" in results else engine.joint_drawings(results, {})
+    if joint:
+        return next(iter(joint))
     tuning, result = next(iter(results.items()))
     name = engine.overview(result.config)
     return f"{name}_{tuning}" if tuning else name

@@ -16,7 +16,7 @@ from types import ModuleType
 UNKNOWN = "unknown"
 
 
-def describe_source(code: type) -> dict[str, object]:
+def describe_source(code: type, version: object = None) -> dict[str, object]:
     """Return what identifies the code of a user's class, as a part of a block's content.
 
     Returns
@@ -25,26 +25,24 @@ def describe_source(code: type) -> dict[str, object]:
         The entry `source` is the hash of the source of the class's module, or `UNKNOWN`. The entry
         `modules` maps names to hashes, for each other module of the user that the class's module
         imports, directly or indirectly; it is absent if there is no such module. The entry
-        `version` is the attribute `version` of the class, as text; it is absent if the class has no
-        such attribute, or the attribute is None.
+        `version` is the argument as text; it is absent if the argument is None.
     """
     own, others = _hash_sources(code)
     entry: dict[str, object] = {"source": own}
     if others:
         entry["modules"] = others
-    version = getattr(code, "version", None)
     if version is not None:
         entry["version"] = str(version)
     return entry
 
 
-def explain_doubt(code: type) -> str:
+def explain_doubt(code: type, version: object = None) -> str:
     """Return in one line why stored results of a user's class may be out of date.
 
     The reason is a source that cannot be read, so that a change of this source goes unnoticed.
-    Return "" if the class has an attribute `version`, or all sources can be read.
+    Return "" if the class states a version, or all sources can be read.
     """
-    if getattr(code, "version", None) is not None:
+    if version is not None:
         return ""
     own, others = _hash_sources(code)
     unread = [name for name, digest in others.items() if digest == UNKNOWN]

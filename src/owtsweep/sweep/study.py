@@ -1,6 +1,6 @@
-"""Defines what a study is to the machinery of a sweep: a base class, and protocols.
+"""Defines what a study and its engines are to the machinery of a sweep: two base classes.
 
-`owtsweep.sweep` plans, runs, stores, resumes and draws through these only. The package
+`owtsweep.sweep` plans, runs, stores, resumes and draws through these alone. The package
 `owtsweep.sweep` imports no study, and never looks inside the content of a block.
 """
 
@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
+from types import MappingProxyType, ModuleType
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, OK, UNABLE
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.comparing.comparison import Comparison, Findings
     from owtsweep.config import AnyConfig, Config, Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
@@ -31,9 +32,8 @@ if TYPE_CHECKING:
 
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Estimating", "Joint", "PlaceQuestion", "Placed",
-    "Placing", "Predicting", "Spectral", "Square", "Study", "Tunable", "Tuned", "WarmsUp",
-    "add_versions", "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "PlaceQuestion", "Placed", "Square", "Study",
+    "Tuned", "Varied", "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -94,18 +94,25 @@ def add_versions(base: int, *rooms: ModuleType) -> int:
     return base + sum(int(room.NUMERICS_VERSION) for room in rooms)
 
 
-class Engine(Protocol):
-    """The interface of an engine: one way to answer a study's question, from plan to figures."""
+class Engine(ABC):
+    """The base class of an engine: one way to answer a study's question, from plan to figures."""
 
     #: Whether rows are samples (e.g. of records), so that means of rows have confidence intervals.
     samples: bool
+    #: Columns without which no table can be made -> `str`, `float` (any number) or `Square`.
+    row_types: Mapping[str, type] = MappingProxyType({})
+    #: Names of the figures in `drawings` that do not depend on the tuning.
+    untuned: frozenset[str] = frozenset()
 
+    @abstractmethod
     def plan(self, config: AnyConfig) -> list[Block]:
         """Return all blocks (units of work) of the configuration, always in the same order."""
 
+    @abstractmethod
     def backend(self, config: AnyConfig) -> str:
         """Return the joblib backend that suits the blocks: "threading" or "loky" (processes)."""
 
+    @abstractmethod
     def run(
         self, config: AnyConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
@@ -116,9 +123,11 @@ class Engine(Protocol):
         is "" in a row with the status "ok".
         """
 
+    @abstractmethod
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row; rows are sorted by these columns before sums."""
 
+    @abstractmethod
     def tables(self, config: AnyConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables from all stored rows of the plan; return them by name.
 
@@ -126,12 +135,14 @@ class Engine(Protocol):
         `owtsweep.sweep.runs.Run.stored`.
         """
 
+    @abstractmethod
     def terminal(self, config: AnyConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the main result in a few lines, to be shown on the terminal after a sweep.
 
         `tables` are the tables by name, as `tables` returns them.
         """
 
+    @abstractmethod
     def drawings(
         self,
         config: AnyConfig,
@@ -145,19 +156,34 @@ class Engine(Protocol):
         `metadata` holds texts by name to store in the figures' files.
         """
 
+    @abstractmethod
     def overview(self, config: AnyConfig) -> str:
         """Return the name of the figure that shows the main result, drawn at the end of a sweep."""
 
+    def joint_drawings(
+        self, results: Mapping[str, Results], metadata: Mapping[str, str]
+    ) -> Mapping[str, Drawing]:
+        """Return the figures that show several tunings together; the main result comes first.
 
-@runtime_checkable
-class WarmsUp(Protocol):
-    """The interface of an engine that has work to do once, before the first block is computed."""
+        `results` holds the results by tuning. There may be no such figure.
+        """
+        return {}
 
-    def warm_up(self, config: AnyConfig, workers: int) -> None:
-        """Do this work, e.g. compile kernels, in up to `workers` processes side by side.
+    def warm_up(self, config: AnyConfig, workers: int) -> None:  # noqa: B027
+        """Do work that is due once, e.g. compile kernels, in up to `workers` processes.
 
         It is called in the process of the sweep, once per tuning, and only if blocks are missing.
         """
+
+    def predict(
+        self, config: AnyConfig, blocks: Sequence[Block], workers: int
+    ) -> tuple[float, float] | None:
+        """Return the computing time of blocks in s, and the memory of the sweep in bytes.
+
+        The time is the sum over the blocks; several workers share it. Return None if nobody has
+        measured blocks of this kind, e.g. those of a user's scheme.
+        """
+        return None
 
 
 class Study(ABC):
@@ -165,9 +191,13 @@ class Study(ABC):
 
     name: str
     #: Increased when the columns of a shard change.
-    schema_version: int
+    schema_version: int = 1
     #: Increased by hand whenever the numbers of a block change for the same content.
-    numerics_version: int
+    numerics_version: int = 1
+    #: The commands that work for the study besides those that work for every one: "compare",
+    #: "estimate" (that is `owtsweep.estimate`), "place", "spectrum", "tune", "vary". The study
+    #: overrides those methods below that they call.
+    commands: frozenset[str] = frozenset()
 
     @abstractmethod
     def config_type(self) -> type[Config]:
@@ -180,6 +210,10 @@ class Study(ABC):
     @abstractmethod
     def engine(self, config: AnyConfig) -> Engine:
         """Return an engine that plans, runs and draws this configuration."""
+
+    def schemes(self) -> Mapping[str, str]:
+        """Return name -> description in one sentence of each scheme, for `list`."""
+        return {}
 
     def complete(self, plain: Plain) -> Plain:
         """Return composed keys with the values that follow from other keys filled in.
@@ -241,10 +275,26 @@ class Study(ABC):
         """
         return plain
 
+    def compare(
+        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
+    ) -> Findings:
+        """Compare runs, write figures into `folder`, and return tables, figures and text.
 
-@runtime_checkable
-class Estimating(Protocol):
-    """The interface of a study that can show one record with all that schemes make of it."""
+        Parameters
+        ----------
+        comparison
+            The runs, and the pairs of runs to compare.
+        folder
+            Folder for the figures.
+        metadata
+            Name -> text; these texts are stored inside the files of the figures.
+
+        Raises
+        ------
+        InputError
+            If these runs cannot be compared. In this case nothing is written.
+        """
+        raise NotImplementedError
 
     def estimate(self, config: AnyConfig, replicate: int) -> EstimatedRecord:
         """Make the record with the number `replicate`, and run all schemes on it.
@@ -256,36 +306,92 @@ class Estimating(Protocol):
         InputError
             If the configuration's grid has several cells.
         """
+        raise NotImplementedError
 
+    def write_spectrum(
+        self, config: AnyConfig, folder: Path, *, metadata: Mapping[str, str]
+    ) -> tuple[list[Path], RenderableType]:
+        """Write figures and tables of the schemes' error spectra into `folder`, which is created.
 
-@runtime_checkable
-class Joint(Protocol):
-    """The interface of an engine that also draws the results of several tunings together."""
-
-    #: Names of the figures in `Engine.drawings` that do not depend on the tuning.
-    untuned: frozenset[str]
-
-    def joint_drawings(
-        self, results: Mapping[str, Results], metadata: Mapping[str, str]
-    ) -> Mapping[str, Drawing]:
-        """Return figure name -> function that draws the figure; the main result comes first.
-
-        `results` holds the results by tuning.
+        An error spectrum is the error due to motion at each frequency. It needs no simulated
+        record. Return the paths of the files, and the text to print on the terminal. `metadata`
+        holds texts by name to store in the figures' files.
         """
+        raise NotImplementedError
 
+    def count_trials(self, config: AnyConfig) -> int:
+        """Return how many trials `tune` will make in search of the numbers of the schemes.
 
-@runtime_checkable
-class Predicting(Protocol):
-    """The interface of an engine that can say roughly what blocks take before any has been run."""
-
-    def predict(
-        self, config: AnyConfig, blocks: Sequence[Block], workers: int
-    ) -> tuple[float, float] | None:
-        """Return the computing time of the blocks in s, and the memory of the sweep in bytes.
-
-        The time is the sum over the blocks; several workers share it. Return None if no block of
-        this kind has been measured, e.g. one of a user's scheme.
+        Raises
+        ------
+        InputError
+            If there is nothing to search.
         """
+        raise NotImplementedError
+
+    def prepare_tuning(self, config: AnyConfig) -> None:
+        """Do work once before the search, e.g. compile kernels."""
+        raise NotImplementedError
+
+    def tune(self, config: AnyConfig, advance: Callable[[str], None]) -> Tuned:
+        """Search the best numbers; call `advance` with the scheme's name after each trial."""
+        raise NotImplementedError
+
+    def list_vary_defaults(self) -> Sequence[str]:
+        """Return the overrides that `vary` puts before those of the user.
+
+        The command leaves out an override whose key the user sets, or whose section.
+        """
+        raise NotImplementedError
+
+    def check_vary(self, along: Condition, configs: Mapping[Value, AnyConfig]) -> None:
+        """Check that `vary` can compute the errors of these configurations and show them together.
+
+        The arguments are those of `vary`.
+
+        Raises
+        ------
+        InputError
+            If they cannot be computed or shown together.
+        """
+        raise NotImplementedError
+
+    def vary(self, along: Condition, configs: Mapping[Value, AnyConfig]) -> Varied:
+        """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
+
+        Parameters
+        ----------
+        along
+            The key that is varied: its name as `label`, its unit and its scale.
+        configs
+            Value of the key -> the configuration with this value, in the order of the table.
+
+        Raises
+        ------
+        InputError
+            If a scheme cannot be computed.
+        """
+        raise NotImplementedError
+
+    def list_place_defaults(self, given: Collection[str]) -> Sequence[str]:
+        """Return the overrides that `place` puts before those of the user, who sets `given`.
+
+        Raises
+        ------
+        InputError
+            If a key that the user sets has no part in the choice.
+        """
+        raise NotImplementedError
+
+    def place(self, config: AnyConfig, question: PlaceQuestion) -> Placed:
+        """Choose sensors one by one, and predict their errors without running a scheme.
+
+        Raises
+        ------
+        InputError
+            If the configuration or the question cannot be answered; the message says what could.
+        """
+        raise NotImplementedError
 
 
 @contextmanager
@@ -326,23 +432,6 @@ def broken_study(name: str, package: str, reason: str) -> InputError:
     )
 
 
-@runtime_checkable
-class Spectral(Protocol):
-    """The interface of a study that can compute error spectra of its estimation schemes.
-
-    An error spectrum is the error due to motion at each frequency. It needs no simulated record.
-    """
-
-    def write_spectrum(
-        self, config: AnyConfig, folder: Path, *, metadata: Mapping[str, str]
-    ) -> tuple[list[Path], RenderableType]:
-        """Write figures and tables of the schemes' error spectra into `folder`, which is created.
-
-        Return the paths of the files, and the text to print on the terminal. `metadata` holds texts
-        by name to store in the figures' files.
-        """
-
-
 class Tuned(Protocol):
     """The result of a search for a tuning."""
 
@@ -361,23 +450,6 @@ class Tuned(Protocol):
         """Run records with the tuning before and after; return what was gained, to be printed."""
 
 
-@runtime_checkable
-class Tunable(Protocol):
-    """The interface of a study that can search the numbers of its schemes (the command `tune`)."""
-
-    def count_trials(self, config: AnyConfig) -> int:
-        """Return how many trials the search will make.
-
-        Raise `InputError` if there is nothing to search.
-        """
-
-    def prepare_tuning(self, config: AnyConfig) -> None:
-        """Do work once before the search, e.g. compile kernels."""
-
-    def tune(self, config: AnyConfig, advance: Callable[[str], None]) -> Tuned:
-        """Search the best numbers; call `advance` with the scheme's name after each trial."""
-
-
 class Varied(Protocol):
     """The errors of a study's schemes over the values of one key."""
 
@@ -389,44 +461,6 @@ class Varied(Protocol):
 
     def answer(self) -> RenderableType:
         """Return what the terminal shows: a short table, and sentences that answer."""
-
-
-@runtime_checkable
-class Varying(Protocol):
-    """The interface of a study that can show its errors over the values of one key."""
-
-    def list_vary_defaults(self) -> Sequence[str]:
-        """Return the overrides that `vary` puts before those of the user.
-
-        The command leaves out an override whose key the user sets, or whose section.
-        """
-
-    def check_vary(self, along: Condition, configs: Mapping[Value, AnyConfig]) -> None:
-        """Check that the errors can be computed with these configurations, and shown together.
-
-        The arguments are those of `vary`.
-
-        Raises
-        ------
-        InputError
-            If they cannot be computed or shown together.
-        """
-
-    def vary(self, along: Condition, configs: Mapping[Value, AnyConfig]) -> Varied:
-        """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
-
-        Parameters
-        ----------
-        along
-            The key that is varied: its name as `label`, its unit and its scale.
-        configs
-            Value of the key -> the configuration with this value, in the order of the table.
-
-        Raises
-        ------
-        InputError
-            If a scheme cannot be computed.
-        """
 
 
 @dataclass(frozen=True)
@@ -463,26 +497,3 @@ class Placed(Protocol):
 
     def answer(self) -> RenderableType:
         """Return what the terminal shows: the answer, a short table, and what it rests on."""
-
-
-@runtime_checkable
-class Placing(Protocol):
-    """The interface of a study that can choose where sensors go."""
-
-    def list_place_defaults(self, given: Collection[str]) -> Sequence[str]:
-        """Return the overrides that `place` puts before those of the user, who sets `given`.
-
-        Raises
-        ------
-        InputError
-            If a key that the user sets has no part in the choice.
-        """
-
-    def place(self, config: AnyConfig, question: PlaceQuestion) -> Placed:
-        """Choose sensors one by one, and predict their errors without running a scheme.
-
-        Raises
-        ------
-        InputError
-            If the configuration or the question cannot be answered; the message says what could.
-        """

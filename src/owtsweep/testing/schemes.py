@@ -17,7 +17,6 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.blocks import Records, check_estimates
 from owtsweep.studies.base.contract import NotFinite, Scheme, Unable
 from owtsweep.studies.base.study import DeclaredStudy
@@ -61,7 +60,7 @@ def _check_on_record(scheme: Scheme[Any, Any, Any], config: Any) -> None:
     found = get_study(scheme.study)
     assert isinstance(found, DeclaredStudy), f"study: {scheme.study!r} declares no estimates"
     declaration, name = found.declaration(), scheme.name
-    cell = list_cells(declaration.contest.axes, config.grid)[0]
+    cell = declaration.axes.list_cells(config)[0]
     ((record, parts),) = Records(declaration, config, [0]).take(config, cell)
     for part in parts.values():
         given = deepcopy(part.measured)
@@ -72,12 +71,13 @@ def _check_on_record(scheme: Scheme[Any, Any, Any], config: Any) -> None:
             continue
         assert _equal(given, part.measured), f"{name}: run changes the measurements"
         try:
-            check_estimates(declaration, first, declaration.count_samples(record))
+            for each in (first, second):
+                check_estimates(declaration, each, declaration.count_samples(record))
         except NotFinite as reason:
             raise AssertionError(f"{name}: {reason}") from None
         for field in declaration.estimates:
-            one: Any = getattr(first, field, None)
-            other: Any = getattr(second, field, None)
+            one: Any = getattr(first, field)
+            other: Any = getattr(second, field)
             assert one is other is None or np.array_equal(one, other, equal_nan=True), (
                 f"{name}: {field} differs from run to run; keep no state in the scheme, and draw "
                 "no random numbers"

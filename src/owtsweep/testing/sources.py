@@ -49,7 +49,8 @@ def check_source(
         contract.
     """
     name = type(source).__name__
-    assert isinstance(source, Source), f"{name}: needs `streams`, `duration` and `realise`"
+    lacks = {"streams", "duration", "realise"} - {*dir(source)}
+    assert not lacks, f"{name}: needs `streams`, `duration` and `realise`"
     motion = source.realise(_streams(0), steps=steps, step=step, history=history)
     length = (steps + history) * step
     assert source.duration is None or source.duration >= length - step * (1 + 1e-9), (

@@ -13,7 +13,7 @@ from rich.console import Console
 from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import Scheme, Unable
 from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.sweep.plan import make_plan, make_tasks
@@ -80,7 +80,7 @@ def test_runs_can_be_compared() -> None:
 def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     sound = SCHEMES.resolve("HOLD")
 
-    class Moody:
+    class Moody(Scheme):
         name = "HOLD"
         count = 0
 

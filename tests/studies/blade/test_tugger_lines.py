@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hanging import make
 
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.sections import Freedom
 from owtsweep.studies.blade.truth import choose_freedoms, hold
@@ -43,12 +42,12 @@ def test_lines_hold_the_heading_and_nothing_else() -> None:
     assert np.array_equal(free[:, [0, 1, 2, 5]], held[:, [0, 1, 2, 5]])
     assert held[:, 3].std() < 0.6 * free[:, 3].std()
     config = make(*words)[0]
-    (cell,) = list_cells(CONTEST.axes, config.grid)
+    (cell,) = CONTEST.list_cells(config)
     period, damping, sigma, gust = choose_freedoms(config, cell)["heading"]
     assert (period, gust) == pytest.approx((10.0, 0.05))
     assert (damping, sigma) == pytest.approx((0.075, 0.8 / np.sqrt(12.0)))
     config = make(*words, "grid.heading=[2]")[0]
-    (cell,) = list_cells(CONTEST.axes, config.grid)
+    (cell,) = CONTEST.list_cells(config)
     assert choose_freedoms(config, cell)["heading"][2] == 2.0
 
 

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from owtsweep.estimation import error_state as kernels
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies import compose
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.attitude import find_body_rates
 from owtsweep.studies.floater.contest import CONTEST
@@ -39,7 +38,7 @@ def make_case(*words, replicate=0, steps=1200):
         "grid.delay=[0]", "grid.bias=[0]", "grid.snr=[20]", "grid.loss=[0]",
         "schemes=[ERROR_STATE]", f"record.duration={steps * STEP}", "record.settling=20", *words,
     ])  # fmt: skip
-    (cell,) = list_cells(CONTEST.axes, config.grid)
+    (cell,) = CONTEST.list_cells(config)
     motion = make_truth(config, replicate, cell.get("roll"))
     return (
         motion.truth, make_setting(config, motion, cell),

@@ -12,7 +12,6 @@ from scipy.io import savemat
 
 from owtsweep.cli import main
 from owtsweep.studies import compose
-from owtsweep.studies.base.axes import list_cells
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.measuring import measure
@@ -152,8 +151,6 @@ def test_a_delay_between_samples_is_interpolated() -> None:
     """It is not refused; test_floater_measuring has it against a closed form."""
     savemat("basin.mat", COLUMNS)
     config = compose([*TINY, *RECORDED, "grid.delay=[2.5]", "grid.snr=[400]"])
-    seen = measure(
-        config, make_truth(config, 0), list_cells(CONTEST.axes, config.grid)[0], 0
-    ).position
+    seen = measure(config, make_truth(config, 0), CONTEST.list_cells(config)[0], 0).position
     between = move(STEP * (np.arange(1200) - 2.5), 1)[0]
     assert seen[10:] == pytest.approx(between[10:], abs=1e-7)

@@ -15,8 +15,7 @@ from owtsweep import load
 from owtsweep.cli import main
 from owtsweep.figures import distributions
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.base.axes import list_cells
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.contract import Scheme, Unable
 from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.declaration import make_setting
@@ -109,7 +108,7 @@ def test_more_records_and_schemes_keep_the_blocks_that_are_there() -> None:
     many = make_plan(study, compose([*TINY, "grid.replicates=25", "schemes=[KF_BIAS,KF]"]))
     kept = [block for key, block in many.items() if key in few]
     assert [block.label for block in kept] == [
-        f"KF, delay {delay}, bias 0.1, replicates 0-9" for delay in (0, 2)
+        f"KF, delay {delay} samples, bias 0.1, replicates 0-9" for delay in (0, 2)
     ]
     assert sorted({block.cases for block in many.values()}) == [5, 10]
     assert sum(block.cases for block in many.values()) == 2 * 2 * 25
@@ -120,7 +119,7 @@ def test_more_records_and_schemes_keep_the_blocks_that_are_there() -> None:
 def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     sound = SCHEMES.resolve("KF")
 
-    class Moody:
+    class Moody(Scheme):
         name = "KF"
 
         def __init__(self) -> None:
@@ -138,7 +137,7 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
             return estimates
 
     config = compose(TINY)
-    (cell, _) = list_cells(CONTEST.axes, config.grid)
+    (cell, _) = CONTEST.list_cells(config)
     motion = make_truth(config, 0)
     moody = Moody()
     monkeypatch.setattr(SchemeTable, "resolve", lambda table, name: moody)

@@ -7,6 +7,7 @@ import sys
 import numpy as np
 
 from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.loop import RecordEstimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.schemes import hub
 
@@ -160,7 +161,7 @@ class Faulty:
         return GARBAGE[self.how]()
 
 
-class Recorded(Still):
+class Recorded(Still, RecordEstimator):
     """Its whole record at once is not what it should be."""
 
     def __init__(self, how):

@@ -12,13 +12,13 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 from rich.console import Console
-from tools import SMALL, configure, measured, ned, rows_of
+from tools import SMALL, configure, measured, ned, plan_blocks, rows_of
 
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
-from owtsweep.studies.hub import batch, cache, estimates, planning, winners
+from owtsweep.studies.hub import batch, cache, estimates, winners
 from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import listing, maps_by_tuning, mse_over_amplitude
@@ -160,7 +160,7 @@ def test_records_scatter_around_the_expectation(
 
 def keys_of(config) -> dict[str, str]:
     study = HubStudy()
-    return {block_key(study, block): block.label for block in planning.plan(config)}
+    return {block_key(study, block): block.label for block in plan_blocks(config)}
 
 
 def test_one_shard_serves_all_tunings_and_no_hash_changes() -> None:
@@ -174,7 +174,7 @@ def test_one_shard_serves_all_tunings_and_no_hash_changes() -> None:
 
 def test_a_baseline_that_schemes_name_is_a_scheme() -> None:
     config = configure("schemes=[MKF,HOLD]", ALL)
-    labels = [block.label.split(",")[0] for block in planning.plan(config)]
+    labels = [block.label.split(",")[0] for block in plan_blocks(config)]
     assert labels == ["MKF", "HOLD", "NONE", "DELTA"]
     expected = configure("schemes=[MKF,HOLD]", ALL, "engine=expected")
     assert [block.group for block in expected_engine.plan(expected)] == labels

@@ -147,9 +147,11 @@ def settled_hme1() -> dict[str, tuple[float, float, float]]:
     chain = resolve("HME1").kernel(Known(records.sensors, config), records.steps)
     (sums,) = sum_errors([chain], records, settled=6000)
     found = measures.from_sums(sums)
+    means = np.mean([of_record.products for of_record in found], axis=0)
+    labels = zip(found[0].measures, found[0].windows, strict=True)
     return {
-        name: tuple(products.mean(axis=1))
-        for name, window, products in zip(*found[:3], strict=True)
+        name: tuple(products)
+        for (name, window), products in zip(labels, means, strict=True)
         if window == "settled"
     }
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from dense import whitener
 from scipy.optimize import lsq_linear
-from tools import Array, Streaming, assert_same, configure, measured, rows_of
+from tools import Array, Streaming, assert_same, configure, measured, plan_blocks, rows_of
 
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
@@ -17,11 +17,10 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
-from owtsweep.studies.hub.known import Known, Sensors
-from owtsweep.studies.hub.planning import plan
+from owtsweep.studies.hub.known import Known, Measured, Sensors
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve, under
-from owtsweep.studies.hub.sensors import Measurements, sensors
+from owtsweep.studies.hub.sensors import sensors
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.testing.hub_schemes import check_hub_scheme, example_sensors
 
@@ -30,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("kernels")
 AMPLITUDE = 0.7
 
 
-def with_outlier(config: HubConfig) -> tuple[Measurements, Array, Sensors]:
+def with_outlier(config: HubConfig) -> tuple[Measured, Array, Sensors]:
     """Sensor data of which one fix, at 10 s, is metres off; and the true position, (steps, 2)."""
     data, known = measured(config, AMPLITUDE)
     fixes = data.fixes.copy()
@@ -40,7 +39,7 @@ def with_outlier(config: HubConfig) -> tuple[Measurements, Array, Sensors]:
     return data._replace(fixes=fixes), truth, known
 
 
-def run(config: HubConfig, data: Measurements, known: Sensors, *, fast: bool = True) -> Array:
+def run(config: HubConfig, data: Measured, known: Sensors, *, fast: bool = True) -> Array:
     scheme = under(resolve("HME2"), config)
     estimator = (scheme.stream if fast else scheme.start)(Known(known, config))
     return run_estimator(estimator, *data, known.fix_interval).state
@@ -182,10 +181,12 @@ def test_a_sweep_runs_it_directly_and_says_so(caplog: pytest.LogCaptureFixture) 
     base = ("record.duration=8", "grid.amplitude=[0.1,2.0]")
     bound = configure(*base, "hme.mhe.constraints.bias=1000", "schemes=[MKF,HME2]")
     plain = configure(*base, "evaluation=direct", "schemes=[HME2]")
-    labels = [block.label for block in plan(bound)]
+    labels = [block.label for block in plan_blocks(bound)]
     assert labels == [
-        "MKF, 4 s, replicate 0", "HME2, 4 s, replicate 0, 0.1 m", "HME2, 4 s, replicate 0, 2 m",
-    ]  # fmt: skip
+        "MKF, natural period 4 s, replicate 0",
+        "HME2, natural period 4 s, amplitude 0.1 m, replicate 0",
+        "HME2, natural period 4 s, amplitude 2 m, replicate 0",
+    ]
     with caplog.at_level(logging.WARNING):
         assert HubStudy().engine(bound).backend(bound) == "loky"
     assert [record.message for record in caplog.records] == [

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tools import assert_same, configure, measured, run_batch, run_reference
+from tools import assert_same, configure, measured, plan_blocks, run_batch, run_reference
 
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.planning import plan
 from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -126,7 +125,7 @@ def test_the_hold_names_the_blocks_of_the_schemes_that_predict() -> None:
     zero, first = (
         {
             block.content["scheme"]: block.content["tuning"]
-            for block in plan(configure(f"hme.predictor.hold={hold}"))
+            for block in plan_blocks(configure(f"hme.predictor.hold={hold}"))
         }
         for hold in ("zero", "first")
     )

@@ -18,10 +18,10 @@ from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
-from owtsweep.studies.hub.known import Known, Sensors
+from owtsweep.studies.hub.known import Known, Measured, Sensors
 from owtsweep.studies.hub.resolving import resolve, under
 from owtsweep.studies.hub.schemes.hme2 import make_horizon
-from owtsweep.studies.hub.sensors import Measurements, sensors
+from owtsweep.studies.hub.sensors import sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -37,7 +37,7 @@ def ruled(rule: str, *overrides: str) -> HubConfig:
 
 
 def run(
-    name: str, config: HubConfig, data: Measurements, known: Sensors, *, fast: bool = True
+    name: str, config: HubConfig, data: Measured, known: Sensors, *, fast: bool = True
 ) -> Trajectory:
     scheme: Any = under(resolve(name), config)
     estimator = (scheme.stream if fast else scheme.start)(Known(known, config))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tools import configure
+from tools import configure, plan_blocks
 
 from owtsweep.errors import InputError
 from owtsweep.motion.modulation import Modulation
-from owtsweep.studies.hub.planning import plan
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.registry import get_study
 
@@ -28,8 +27,8 @@ def test_records_grow_and_fall_and_sensors_feel_it() -> None:
 
 
 def test_an_envelope_names_the_blocks() -> None:
-    assert plan(configure())[0].content["envelope"] is None
-    assert plan(configure(GROWS))[0].content["envelope"] == [[0, 0.1], [15, 10], [30, 0.1]]
+    assert plan_blocks(configure())[0].content["envelope"] is None
+    assert plan_blocks(configure(GROWS))[0].content["envelope"] == [[0, 0.1], [15, 10], [30, 0.1]]
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from tools import Key, configure, rows_of, run_batch, whole_series
+from tools import Key, configure, plan_blocks, rows_of, run_batch, run_blocks, whole_series
 
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub import blocks, measures, planning
+from owtsweep.studies.base.rows import Means
+from owtsweep.studies.hub import batching, measures
 from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
@@ -75,11 +76,11 @@ def trajectory(seed: int, steps: int = 40) -> Trajectory:
     return Trajectory(random.normal(size=(steps, 4)), covariance, innovation, innovation_covariance)
 
 
-def entries(measured: measures.Measured) -> dict[tuple[str, str], tuple[list[float], int]]:
+def entries(measured: Means) -> dict[tuple[str, str], tuple[list[float], int]]:
     """The products and the number of samples of one record by measure and window."""
-    (record,) = measured.products.transpose(2, 0, 1).tolist()
     names = zip(measured.measures, measured.windows, strict=True)
-    return dict(zip(names, zip(record, measured.n_samples, strict=True), strict=True))
+    found = zip(measured.products.tolist(), measured.n_samples, strict=True)
+    return dict(zip(names, found, strict=True))
 
 
 def test_trajectory_measures_are_numpy_means() -> None:
@@ -133,16 +134,16 @@ def test_an_estimator_without_covariance_has_no_nees() -> None:
 @pytest.mark.usefixtures("kernels")
 def test_a_record_that_is_not_finite_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     config = configure("schemes=[HME1]", "grid.replicates=3")
-    ((_, whole),) = blocks.run(config, planning.plan(config))
-    original = blocks.sum_errors
+    ((_, whole),) = run_blocks(config, plan_blocks(config))
+    original = batching.sum_errors
 
     def spoilt(*arguments: Any, **options: Any) -> list[Sums]:
         (sums,) = original(*arguments, **options)
         sums.products[0, 4, 1, 1] = np.inf
         return [sums]
 
-    monkeypatch.setattr(blocks, "sum_errors", spoilt)
-    ((_, rows),) = blocks.run(config, planning.plan(config))
+    monkeypatch.setattr(batching, "sum_errors", spoilt)
+    ((_, rows),) = run_blocks(config, plan_blocks(config))
     assert rows["replicate"].is_monotonic_increasing
     failed = rows["replicate"] == 1
     assert rows.loc[failed, ["status", "reason"]].to_numpy().tolist() == [

@@ -11,12 +11,10 @@ from tools import Array, Streaming, assert_same, configure, measured, ned, run_b
 
 import owtsweep
 from owtsweep.evaluation.loop import run_estimator
-from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known import Known, Sensors
+from owtsweep.studies.hub.known import Known, Measured, Sensors
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
 from owtsweep.studies.hub.resolving import resolve
-from owtsweep.studies.hub.sensors import Measurements
 from owtsweep.testing import check_scheme
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -28,14 +26,14 @@ def stream(name: str, config: HubConfig, sensors: Sensors) -> Any:
     return resolve(name).stream(Known(sensors, config))
 
 
-def on_time(data: Measurements, sensors: Sensors) -> Array:
+def on_time(data: Measured, sensors: Sensors) -> Array:
     """(steps, 2) positions, NaN between fixes."""
     positions = np.full_like(data.specific_force, np.nan)
     positions[:: sensors.fix_interval] = data.fixes
     return positions
 
 
-def dropouts(data: Measurements, sensors: Sensors) -> Array:
+def dropouts(data: Measured, sensors: Sensors) -> Array:
     """As `on_time`, without the first fix, some others, and a gap longer than the MHE's window."""
     positions = on_time(data, sensors)
     fixes = np.arange(len(data.fixes))
@@ -45,7 +43,7 @@ def dropouts(data: Measurements, sensors: Sensors) -> Array:
     return positions
 
 
-def assert_as_reference(name: str, config: HubConfig, positions: Array, data: Measurements,
+def assert_as_reference(name: str, config: HubConfig, positions: Array, data: Measured,
                         sensors: Sensors, tolerance: float = 1e-9) -> None:  # fmt: skip
     fast = stream(name, config, sensors).run(data.specific_force, positions)
     slow = resolve(name).start(Known(sensors, config))
@@ -272,6 +270,6 @@ def test_the_batch_engine_streams_what_has_no_kernel() -> None:
     config = configure("hme.mhe.constraints.bias=1")
     sensors = measured(config)[1]
     scheme = resolve("HME2")
-    assert hasattr(start(scheme, Known(sensors, config)), "run")
+    assert hasattr(scheme.start_for_runs(Known(sensors, config)), "run")
     reference = Known(sensors, configure("engine=reference"))
-    assert not hasattr(start(scheme, reference), "run")
+    assert not hasattr(scheme.start_for_runs(reference), "run")

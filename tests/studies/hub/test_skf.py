@@ -14,8 +14,9 @@ from tools import Streaming, assert_same, configure, measured, ned, rows_of
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
-from owtsweep.studies.hub import planning, spectral_model
+from owtsweep.studies.hub import spectral_model
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.declaration import superposes
 from owtsweep.studies.hub.expected.spectral import find_expected_errors
 from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
 from owtsweep.studies.hub.histories import simulate_histories
@@ -169,7 +170,7 @@ def test_time_histories_say_that_skf_is_left_out() -> None:
 
 def test_skf_is_told_its_cell_unless_the_configuration_says_otherwise() -> None:
     config, one = configure("schemes=[SKF]"), configure("schemes=[SKF]", "skf.amplitude=3")
-    assert not planning.superposes(config, SKF)
+    assert not superposes(config, SKF)
     sensors = measured(config)[1]
     told, stated = (find_motion(Known(sensors, each, 4.0, 0.7)) for each in (config, one))
     assert np.sum(told.variance) == pytest.approx((0.7 / 3.0) ** 2 * np.sum(stated.variance))

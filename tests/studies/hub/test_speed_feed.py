@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tools import configure
+from tools import configure, plan_blocks, run_blocks
 from user_schemes import Saturated
 
-from owtsweep.studies.hub import batch, blocks, feed, planning
+from owtsweep.studies.hub import batch, feed
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.resolving import resolve
@@ -64,7 +64,7 @@ def test_kept_noise_is_drawn_noise(yaw: float) -> None:
 def test_amplitudes_are_free_but_for_what_is_not_linear() -> None:
     def plan(amplitudes: int, *changes: str) -> list:
         listed = ",".join(f"{0.1 + 0.01 * i:g}" for i in range(amplitudes))
-        return planning.plan(configure(f"grid.amplitude=[{listed}]", *changes))
+        return plan_blocks(configure(f"grid.amplitude=[{listed}]", *changes))
 
     few, many = plan(10), plan(1000)
     assert [block.content for block in few] == [block.content for block in many]
@@ -82,7 +82,7 @@ def test_a_scheme_without_a_chain_keeps_no_other_from_its_rows(
     config = configure("schemes=[MKF,HME1,HME2]")
     broken = resolve("HME1")
     monkeypatch.setattr(type(broken), "kernel_for_runs", lambda *_: 1 / 0)
-    results = blocks.run(config, planning.plan(config))
+    results = run_blocks(config, plan_blocks(config))
     block, rows = next(results)
     assert block.content["scheme"] == "MKF"
     assert (rows["status"] == "ok").all()

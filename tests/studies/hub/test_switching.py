@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tools import Array, assert_same, configure, measured
+from tools import Array, assert_same, configure, measured, plan_blocks
 
 import owtsweep
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.expected.engine import rows_of
 from owtsweep.studies.hub.known import Known
-from owtsweep.studies.hub.planning import plan
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.switching.boundary import (
     ANY,
@@ -150,11 +148,11 @@ def test_compiled_and_reference_agree_and_hand_out_one_of_the_two() -> None:
         data, sensors = measured(config)
         known = Known(sensors, config)
         results[engine] = {
-            name: run_estimator(start(resolve(name), known), *data, sensors.fix_interval)
+            name: run_estimator(resolve(name).start_for_runs(known), *data, sensors.fix_interval)
             for name in ("HME1", "MKF", "SWITCH")
         }
         if engine == "batch":
-            estimator = start(resolve("SWITCH"), known)
+            estimator = resolve("SWITCH").start_for_runs(known)
             run_estimator(estimator, *data, sensors.fix_interval)
             assert estimator.supervisor.switches >= 2
     fast, slow = (results[engine]["SWITCH"] for engine in ("batch", "reference"))
@@ -179,7 +177,7 @@ def assert_nothing_jumps(blended: Trajectory, alone: dict[str, Trajectory]) -> N
 
 def test_its_blocks_depend_on_its_two_schemes_and_its_own_section() -> None:
     def content(*words: str) -> object:
-        return plan(configure("schemes=[SWITCH]", *words))[0].content
+        return plan_blocks(configure("schemes=[SWITCH]", *words))[0].content
 
     assert content() != content("hme.mhe.horizon=5")
     assert content() != content("switch.memory=20")

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from hold_last_fix import HoldLastFix
 from hostile_schemes import ERRORS, GARBAGE
-from tools import SMALL, Key, configure, rows_of, whole_series
+from tools import SMALL, Key, configure, plan_blocks, rows_of, run_blocks, whole_series
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub import blocks, planning
 from owtsweep.studies.hub.records import make_records
 from owtsweep.sweep.run import sweep
 
@@ -53,7 +52,7 @@ def test_a_failing_case_gives_its_reason_and_the_rest_goes_on(fault: str, reason
         f"schemes=[{{_target_: failing_scheme.Failing, fault: {fault}}},MKF]", "record.duration=12"
     )
     done = {
-        block.content["scheme"]: rows for block, rows in blocks.run(config, planning.plan(config))
+        block.content["scheme"]: rows for block, rows in run_blocks(config, plan_blocks(config))
     }
     assert (done["MKF"]["status"] == "ok").all()
     assert (done["Failing"]["status"] == "failed").all()
@@ -77,7 +76,7 @@ BROKEN = (
 @pytest.mark.parametrize("target", BROKEN)
 def test_a_broken_class_is_refused_in_one_line(target: str) -> None:
     with pytest.raises(InputError, match=r"^schemes: ") as caught:
-        planning.plan(configure(f"schemes=[MKF,{{_target_: {target}}}]"))
+        plan_blocks(configure(f"schemes=[MKF,{{_target_: {target}}}]"))
     assert str(caught.value).isprintable()
 
 
@@ -104,10 +103,10 @@ def test_a_scheme_that_breaks_off_takes_nothing_else_down(name, where, how) -> N
         f"schemes=[MKF,{{_target_: hostile_schemes.{name}, where: {where}, how: {how}}},EKF]",
         "record.duration=12", "grid.replicates=2",
     )  # fmt: skip
-    left, done = planning.plan(config), {}
+    left, done = plan_blocks(config), {}
     while left:  # as a worker does: the block that was due fails, and those after it are run
         try:
-            for block, rows in blocks.run(config, left):
+            for block, rows in run_blocks(config, left):
                 done[block.content["scheme"]] = rows
         except Exception as error:
             due = next(b for b in left if b.content["scheme"] not in done)
@@ -123,7 +122,7 @@ def test_a_scheme_that_breaks_off_takes_nothing_else_down(name, where, how) -> N
 
 
 def test_its_source_is_part_of_its_blocks() -> None:
-    ours, theirs = planning.plan(configure(SCHEMES))
+    ours, theirs = plan_blocks(configure(SCHEMES))
     assert "source" not in ours.content
     assert len(theirs.content["source"]) == 16
     assert theirs.content["entry"] == {"_target_": "hold_last_fix.HoldLastFix"}

@@ -134,6 +134,11 @@ def test_bad_targets_are_refused_before_anything_runs(change, says):
         searches.plan(small(1, {**ONE, **change}))
 
 
+def test_a_search_needs_a_motion_with_a_spectrum():
+    with pytest.raises(InputError, match=r"numbers of a spectrum; leave out motion=plant"):
+        compose([*SHORT, "motion=plant", "structure=ren2019"])
+
+
 def test_an_unknown_parameter_of_a_truth_is_refused():
     config = compose([*SHORT, "calibration.trials=1"])
     config = with_values(config, {"calibration.truths": {"odd": {"sensors.imu.bais": 1.0}}})

@@ -7,10 +7,11 @@ import re
 from pathlib import Path
 
 import pytest
-from replay_tools import motion_file
+from replay_tools import config_of, motion_file
 
 from owtsweep.cli import main
 from owtsweep.errors import InputError
+from owtsweep.studies.replay.checking import verify
 from owtsweep.studies.replay.files import as_plain, hash_file, label_files
 from owtsweep.studies.replay.report import _describe_many
 from owtsweep.studies.replay.running import LONGEST_EXPERIMENT, configure, expand
@@ -55,6 +56,17 @@ def test_pipes_do_not_make_a_replay_wait():
             act()
     with pytest.raises(InputError, match="there is no such file"):
         expand(["a" * 300])
+
+
+def test_a_replay_takes_no_motion_but_that_of_the_record():
+    with pytest.raises(InputError, match=r"motion from the record; leave out motion=plant"):
+        config_of([], "motion=plant", "structure=ren2019")
+
+
+def test_a_record_too_short_to_choose_a_spectrum_is_told():
+    config = config_of([motion_file(Path("x.csv"), duration=25.0)], "schemes=[HME1,SKFA]")
+    noted = [note for note in verify(config).notes if "choose a spectrum" in note]
+    assert noted == ["SKFA had no time to choose a spectrum, which takes 30 s"]
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from math import ceil, prod
-from typing import Any, Protocol
+from operator import attrgetter
+from typing import Any, Generic, Protocol, TypeVar
 
-from owtsweep.config import key, require
+from owtsweep.config import Config, key, require
+from owtsweep.results.conditions import Condition
 from owtsweep.studies.grid_size import check_blocks
 
 #: Value of each axis of the grid in one cell; an axis without a value is missing.
@@ -22,6 +25,67 @@ class Grid(Protocol):
     @property
     def replicates(self) -> int:
         """Records per cell."""
+
+
+C = TypeVar("C", bound=Config)
+#: Axis -> its values; None: it has none.
+Values = Mapping[str, Sequence[Any] | None]
+
+
+@dataclass(frozen=True)
+class Axes(Generic[C]):
+    """The axes that a study is swept over.
+
+    Attributes
+    ----------
+    conditions
+        All axes that the grid may have, with the names of its keys.
+    find_axes
+        Function that returns the names of the axes of a configuration's map, the horizontal one
+        first.
+    section
+        The section of the configuration that has a key for each axis.
+    find_values
+        Function that returns the values of all axes; None: those of the section.
+    """
+
+    conditions: tuple[Condition, ...]
+    find_axes: Callable[[C], Sequence[str]] = attrgetter("axes")
+    section: str = "grid"
+    find_values: Callable[[C], Values] | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all axes."""
+        return tuple(condition.name for condition in self.conditions)
+
+    def find_conditions(self, config: C) -> tuple[Condition, ...]:
+        """Return the conditions on the axes of a configuration's map, the horizontal one first."""
+        by_name = {condition.name: condition for condition in self.conditions}
+        return tuple(by_name[name] for name in self.find_axes(config))
+
+    def find_entering(self, *places: str) -> list[str]:
+        """Return the axes that enter at some of "world", "sensors", "knowledge" and "scale"."""
+        return [condition.name for condition in self.conditions if condition.enters in places]
+
+    def get_values(self, config: C) -> Values:
+        """Return axis -> its values, or None."""
+        if self.find_values is not None:
+            return self.find_values(config)
+        section = getattr(config, self.section)
+        return {axis: getattr(section, axis) for axis in self.names}
+
+    def tell(self, cell: Mapping[str, float | None], axes: Sequence[str]) -> list[str]:
+        """Return in words where a cell is along some axes; an axis without a value is left out."""
+        return [
+            f"{condition.word} {condition.show(value)}"
+            for condition in self.conditions
+            if condition.name in axes and (value := cell.get(condition.name)) is not None
+        ]
+
+    def list_cells(self, config: C) -> list[Cell]:
+        """Return all cells, the last axis running fastest; an axis without a value is missing."""
+        return _combine(self.get_values(config))
 
 
 def key_of_records(drawn: str) -> Any:
@@ -77,10 +141,8 @@ def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schem
     check_blocks(cells * schemes * ceil(grid.replicates / RECORDS))
 
 
-def list_cells(axes: Sequence[str], grid: Grid) -> list[Cell]:
-    """Return all cells, the last axis running fastest; an axis without a value is missing."""
-    values = [getattr(grid, axis) or [None] for axis in axes]
+def _combine(values: Values) -> list[Cell]:
     return [
-        {axis: value for axis, value in zip(axes, cell, strict=True) if value is not None}
-        for cell in product(*values)
+        {axis: value for axis, value in zip(values, cell, strict=True) if value is not None}
+        for cell in product(*(of_axis or [None] for of_axis in values.values()))
     ]

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from itertools import product
+from itertools import groupby, product
 from math import prod
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from owtsweep.errors import as_text
+from owtsweep.config import AnyConfig
+from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, UNABLE
-from owtsweep.studies.base.axes import Cell, list_cells
-from owtsweep.studies.base.contest import C, Contest, ContestConfig
+from owtsweep.studies.base.axes import Axes, Cell
 from owtsweep.studies.base.contract import NotFinite, Ready, Unable
 from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart
+from owtsweep.studies.base.rows import Judgement, make_product_rows, make_rows
 from owtsweep.studies.base.schemes import AnyScheme
-from owtsweep.studies.base.tables import Judgement, make_rows
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
@@ -32,22 +32,26 @@ class Planned(NamedTuple):
     name
         The scheme's name.
     ignored
-        The axes on which its estimates do not depend.
-    code
-        What of a user's code its rows depend on.
+        The axes whose values one run of the scheme serves.
+    content
+        What its rows depend on, besides what the rows of all schemes do.
     anew
         Why stored rows must be computed anew; "" if they can be used.
+    alone
+        Whether its blocks form groups of their own, one per cell: its gains are dearer than the
+        records.
     """
 
     name: str
     ignored: Sequence[str] = ()
-    code: Mapping[str, object] = MappingProxyType({})
+    content: Mapping[str, object] = MappingProxyType({})
     anew: str = ""
+    alone: bool = False
 
 
 def plan(
     declaration: AnyDeclaration,
-    config: ContestConfig,
+    config: AnyConfig,
     cells: Sequence[Cell] | None = None,
     replicates: int | None = None,
 ) -> list[Block]:
@@ -66,34 +70,33 @@ def plan(
         If no scheme can serve the configuration.
     """
     declaration.require(config)
+    table = declaration.schemes
     schemes = [
         Planned(
             scheme.name,
-            find_ignored(declaration, scheme),
-            declaration.schemes.describe_code(entry, scheme),
-            declaration.schemes.explain_anew(scheme),
+            [*find_ignored(declaration, scheme), *_find_expanded(declaration, config, scheme)],
+            table.describe_content(config, entry, scheme),
+            table.explain_anew(scheme),
+            scheme.told_motion,
         )
-        for entry, scheme in zip(
-            config.schemes, declaration.schemes.resolve_all(config.schemes), strict=True
-        )
+        for entry, scheme in zip(table.list_entries(config), table.choose(config), strict=True)
     ]
-    truth = declaration.shared == "truth"
-    places = ("world",) if truth else ("world", "sensors")
+    places = ("world",) if declaration.shared == "truth" else ("world", "sensors")
     return plan_blocks(
-        declaration.contest,
+        declaration.axes,
         config,
         schemes,
         declaration.list_content(config),
         declaration.most_records(config),
-        _find_axes(declaration.contest, places),
+        declaration.axes.find_entering(*places),
         cells,
         replicates,
     )
 
 
 def plan_blocks(
-    contest: Contest[C],
-    config: C,
+    axes: Axes[Any],
+    config: AnyConfig,
     schemes: Sequence[Planned],
     shared: Mapping[str, object],
     most: int,
@@ -108,7 +111,7 @@ def plan_blocks(
 
     Parameters
     ----------
-    contest
+    axes
         The axes.
     config, schemes
         The configuration and its schemes.
@@ -121,67 +124,116 @@ def plan_blocks(
     cells, replicates
         Cells, and the number of records of each; None: those of the grid.
     """
-    axes = contest.axes
-    cells = list_cells(axes, config.grid) if cells is None else cells
+    values, named = axes.get_values(config), axes.find_axes(config)
+    cells = axes.list_cells(config) if cells is None else cells
     count = config.grid.replicates if replicates is None else replicates
+    # made once per scheme: blocks share them, so that a large plan fits into memory
+    contents = [{**shared, "scheme": scheme.name, **scheme.content} for scheme in schemes]
+    kept = [[axis for axis in axes.names if axis not in scheme.ignored] for scheme in schemes]
+    every = [prod(len(values[axis] or [None]) for axis in each.ignored) for each in schemes]
     blocks: dict[tuple[object, ...], Block] = {}
     for cell, first in product(cells, range(0, count, most)):
         last = min(first + most, count)
         numbers = f"replicate{f's {first}-{last - 1}' if last - first > 1 else f' {first}'}"
-        group = ", ".join([*_tell(cell, grouping), numbers])
-        for scheme in schemes:
-            known = {axis: cell.get(axis) for axis in axes if axis not in scheme.ignored}
-            case = {"replicates": [first, last], "scheme": scheme.name}
-            label = ", ".join([scheme.name, *_tell(known, contest.find_axes(config)), numbers])
-            every = prod(len(getattr(config.grid, axis)) for axis in scheme.ignored)
-            blocks.setdefault(
-                (scheme.name, first, *known.values()),
-                Block(
-                    group,
-                    label,
-                    {**shared, **known, **case, **scheme.code},
-                    every * (last - first),
-                    every,
-                    scheme.anew,
-                ),
+        group = ", ".join([*axes.tell(cell, grouping), numbers])
+        for scheme, content, names, cases in zip(schemes, contents, kept, every, strict=True):
+            known = {axis: cell.get(axis) for axis in names}
+            key = (scheme.name, first, *known.values())
+            if key in blocks:
+                continue
+            told = [scheme.name, *axes.tell(known, named)]
+            blocks[key] = Block(
+                ", ".join(told) if scheme.alone else group,
+                ", ".join([*told, numbers]),
+                {**content, **known, "replicates": [first, last]},
+                cases * (last - first),
+                cases,
+                scheme.anew,
             )
     return list(blocks.values())
 
 
 def find_ignored(declaration: AnyDeclaration, scheme: AnyScheme) -> list[str]:
     """Return the axes of what schemes are told on which the estimates of this one do not depend."""
-    told = _find_axes(declaration.contest, ("knowledge",))
+    told = declaration.axes.find_entering("knowledge")
     return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in told]
 
 
+def _find_expanded(
+    declaration: AnyDeclaration, config: AnyConfig, scheme: AnyScheme
+) -> Sequence[str]:
+    """Return the axes that scale the motion, if one run of a scheme serves all their values."""
+    superposes = declaration.superposes
+    if superposes is None or not superposes(config, scheme):
+        return ()
+    return declaration.axes.find_entering("scale")
+
+
 def run(
-    declaration: AnyDeclaration, config: ContestConfig, blocks: Sequence[Block]
+    declaration: AnyDeclaration, config: AnyConfig, blocks: Sequence[Block]
 ) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; yield each with its rows.
 
-    Truth and measurements are made once for all schemes and tunings. An error of a user's scheme
-    is the reason of its failed rows, and stops no other.
+    Truth and measurements are made once for all successive blocks of some records, of all tunings.
+    What a scheme raises is the reason of its failed rows, and stops no other.
     """
-    axes = declaration.contest.axes
-    replicates = range(*blocks[0].content["replicates"])
-    made = Records(declaration, config, replicates)
-    for block in blocks:
-        cell = {axis: value for axis in axes if (value := block.content.get(axis)) is not None}
-        chosen = block.choose(config)
-        entry = block.content.get("entry")
-        scheme = Readied(declaration.schemes.resolve(entry or block.content["scheme"]))
-        judged = [
-            _judge(declaration, chosen, cell, record, parts, scheme, own=entry is None)
-            for record, parts in made.take(chosen, cell)
-        ]
-        yield block, make_rows(block.content["scheme"], cell, axes, replicates, judged)
+    for numbers, of_records in groupby(blocks, lambda block: block.content["replicates"]):
+        records = Records(declaration, config, range(*numbers))
+        for _, of_tuning in groupby(of_records, lambda block: block.tunings[:1]):
+            yield from _run_one_tuning(declaration, list(of_tuning), records, config)
+
+
+def _run_one_tuning(
+    declaration: AnyDeclaration, blocks: Sequence[Block], records: Records, config: AnyConfig
+) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run blocks of some records and one tuning; yield each with its rows.
+
+    Schemes that have kernels run together on the records of a cell: with the first block of a cell
+    all others of this kind.
+    """
+    config, axes = blocks[0].choose(config), declaration.axes
+    schemes = {scheme.name: scheme for scheme in declaration.schemes.choose(config)}
+    cells = [_find_cell(axes, block) for block in blocks]
+    batch = declaration.batch
+    batched = [
+        batch is not None and batch.serves(config, schemes[block.content["scheme"]])
+        for block in blocks
+    ]
+    ready: dict[int, list[Judgement[Any]] | Exception] = {}
+    for number, (block, cell) in enumerate(zip(blocks, cells, strict=True)):
+        if batch is not None and batched[number] and number not in ready:
+            together = [n for n in range(number, len(blocks)) if batched[n] and cells[n] == cell]
+            chosen = [schemes[blocks[n].content["scheme"]] for n in together]
+            found = batch.run(config, cell, records.gather(cell), chosen)
+            ready.update(zip(together, found, strict=True))
+        if number in ready:
+            judged = ready.pop(number)
+            if isinstance(judged, Exception):
+                raise judged
+        else:
+            scheme = Readied(declaration, schemes[block.content["scheme"]])
+            judged = [
+                _judge(declaration, config, cell, record, parts, scheme)
+                for record, parts in records.take(config, cell)
+            ]
+        labels = block.content["scheme"], cell, axes.names, records.replicates, judged
+        if declaration.superposes is None:
+            yield block, make_rows(*labels)
+        else:
+            apart = not {*axes.find_entering("scale")} <= {*cell}
+            yield block, make_product_rows(*labels, apart=apart)
+
+
+def _find_cell(axes: Axes[Any], block: Block) -> Cell:
+    content = block.content
+    return {axis: value for axis in axes.names if (value := content.get(axis)) is not None}
 
 
 class Readied:
     """A scheme that is prepared once for all records about which it is told the same."""
 
-    def __init__(self, scheme: AnyScheme) -> None:
-        self._scheme = scheme
+    def __init__(self, declaration: AnyDeclaration, scheme: AnyScheme) -> None:
+        self.declaration, self.scheme = declaration, scheme
         self._made: dict[Hashable, Ready[object, object] | Unable] = {}
 
     def run(self, part: AnyPart) -> object:
@@ -192,13 +244,14 @@ class Readied:
         Unable
             If the scheme cannot work with what it is told.
         """
-        made = self._made.get(part.known)
+        known = self.declaration.tell(self.scheme, part.known)
+        made = self._made.get(known)
         if made is None:
             try:
-                made = self._scheme.prepare(part.known)
+                made = self.scheme.prepare(known)
             except Unable as reason:
                 made = reason
-            self._made[part.known] = made
+            self._made[known] = made
         if isinstance(made, Unable):
             raise made
         return made.run(part.measured)
@@ -208,20 +261,22 @@ class Records:
     """Some records of a group, whose truth, measurements and knowledge are made once each."""
 
     def __init__(
-        self, declaration: AnyDeclaration, config: ContestConfig, replicates: Sequence[int]
+        self, declaration: AnyDeclaration, config: AnyConfig, replicates: Sequence[int]
     ) -> None:
-        self._declaration, self._config, self._replicates = declaration, config, replicates
+        self.replicates = replicates
+        self._declaration, self._config = declaration, config
         self._truths: dict[Hashable, list[object]] = {}
         self._records: dict[Hashable, list[object]] = {}
         self._parts: dict[Hashable, list[Mapping[str, AnyPart]]] = {}
+        self._gathered: dict[Hashable, object] = {}
 
-    def take(self, config: ContestConfig, cell: Cell) -> list[tuple[object, Mapping[str, AnyPart]]]:
+    def take(self, config: AnyConfig, cell: Cell) -> list[tuple[object, Mapping[str, AnyPart]]]:
         """Return each record of a cell, and its parts as the tuning of a configuration has them."""
         made, given = self._declaration, self._config
-        world = self._identify(cell, ("world",))
+        world = self._identify(cell, "world")
         if world not in self._truths:
-            self._truths = {world: [made.make_truth(given, cell, n) for n in self._replicates]}
-        sensed = self._identify(cell, ("world", "sensors"))
+            self._truths = {world: [made.make_truth(given, cell, n) for n in self.replicates]}
+        sensed = self._identify(cell, "world", "sensors")
         if sensed not in self._records:
             truths = self._truths[world]
             self._records = {sensed: [made.measure(given, cell, truth) for truth in truths]}
@@ -229,11 +284,21 @@ class Records:
         told = (config.tuning_name, *cell.items())
         records = self._records[sensed]
         if told not in self._parts:
+            # kept besides: those of a cell without the axes that some scheme ignores
+            self._parts = dict([*self._parts.items()][-1:])
             self._parts[told] = [made.inform(config, cell, record) for record in records]
         return list(zip(records, self._parts[told], strict=True))
 
-    def _identify(self, cell: Cell, places: Sequence[str]) -> tuple[float | None, ...]:
-        return tuple(cell.get(axis) for axis in _find_axes(self._declaration.contest, places))
+    def gather(self, cell: Cell) -> object:
+        """Return all records of a cell as the one object that kernels run on."""
+        batch, world = self._declaration.batch, self._identify(cell, "world")
+        assert batch is not None
+        if world not in self._gathered:
+            self._gathered = {world: batch.make_records(self._config, cell, self.replicates)}
+        return self._gathered[world]
+
+    def _identify(self, cell: Cell, *places: str) -> tuple[float | None, ...]:
+        return tuple(cell.get(axis) for axis in self._declaration.axes.find_entering(*places))
 
 
 def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int) -> None:
@@ -264,36 +329,26 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
 
 def _judge(
     declaration: AnyDeclaration,
-    config: ContestConfig,
+    config: AnyConfig,
     cell: Cell,
     record: object,
     parts: Mapping[str, AnyPart],
     scheme: Readied,
-    *,
-    own: bool,
-) -> Judgement:
+) -> Judgement[Any]:
     """Run a scheme on a record and compare its estimates with the truth."""
     try:
         estimates = {name: scheme.run(part) for name, part in parts.items()}
-        if not own:
-            for given in estimates.values():
-                check_estimates(declaration, given, declaration.count_samples(record))
+        for given in estimates.values():
+            check_estimates(declaration, given, declaration.count_samples(record))
         return Judgement(declaration.score(config, cell, record, parts, estimates))
-    except Unable as reason:
-        return Judgement.none(UNABLE, str(reason))
-    except NotFinite as reason:
-        return Judgement.none(FAILED, str(reason))
-    except (Exception, SystemExit) as error:
-        if own:
-            raise
-        return Judgement.none(FAILED, as_text(error))
+    except (KeyboardInterrupt, InputError):  # a wrong input fails the block
+        raise
+    except BaseException as error:  # a user's scheme may raise anything
+        return explain(error)
 
 
-def _find_axes(contest: Contest[C], places: Sequence[str]) -> list[str]:
-    """Return the axes that enter at some of the places "world", "sensors" and "knowledge"."""
-    return [axis.name for axis in contest.conditions if axis.enters in places]
-
-
-def _tell(cell: Mapping[str, float | None], axes: Sequence[str]) -> list[str]:
-    """Return in words where a cell is along some axes."""
-    return [f"{axis} {value:g}" for axis in axes if (value := cell.get(axis)) is not None]
+def explain(error: BaseException) -> Judgement[Any]:
+    """Return why there are no estimates, from what a scheme has raised."""
+    if isinstance(error, Unable):
+        return Judgement(None, UNABLE, str(error))
+    return Judgement(None, FAILED, str(error) if isinstance(error, NotFinite) else as_text(error))

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from owtsweep.config import Config
-from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.axes import Grid
+from owtsweep.studies.base.axes import Axes, Grid
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,14 +38,12 @@ class ContestConfig(Config):
 C = TypeVar("C", bound=ContestConfig)
 
 
-@dataclass(frozen=True)
-class Contest(Generic[C]):
+@dataclass(frozen=True, kw_only=True)
+class Contest(Axes[C]):
     """What is a study's own in a contest.
 
     Attributes
     ----------
-    conditions
-        All axes that the grid may have, with the names of its keys.
     criteria
         Measures by which schemes are judged -> what the title of a map says.
     list_measures
@@ -56,31 +52,16 @@ class Contest(Generic[C]):
         Functions that say in words what a configuration's motion and sensors are.
     pairing
         The keys on which the motion of a record depends, besides its conditions and number.
-    find_axes
-        Function that returns the names of the two axes of a configuration's map, the horizontal one
-        first.
     tell_more
         Function that returns further lines for the terminal, of a configuration and its tables.
     """
 
-    conditions: tuple[Condition, ...]
     criteria: Mapping[str, str]
     list_measures: Callable[[Iterable[str]], list[str]]
     describe_truth: Callable[[C], str]
     describe_sensors: Callable[[C], str]
     pairing: Sequence[str]
-    find_axes: Callable[[C], Sequence[str]] = attrgetter("axes")
     tell_more: Callable[[C, Mapping[str, pd.DataFrame]], list[str]] = lambda config, tables: []
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """The names of all axes."""
-        return tuple(condition.name for condition in self.conditions)
-
-    def find_conditions(self, config: C) -> tuple[Condition, ...]:
-        """Return the conditions on the axes of a configuration's map, the horizontal one first."""
-        by_name = {condition.name: condition for condition in self.conditions}
-        return tuple(by_name[name] for name in self.find_axes(config))
 
 
 #: The contest of any study: its functions take the configuration of that study alone.

@@ -46,6 +46,11 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
     ignores
         Names of axes of what schemes are told on which the scheme's estimates do not depend. One
         record serves all values of these axes.
+    sections
+        The keys of the configuration on which the scheme's estimates depend, e.g. ("mkf",
+        "hme.mhe"), besides those on which the rows of all schemes do.
+    told_motion
+        Whether the scheme is told the motion of a case, where a study tells it.
     version
         Stands for the scheme's code where that cannot be read; None: nothing does.
     """
@@ -53,6 +58,8 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
     name: str
     study: ClassVar[str] = ""
     ignores: Sequence[str] = ()
+    sections: Sequence[str] = ()
+    told_motion: bool = False
     version: str | None = None
 
     @abstractmethod
@@ -84,6 +91,13 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
             isinstance(self.ignores, Sequence) and not isinstance(self.ignores, str),
             f"ignores = {self.ignores!r} is no list of axes",
         )
+        declared: object = self.sections
+        require(
+            isinstance(declared, list | tuple) and all(isinstance(each, str) for each in declared),
+            f"schemes: {self.name} has sections = {declared!r}; give a tuple of keys of the "
+            'configuration, e.g. ("mkf", "hme")',
+        )
+        require(isinstance(self.told_motion, bool), "it lacks told_motion (True or False)")
         str(self.version)  # a property that raises would do so in a sweep
 
 

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 from owtsweep.arrays import Array
+from owtsweep.config import Config as Keys
 from owtsweep.evaluation.estimate import Reading
-from owtsweep.studies.base.axes import Cell
-from owtsweep.studies.base.contest import Contest, ContestConfig
+from owtsweep.studies.base.axes import Axes, Cell
 from owtsweep.studies.base.contract import Part
+from owtsweep.studies.base.rows import Judgement, Means
 from owtsweep.studies.base.schemes import SchemeTable
 
-Config = TypeVar("Config", bound=ContestConfig)
+Config = TypeVar("Config", bound=Keys)
 Truth = TypeVar("Truth")
 Record = TypeVar("Record")
 Known = TypeVar("Known")
 Measured = TypeVar("Measured")
 Estimates = TypeVar("Estimates")
+
+
+#: A scheme of the study at hand.
+TheScheme = Any
 
 
 class Quantity(NamedTuple):
@@ -41,6 +46,7 @@ class Shown(NamedTuple):
     """What `owtsweep.estimate` shows of a record; the fields are those of `EstimatedRecord`."""
 
     time: Array
+    settled: int
     truth: Mapping[str, Array]
     measurements: Mapping[str, Reading]
     units: Mapping[str, str]
@@ -55,14 +61,35 @@ class Stated(NamedTuple):
     wait: float
 
 
+class Batch(NamedTuple):
+    """How a study runs many schemes on many records at once, by compiled kernels.
+
+    Attributes
+    ----------
+    serves
+        Whether a scheme runs so: of the configuration of one tuning, and the scheme.
+    make_records
+        Some records as one object: of a configuration, a cell, and the records' numbers.
+    run
+        Run schemes side by side on such records: of the configuration of one tuning, a cell, the
+        records and the schemes. The result has an entry for each scheme, what its estimates of each
+        record are worth, or the exception that it raised. The numbers are those of `prepare`, `run`
+        and `score`.
+    """
+
+    serves: Callable[[Any, TheScheme], bool]
+    make_records: Callable[[Any, Cell, Sequence[int]], Any]
+    run: Callable[[Any, Cell, Any, Sequence[TheScheme]], list[list[Judgement[Means]] | Exception]]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     """What is a study's own.
 
     Attributes
     ----------
-    contest
-        The axes, the criteria, and words for truth and sensors.
+    axes
+        The axes that the study is swept over.
     schemes
         The study's schemes.
     list_content
@@ -78,24 +105,32 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     inform
         The parts of a record with what schemes are told of each: of the configuration of one
         tuning, a cell, and a record. The cell lacks the axes that a scheme ignores.
+    tell
+        What of its knowledge a scheme is told: of the scheme, and what `inform` says.
     score
-        Measure -> value: of the configuration of one tuning, a cell, a record, its parts, and the
-        estimates of each.
+        Measure -> value, or `Means`: of the configuration of one tuning, a cell, a record, its
+        parts, and the estimates of each.
     estimates
         The fields of a scheme's estimates. Arrays begin with the record's samples.
     count_samples
         Number of samples of a record.
     show
-        What `owtsweep.estimate` shows: of a configuration and a record.
+        What `owtsweep.estimate` shows: of a configuration, a cell and a record.
     state
         What it shows of a scheme: of a record, and the estimates of its parts.
     warn
         Function that warns of what a configuration makes doubtful, once before the first block.
     require
         Function that refuses, before anything is planned, a configuration that no scheme can serve.
+    superposes
+        Whether one run of a scheme serves all values of the axis that scales the motion: of the
+        configuration of one tuning, and the scheme. Such a run has a cell without this axis. None:
+        rows have values, no products.
+    batch
+        How schemes run by compiled kernels; None: they do not.
     """
 
-    contest: Contest[Config]
+    axes: Axes[Config]
     schemes: SchemeTable
     list_content: Callable[[Config], dict[str, object]]
     most_records: Callable[[Config], int]
@@ -103,16 +138,19 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     make_truth: Callable[[Config, Cell, int], Truth]
     measure: Callable[[Config, Cell, Truth], Record]
     inform: Callable[[Config, Cell, Record], Mapping[str, Part[Known, Measured]]]
+    tell: Callable[[TheScheme, Known], Known] = lambda scheme, known: known
     score: Callable[
         [Config, Cell, Record, Mapping[str, Part[Known, Measured]], Mapping[str, Estimates]],
-        dict[str, float],
+        Mapping[str, float] | Means,
     ]
     estimates: Mapping[str, Quantity]
     count_samples: Callable[[Record], int]
-    show: Callable[[Config, Record], Shown]
+    show: Callable[[Config, Cell, Record], Shown]
     state: Callable[[Record, Mapping[str, Estimates]], Stated]
     warn: Callable[[Config], object] = lambda config: None
     require: Callable[[Config], object] = lambda config: None
+    superposes: Callable[[Config, TheScheme], bool] | None = None
+    batch: Batch | None = None
 
 
 #: A declaration of any study, a part of its records, and a scheme of it. Truth, records, knowledge

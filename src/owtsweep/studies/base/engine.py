@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Generic
 
+from owtsweep.config import AnyConfig
 from owtsweep.studies.base import blocks, maps, tables
 from owtsweep.studies.base.axes import Cell
-from owtsweep.studies.base.contest import C, Contest, ContestConfig
+from owtsweep.studies.base.contest import AnyContest, C, Contest, ContestConfig
 from owtsweep.studies.base.declaration import AnyDeclaration
+from owtsweep.sweep.study import Engine
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
     from owtsweep.sweep.study import Block
 
 
-class ContestEngine(Generic[C]):
+class ContestEngine(Engine, Generic[C]):
     """What follows from a contest alone: tables, maps and the lines on the terminal."""
 
     samples = True
@@ -28,7 +30,7 @@ class ContestEngine(Generic[C]):
         #: Columns without which no table can be made.
         self.row_types: Mapping[str, type] = {
             **dict.fromkeys(("scheme", "measure", "window"), str),
-            **dict.fromkeys((*contest.axes, "replicate", "value"), float),
+            **dict.fromkeys((*contest.names, "replicate", "value"), float),
         }
 
     def tables(self, config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -55,23 +57,22 @@ class ContestEngine(Generic[C]):
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""
-        return [*self.contest.axes, "scheme", "measure", "window", "replicate"]
+        return [*self.contest.names, "scheme", "measure", "window", "replicate"]
 
     def overview(self, config: C) -> str:
         """Return the name of the map by the key `criterion`."""
         return f"map_{config.criterion}"
 
 
-class DeclaredEngine(ContestEngine[ContestConfig]):
-    """The only engine of a declared study (protocol `owtsweep.sweep.study.Engine`)."""
+class DeclaredBlocks:
+    """The part of an engine that follows from a declaration: plans and runs blocks."""
 
     def __init__(self, declaration: AnyDeclaration) -> None:
-        super().__init__(declaration.contest)
         self.declaration = declaration
 
     def plan(
         self,
-        config: ContestConfig,
+        config: AnyConfig,
         cells: Sequence[Cell] | None = None,
         replicates: int | None = None,
     ) -> list[Block]:
@@ -79,11 +80,19 @@ class DeclaredEngine(ContestEngine[ContestConfig]):
         return blocks.plan(self.declaration, config, cells, replicates)
 
     def run(
-        self, config: ContestConfig, of_group: Sequence[Block]
+        self, config: AnyConfig, of_group: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each with its rows."""
         return blocks.run(self.declaration, config, of_group)
 
-    def warm_up(self, config: ContestConfig, workers: int) -> None:
+    def warm_up(self, config: AnyConfig, workers: int) -> None:
         """Warn of what the configuration makes doubtful."""
         self.declaration.warn(config)
+
+
+class DeclaredEngine(DeclaredBlocks, ContestEngine[ContestConfig]):
+    """The only engine of a declared contest."""
+
+    def __init__(self, declaration: AnyDeclaration, contest: AnyContest) -> None:
+        DeclaredBlocks.__init__(self, declaration)
+        ContestEngine.__init__(self, contest)

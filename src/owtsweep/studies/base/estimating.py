@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from owtsweep.config import AnyConfig
+from owtsweep.errors import InputError
 from owtsweep.evaluation.estimate import EstimatedRecord
 from owtsweep.results.conditions import find_only_cell
-from owtsweep.studies.base.axes import list_cells
-from owtsweep.studies.base.blocks import Readied, Records, find_ignored
-from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.contract import Unable
+from owtsweep.studies.base.blocks import Readied, Records, explain, find_ignored
 from owtsweep.studies.base.declaration import AnyDeclaration, Stated
 
 
 def estimate_record(
-    declaration: AnyDeclaration, config: ContestConfig, replicate: int
+    declaration: AnyDeclaration, config: AnyConfig, replicate: int
 ) -> EstimatedRecord:
     """Make a record, run all schemes on it, and return all of it.
 
@@ -22,31 +21,36 @@ def estimate_record(
         If the grid has several cells, or the record cannot be made.
     """
     declaration.require(config)
-    axes = declaration.contest.axes
-    grid = {axis: values for axis in axes if (values := getattr(config.grid, axis)) is not None}
-    conditions = find_only_cell(grid)
+    values = declaration.axes.get_values(config)
+    conditions = find_only_cell(
+        {axis: listed for axis, listed in values.items() if listed is not None},
+        declaration.axes.section,
+    )
     declaration.warn(config)
-    (cell,) = list_cells(axes, config.grid)
+    (cell,) = declaration.axes.list_cells(config)
     made = Records(declaration, config, [replicate])
     stated: dict[str, Stated] = {}
     failures = {}
-    for scheme in declaration.schemes.resolve_all(config.schemes):
+    for scheme in declaration.schemes.choose(config):
         ignored = find_ignored(declaration, scheme)
         told = {axis: value for axis, value in cell.items() if axis not in ignored}
         ((record, parts),) = made.take(config, told)
+        readied = Readied(declaration, scheme)
         try:
-            estimates = {name: Readied(scheme).run(part) for name, part in parts.items()}
-        except Unable as reason:
-            failures[scheme.name] = str(reason)
+            estimates = {name: readied.run(part) for name, part in parts.items()}
+        except (KeyboardInterrupt, InputError):
+            raise
+        except BaseException as error:  # a user's scheme may raise anything
+            failures[scheme.name] = explain(error).reason
             continue
         stated[scheme.name] = declaration.state(record, estimates)
-    shown = declaration.show(config, record)
+    shown = declaration.show(config, cell, record)
     return EstimatedRecord(
         study=config.study,
         tuning=config.tuning_name,
         conditions=conditions,
         replicate=replicate,
-        settled=config.record.settled,
+        settled=shown.settled,
         time=shown.time,
         truth=shown.truth,
         measurements=shown.measurements,

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from operator import attrgetter
 from typing import Annotated, Any, ClassVar, NamedTuple, NoReturn
 
 from pydantic import BeforeValidator
 
+from owtsweep.config import AnyConfig, Plain, Section, as_mapping
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.figures.palette import SchemeStyle, reserve
 from owtsweep.studies.base.contract import Scheme, check_name
@@ -179,6 +181,25 @@ class SchemeTable:
                 raise InputError(f"schemes: {name!r} stands there twice; use each name once")
         return schemes
 
+    def list_entries(self, config: AnyConfig) -> list[Entry]:
+        """Return the entries of all schemes that a configuration runs."""
+        return [*config.schemes]
+
+    def choose(self, config: AnyConfig) -> list[AnyScheme]:
+        """Return all schemes that the configuration of one tuning runs; raises as `resolve_all`."""
+        return self.resolve_all(self.list_entries(config))
+
+    def describe_content(self, config: AnyConfig, entry: Entry, scheme: AnyScheme) -> Plain:
+        """Return what a scheme's rows depend on: name, tuning, and a user's entry and code.
+
+        Raises
+        ------
+        InputError
+            If the scheme is that of a stored run, whose code is not loaded.
+        """
+        tuning = {section: _plain(attrgetter(section)(config)) for section in scheme.sections}
+        return {"scheme": scheme.name, "tuning": tuning, **self.describe_code(entry, scheme)}
+
     def describe_code(self, entry: Entry, scheme: AnyScheme) -> dict[str, object]:
         """Return the entry and the source of a scheme that is not the study's; {} if it is.
 
@@ -194,11 +215,12 @@ class SchemeTable:
         if isinstance(scheme, StoredScheme):
             scheme.refuse()
         plain = entry if isinstance(entry, str) else {str(k): v for k, v in entry.items()}
-        return {"entry": plain} | describe_source(type(scheme))
+        return {"entry": plain} | describe_source(type(scheme), scheme.version)
 
     def explain_anew(self, scheme: AnyScheme) -> str:
         """Return why stored rows of a scheme must be computed anew; "" if they can be used."""
-        return "" if scheme.name in self.listed else explain_doubt(type(scheme))
+        ours = scheme.name in self.listed
+        return "" if ours else explain_doubt(type(scheme), scheme.version)
 
     def list_ignored(self, scheme: AnyScheme) -> Sequence[str]:
         """Return the axes on which a scheme's estimates do not depend; a user's may name some."""
@@ -266,6 +288,10 @@ class SchemeTable:
     @staticmethod
     def _find_others() -> list[EntryPoint]:
         return list(entry_points(group=GROUP))
+
+
+def _plain(section: object) -> object:
+    return as_mapping(section) if isinstance(section, Section) else section
 
 
 def list_names(entries: Sequence[Entry]) -> list[str]:

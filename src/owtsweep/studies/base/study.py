@@ -28,7 +28,7 @@ class ContestStudy(Study):
     and `check_outside` of a configuration in its module `checks`.
     """
 
-    schema_version = 1
+    commands = frozenset({"compare"})
 
     def config_type(self) -> type[ContestConfig]:
         """Return the class of the study's configurations."""
@@ -96,6 +96,8 @@ class ContestStudy(Study):
 class DeclaredStudy(ContestStudy):
     """A study whose package has a `DECLARATION` in its module `declaration`, and `SCHEMES`."""
 
+    commands = frozenset({"compare", "estimate"})
+
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme."""
         return self._find("schemes", "SCHEMES").describe()  # type: ignore[no-any-return]
@@ -118,7 +120,7 @@ class DeclaredStudy(ContestStudy):
         """Return the study's only engine."""
         from owtsweep.studies.base.engine import DeclaredEngine
 
-        return DeclaredEngine(self.declaration())
+        return DeclaredEngine(self.declaration(), self.contest())
 
     def estimate(self, config: ContestConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""

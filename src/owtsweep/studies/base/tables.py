@@ -1,72 +1,20 @@
-"""The rows of a contest, and what is made of them: summary, best schemes, comparisons of runs."""
+"""What is made of a contest's rows: summary, best schemes, comparisons of runs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
-from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
 from owtsweep.studies.base.schemes import list_names
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-class Judgement(NamedTuple):
-    """What a scheme's estimates of a record are worth: measure -> value, or why there are none."""
-
-    found: dict[str, float]
-    status: str = OK
-    reason: str = ""
-
-    @classmethod
-    def none(cls, status: str, reason: str) -> Judgement:
-        """Return that of a scheme that has no estimates."""
-        return cls({"": float("nan")}, status, reason)
-
-
-def make_rows(
-    scheme: str,
-    cell: Cell,
-    axes: Sequence[str],
-    replicates: Sequence[int],
-    judged: Sequence[Judgement],
-) -> pd.DataFrame:
-    """Return the rows of a block, one per record and measure; an axis that is not set is NaN.
-
-    Parameters
-    ----------
-    scheme, cell
-        The block's scheme, and the values of axes on which its rows depend.
-    axes
-        The names of all axes.
-    replicates, judged
-        The numbers of the records, and what the scheme's estimates of each are worth.
-    """
-    import pandas as pd
-
-    counts = [len(part.found) for part in judged]
-    status = np.repeat([part.status for part in judged], counts)
-    return pd.DataFrame(
-        {
-            **{axis: float(cell.get(axis, np.nan)) for axis in axes},
-            "scheme": scheme,
-            "replicate": np.repeat(replicates, counts),
-            "measure": [name for part in judged for name in part.found],
-            "window": np.where(status == OK, WINDOW, ""),
-            "value": [value for part in judged for value in part.found.values()],
-            "status": status,
-            "reason": np.repeat([part.reason for part in judged], counts),
-        }
-    )
 
 
 def make_tables(contest: Contest[C], config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
 from owtsweep.streams import stream
-from owtsweep.studies.base.axes import Cell, list_cells
+from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import PLAN, Geometry, Measured, Setting, Truth
 from owtsweep.studies.blade.measuring import WALK_TIME, find_outages, measure
@@ -153,7 +153,7 @@ def believe(
 
 def tell_of_lift(config: BladeConfig, lift: Lift) -> Setting:
     """Return what schemes know of a recorded lift, at the grid's first cell."""
-    cell = list_cells(CONTEST.axes, config.grid)[0]
+    cell = CONTEST.list_cells(config)[0]
     return believe(config, cell, lift.start, lift.start_sigma, config.recorded.geometry)
 
 

@@ -41,7 +41,7 @@ def check(config: BladeConfig) -> None:
         If two values cannot work together; the message says what would work.
     """
     SCHEMES.resolve_all(config.schemes)
-    check_axes(config.axes, config.grid, CONTEST.axes, len(config.schemes))
+    check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
     config.recorded.check()
     if config.recorded.imu is not None:
@@ -66,7 +66,7 @@ def _check_recorded(config: BladeConfig) -> None:
         grid.replicates == 1,
         f"grid.replicates: {grid.replicates}, but one lift was recorded; set grid.replicates=1",
     )
-    for name in [axis for axis in CONTEST.axes if axis not in MAPPED]:
+    for name in [axis for axis in CONTEST.names if axis not in MAPPED]:
         values = getattr(grid, name)
         require(
             values is None or (len(values) == 1 and values[0] == 0.0),

@@ -67,7 +67,7 @@ def _score(
     return found
 
 
-def _show(config: BladeConfig, case: Case) -> Shown:
+def _show(config: BladeConfig, cell: Cell, case: Case) -> Shown:
     """Return a record in the frame with x along the blade from root to tip, z up."""
     truth, measured = case.truth, case.measured
     time = truth.step * np.arange(len(truth.root))
@@ -76,6 +76,7 @@ def _show(config: BladeConfig, case: Case) -> Shown:
     )  # fmt: skip
     return Shown(
         time,
+        config.record.settled,
         {name: getattr(truth, name) for name in names},
         {
             "specific_force": Reading(time, measured.specific_force),
@@ -96,7 +97,7 @@ def _state(case: Case, estimates: Mapping[str, Estimates]) -> Stated:
 
 
 DECLARATION = Declaration(
-    contest=CONTEST,
+    axes=CONTEST,
     schemes=SCHEMES,
     list_content=list_content,
     most_records=lambda config: max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps)),

@@ -29,7 +29,7 @@ def check(config: FloaterConfig) -> None:
     """
     SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
-    check_axes(config.axes, config.grid, CONTEST.axes, len(config.schemes))
+    check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
     WORLDS[config.motion.kind].check(config)
     _check_sensors(config)
     _check_times(config)

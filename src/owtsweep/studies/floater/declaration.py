@@ -123,13 +123,14 @@ def _score(
     return compare(record.motion.truth, estimates[""], sigma, config.record.settled)
 
 
-def _show(config: FloaterConfig, record: Record) -> Shown:
+def _show(config: FloaterConfig, cell: Cell, record: Record) -> Shown:
     truth, measured = record.motion.truth, record.measured
     time = truth.step * np.arange(len(truth.position))
     names = ("position", "velocity", "acceleration", "rate", "specific_force")
     signals = {name: getattr(measured, name) for name in SIGNALS}
     return Shown(
         time,
+        config.record.settled,
         {name: getattr(truth, name) for name in names},
         {name: Reading(time, signal) for name, signal in signals.items() if signal is not None},
         UNITS,
@@ -150,7 +151,7 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
 
 
 DECLARATION = Declaration(
-    contest=CONTEST,
+    axes=CONTEST,
     schemes=SCHEMES,
     list_content=list_content,
     most_records=lambda config: max(1, min(MOST_RECORDS, MOST_SAMPLES // config.record.steps)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -66,16 +66,20 @@ def list_condition_names(config: HubConfig) -> list[str]:
     return [c.name for c in get_conditions(config) if not c.expands]
 
 
-def list_record_conditions(config: HubConfig) -> Iterator[dict[str, Value]]:
-    """Yield each combination of the conditions that a record's motion has; sorted.
+def find_period(cell: Mapping[str, Value]) -> float | None:
+    """Return the natural period of a cell, s; None if it is no condition."""
+    period = cell.get("natural_period")
+    return None if period is None else float(period)
 
-    Each is a mapping condition -> value. The amplitude is not among the conditions, because a
-    motion is only multiplied with it.
+
+def find_amplitude(config: HubConfig, cell: Mapping[str, Value]) -> float | None:
+    """Return the amplitude of a cell, m; None: none, motion and noise are run apart.
+
+    It is 1 where no condition is an amplitude: the motion as it is.
     """
-    grid = get_grid(config)
-    names = list_condition_names(config)
-    for values in product(*(sorted(grid[name]) for name in names)):
-        yield dict(zip(names, values, strict=True))
+    scaled = any(condition.expands for condition in get_conditions(config))
+    amplitude = cell.get("amplitude", None if scaled else 1.0)
+    return None if amplitude is None else float(amplitude)
 
 
 def get_map_conditions(config: HubConfig) -> tuple[Condition, ...]:

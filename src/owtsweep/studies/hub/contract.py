@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, NoReturn
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from owtsweep.errors import require
@@ -29,8 +32,9 @@ class Looped(NamedTuple):
 
     def run(self, measured: Measured) -> Trajectory:
         """Estimate from the measurements of a record."""
-        estimator = self.scheme.start(self.known)
-        return run_estimator(estimator, *measured, self.known.sensors.fix_interval)
+        estimator = self.scheme.start_for_runs(self.known)
+        with np.errstate(over="ignore", invalid="ignore"):  # told as the reason of a failure
+            return run_estimator(estimator, *measured, self.known.sensors.fix_interval)
 
 
 class Scheme(contract.Scheme[Known, Measured, Trajectory]):
@@ -42,8 +46,6 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
         Whether estimates are linear in the measurements, with gains that do not depend on the
         measurements. If so, one run with the motion alone and one run with the noise alone serve
         every amplitude.
-    sections
-        The keys of the configuration on which the scheme depends, e.g. ("mkf", "hme.mhe").
     told_motion
         Whether the scheme must know the motion: period and amplitude. It is run at each amplitude.
     batched
@@ -54,15 +56,17 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     unbatched
         Why a scheme that can run as a chain does not under the tuning, as subject of a message with
         its verb, e.g. "its constraints leave"; "" if that is not so.
+    least_duration
+        The shortest record, s, in which the scheme chooses a spectrum; 0 if it chooses none.
     """
 
     study = "hub"
     linear: bool = False
-    sections: tuple[str, ...] = ("ekf", "mkf", "hme1", "hme2", "hme")
-    told_motion: bool = False
+    sections: Sequence[str] = ("ekf", "mkf", "hme1", "hme2", "hme")
     batched: Literal["", "chain", "own"] = ""
     on_board: bool = False
     unbatched: str = ""
+    least_duration: float = 0.0
 
     @abstractmethod
     def start(self, known: Known) -> Estimator:
@@ -79,6 +83,14 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
         first fix. Only a scheme that is `on_board` knows another origin than zero.
         """
         return self.start(known)
+
+    def start_for_runs(self, known: Known) -> Estimator:
+        """Return a new estimator for records: with engine=batch compiled, if there is one."""
+        return self.stream(known) if known.tuning.engine == "batch" else self.start(known)
+
+    def tell(self, known: Known) -> Known:
+        """Return what of its knowledge the scheme is told: the motion only if it must be."""
+        return known if self.told_motion else replace(known, natural_period=None, amplitude=None)
 
     def kernel(self, known: Known, steps: int | None = None) -> Chain:
         """Return the scheme as a chain for records of `steps` IMU steps; None: of any length.
@@ -120,14 +132,7 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
             If an attribute is of a wrong type.
         """
         super().check_declared()
-        declared: object = self.sections
-        require(
-            isinstance(declared, list | tuple) and all(isinstance(each, str) for each in declared),
-            f"schemes: {self.name} has sections = {declared!r}; give a tuple of keys of the "
-            'configuration, e.g. ("mkf", "hme")',
-        )
         require(isinstance(self.linear, bool), "it lacks linear (True or False)")
-        require(isinstance(self.told_motion, bool), "it lacks told_motion (True or False)")
         require(
             self.batched in ("", "chain", "own"),
             f'batched = {self.batched!r} is none of "", "chain", "own"',

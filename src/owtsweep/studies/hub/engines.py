@@ -11,8 +11,8 @@ from owtsweep.config import AnyConfig
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub import blocks, planning
-from owtsweep.studies.hub.blocks import uses_kernels
+from owtsweep.studies.base.engine import DeclaredBlocks
+from owtsweep.studies.hub.batching import backend, uses_kernels
 from owtsweep.studies.hub.conditions import (
     criteria,
     find_world,
@@ -20,6 +20,7 @@ from owtsweep.studies.hub.conditions import (
     get_map_conditions,
     list_maps,
 )
+from owtsweep.studies.hub.declaration import DECLARATIONS, superposes
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.names import REGISTERED, list_baselines, list_entries
@@ -29,7 +30,7 @@ from owtsweep.studies.hub.resolving import resolve_all, scheme_names
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK, count_table_bytes
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.studies.hub.world import World
-from owtsweep.sweep.study import Square
+from owtsweep.sweep.study import Engine, Square
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,13 +39,13 @@ if TYPE_CHECKING:
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.gather import Results
-    from owtsweep.sweep.study import Block, Engine
+    from owtsweep.sweep.study import Block
 
 
 logger = logging.getLogger(__name__)
 
 
-class _Engine:
+class _Engine(Engine):
     """The part that all engines of the study share: the columns of rows, and the main result.
 
     The main result is the map: a picture of the best scheme at each natural period and amplitude.
@@ -56,15 +57,14 @@ class _Engine:
         #: Columns without which no table can be made.
         self.row_types: Mapping[str, type] = {
             **dict.fromkeys(("scheme", "measure", "window"), str),
-            **dict.fromkeys((*names, "replicate", "amplitude", "n_samples"), float),
+            **dict.fromkeys((*names, "replicate", "n_samples"), float),
             **dict.fromkeys(("motion", "cross", "noise", "value"), Square),
         }
 
     def sort_columns(self) -> list[str]:
         """Return the columns that identify a row."""
-        of_record = [each.name for each in self.world.conditions if not each.expands]
-        expanded = [each.name for each in self.world.conditions if each.expands]
-        return [*of_record, "scheme", "measure", "window", *expanded, "replicate"]
+        names = [each.name for each in self.world.conditions]
+        return [*names, "scheme", "measure", "window", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map as a coloured grid for the terminal.
@@ -113,15 +113,17 @@ class _Engine:
         }
 
 
-class RecordsEngine(_Engine):
+class RecordsEngine(DeclaredBlocks, _Engine):
     """The engine for the keys engine=batch and engine=reference: runs schemes on records.
 
     Records are simulated measurements.
     """
 
     samples = True
-    plan = staticmethod(planning.plan)
-    run = staticmethod(blocks.run)
+
+    def __init__(self, world: World) -> None:
+        _Engine.__init__(self, world)
+        DeclaredBlocks.__init__(self, DECLARATIONS[world.name])
 
     def drawings(
         self,
@@ -150,14 +152,18 @@ class RecordsEngine(_Engine):
                     scheme.name,
                     scheme.unbatched,
                 )
-        return blocks.backend(config, schemes)
+        return backend(config, schemes)
 
     def warm_up(self, config: HubConfig, workers: int) -> None:
         """Compile the kernels that the study uses, in up to `workers` processes side by side."""
         from owtsweep.studies.hub.compiling import compile_kernels
 
-        schemes = [s for s in resolve_all(config.schemes, config) if blocks.runs_chain(config, s)]
-        superposed = {planning.superposes(config, scheme) for scheme in schemes}
+        chained = [
+            scheme
+            for scheme in resolve_all(config.schemes, config)
+            if uses_kernels(config, scheme) and scheme.batched == "chain"
+        ]
+        superposed = {superposes(config, scheme) for scheme in chained}
         uses = sorted("superposed" if each else "direct" for each in superposed)
         if uses:
             compile_kernels("gains", *uses, vectors=config.compute.vectors, cores=workers)
@@ -257,9 +263,14 @@ def predict_cost(
         if not all(uses_kernels(part, scheme) for scheme in schemes):
             return None
     steps = config.record.duration * config.sensors.imu.rate
-    records = sum(len(block.content["replicates"]) for block in blocks)
-    moved = {block.group: len(block.content["replicates"]) for block in blocks}
+    records = sum(_count_records(block) for block in blocks)
+    moved = {block.group: _count_records(block) for block in blocks}
     motion = find_world(config).seconds_per_step * steps * sum(moved.values())
     each = min(PER_STEP * steps * REPLICATES_PER_BLOCK, MOST_OF_WORKER)
     tables = sum(count_table_bytes(part) for part in config.by_tuning().values())
     return motion + SECONDS_PER_STEP * steps * records, PROCESS + workers * each + tables
+
+
+def _count_records(block: Block) -> int:
+    first, stop = block.content["replicates"]
+    return int(stop) - int(first)

@@ -10,6 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.gravity import GRAVITY
+from owtsweep.studies.base.knowledge import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -82,8 +83,8 @@ class Sensors:
         return self.fix_interval * self.step
 
 
-@dataclass(frozen=True)
-class Known:
+@dataclass(frozen=True, eq=False)
+class Known(Knowledge):
     """All that a scheme may know beforehand of a case.
 
     Attributes
@@ -105,7 +106,7 @@ class Known:
 
 
 class Measured(NamedTuple):
-    """What the sensors of a record say.
+    """What the sensors of a record say, or the part that motion or noise contributes to it.
 
     Attributes
     ----------

@@ -7,7 +7,7 @@ structures have the same phases of the waves and the same noise of the sensors.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -109,10 +109,6 @@ class PlantWorld(World):
             f"{structure.name} in waves (JONSWAP, γ {motion.gamma:g}), {modes}, damping "
             f"{100.0 * damping:g} %"
         )
-
-    def list_amplitudes(self, config: HubConfig) -> Sequence[float]:
-        """Return 1: the motion as it is."""
-        return [1.0]
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
         """Return the structure in a sea state.

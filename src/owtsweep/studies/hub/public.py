@@ -13,9 +13,10 @@ from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, sum_errors
-    from owtsweep.studies.hub.blocks import backend
+    from owtsweep.studies.hub.batching import backend
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.compiling import compile_kernels
+    from owtsweep.studies.hub.conditions import find_world
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme
     from owtsweep.studies.hub.error_spectrum import (
@@ -25,11 +26,11 @@ if TYPE_CHECKING:
         look_constant,
     )
     from owtsweep.studies.hub.estimates import OnePassSeries, chunks, state_chunks, trajectories
+    from owtsweep.studies.hub.fix_lines import Line
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.known import Known, Sensors
     from owtsweep.studies.hub.names import BASELINES, INSTEAD
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-    from owtsweep.studies.hub.planning import scheme_content
     from owtsweep.studies.hub.records import make_records
     from owtsweep.studies.hub.resolving import SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.sections import Grid
@@ -41,29 +42,30 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
-    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "NoiseFloor", "OnePassSeries",
-    "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks", "compile_kernels",
-    "error_spectrum", "expected_mse", "fix_count", "fix_noise", "follow_sensors",
-    "has_acceleration", "lag_of", "look_constant", "make_records", "make_sensors", "noise_floor",
-    "resolve", "resolve_all", "scheme_content", "simulate_bias", "state_chunks",
-    "sum_errors", "trajectories",
+    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "Line", "NoiseFloor",
+    "OnePassSeries", "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks",
+    "compile_kernels", "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
+    "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_records",
+    "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
+    "state_chunks", "sum_errors", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
 _HOMES = {
     "batch": ["Lanes", "sum_errors"],
-    "blocks": ["backend"],
+    "batching": ["backend"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
     "compiling": ["compile_kernels"],
+    "conditions": ["find_world"],
     "config": ["HubConfig"],
     "contract": ["Scheme"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["OnePassSeries", "chunks", "state_chunks", "trajectories"],
+    "fix_lines": ["Line"],
     "kernels.layout": ["WIDTH"],
     "known": ["Known", "Sensors"],
     "names": ["BASELINES", "INSTEAD"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
-    "planning": ["scheme_content"],
     "records": ["make_records"],
     "resolving": ["SCHEMES", "resolve", "resolve_all"],
     "sections": ["Grid"],

@@ -20,12 +20,10 @@ from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.known import Measured, Sensors
+from owtsweep.studies.hub.sizes import MEMORY_SHARE
 
 STUDY = "hub"
-#: Greatest number of bytes of motion that a worker holds at a time. If a block's replicates need
-#: more, they run in several parts. Eight records of up to 6600 s at 100 Hz fit.
-MEMORY_SHARE = 128_000_000
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,7 @@ class Records:
         return sensing.couple(leaning, self.sensors)
 
     @cached_property
-    def noise(self) -> tuple[sensing.Measurements, ...]:
+    def noise(self) -> tuple[Measured, ...]:
         """The noise of each replicate: all parts of the measurements that are not due to motion.
 
         The noise is made at first use and kept in memory.

@@ -7,10 +7,17 @@ from typing import TYPE_CHECKING, NoReturn
 
 from owtsweep.config import Plain
 from owtsweep.errors import require
-from owtsweep.studies.base.schemes import Entry, SchemeTable, StoredScheme, blame_code, list_names
+from owtsweep.studies.base.schemes import (
+    AnyScheme,
+    Entry,
+    SchemeTable,
+    StoredScheme,
+    blame_code,
+    list_names,
+)
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import Known
-from owtsweep.studies.hub.names import LISTED
+from owtsweep.studies.hub.names import LISTED, list_entries
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -39,8 +46,26 @@ class StoredHubScheme(StoredScheme, Scheme):
         self.refuse()
 
 
+class HubTable(SchemeTable):
+    """The hub's schemes and baselines; a scheme may have variants, for which a tuning asks."""
+
+    def list_entries(self, config: HubConfig) -> list[Entry]:
+        """Return the entries of schemes and baselines."""
+        return list_entries(config)
+
+    def choose(self, config: HubConfig) -> list[AnyScheme]:
+        """Return all schemes and baselines of the configuration of one tuning, in their variants.
+
+        Raises
+        ------
+        InputError
+            As `resolve_all`, or if a scheme has no variant for the configuration.
+        """
+        return [*resolve_all(self.list_entries(config), config)]
+
+
 #: The schemes and baselines of the study.
-SCHEMES = SchemeTable("hub", "owtsweep.studies.hub.schemes", LISTED, StoredHubScheme)
+SCHEMES = HubTable("hub", "owtsweep.studies.hub.schemes", LISTED, StoredHubScheme)
 
 
 def resolve(entry: Entry) -> Scheme:

@@ -225,6 +225,10 @@ class Measures(Section):
         default=False,
     )
 
+    def find_settled(self, step: float) -> int:
+        """Return the number of the first step after the settling time; `step` in s."""
+        return round(self.settling_time / step)
+
 
 class Tune(Section):
     """The settings of the command `tune`. No result of a run depends on them."""

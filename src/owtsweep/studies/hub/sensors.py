@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,19 +17,8 @@ from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.sensing.faults import Losses, draw_outliers
 from owtsweep.sensing.noise import WhiteNoise, WienerBias, draw_gauss_markov
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.known import Measured, Sensors
 from owtsweep.studies.hub.sections import SensorConfig
-
-
-class Measurements(NamedTuple):
-    """The measurements of a record, or only the part that motion or noise contributes to them.
-
-    `specific_force`, shape (steps, 2), is in the IMU's frame, m/s^2. `fixes`, shape (fixes, 2), are
-    positions in NED, m; the part of noise is NaN for a fix that is lost.
-    """
-
-    specific_force: Array
-    fixes: Array
 
 
 def sensors(config: SensorConfig) -> Sensors:
@@ -131,7 +119,7 @@ def force_per_displacement(omega: Array, sensors: Sensors) -> NDArray[np.complex
     return force
 
 
-def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
+def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measured:
     """Compute the part of the measurements that is due to motion, without gravity and noise.
 
     Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
@@ -148,7 +136,7 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     force = motion.specific_force[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
     delayed = motion.position_at(-sensors.delay, sensors.fix_interval, count)
-    return Measurements(force, sensors.fix_scale * delayed[:, None] * direction)
+    return Measured(force, sensors.fix_scale * delayed[:, None] * direction)
 
 
 class ForceNoise:
@@ -199,14 +187,14 @@ def noise(
     sensors: Sensors,
     steps: int,
     stream: Callable[[str], np.random.Generator],
-) -> Measurements:
+) -> Measured:
     """Draw the part of a whole record's measurements that is not due to motion.
 
     `steps` is the length of the record in IMU steps. `stream` is a function that returns a random
     generator for a name.
     """
     force = ForceNoise(config, sensors, stream).next(steps)
-    return Measurements(force, fix_noise(config, sensors, steps, stream))
+    return Measured(force, fix_noise(config, sensors, steps, stream))
 
 
 def fix_noise(

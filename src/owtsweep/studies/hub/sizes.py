@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Replicates of one block: 0-7, 8-15, ... They run side by side, in eight lanes.
 REPLICATES_PER_BLOCK = 8
+#: Most bytes of motion that a worker holds at a time. Eight records of up to 6600 s at 100 Hz fit.
+MEMORY_SHARE = 128_000_000
 #: Most bytes that one part of a run may take.
 MOST_BYTES = 4_000_000_000
 #: Most blocks of a plan: each block is a file, and planning it takes 1.3 kB and 0.1 ms.
@@ -28,6 +30,13 @@ MOST_BLOCKS = 1_000_000
 MOST_STEPS_BETWEEN_FIXES = 500_000
 #: Numbers per record (error measures times time windows), and bytes per number.
 VALUES, NUMBER = 20, 8
+
+
+def count_records_per_block(config: HubConfig) -> int:
+    """Return the most records of a block: fewer than `REPLICATES_PER_BLOCK` if they are long."""
+    steps = config.record.duration * config.sensors.imu.rate
+    fitting = MEMORY_SHARE // (find_world(config).bytes_per_step * steps)
+    return int(min(max(fitting, 1), REPLICATES_PER_BLOCK))
 
 
 def check_grid(config: HubConfig) -> None:
@@ -42,7 +51,7 @@ def check_grid(config: HubConfig) -> None:
     counted = world.counted.format(periods, amplitudes)
     records = 1 if config.engine == "expected" else grid.replicates
     each = amplitudes if config.evaluation == "direct" else 1
-    blocks = schemes * periods * each * -(-records // REPLICATES_PER_BLOCK)
+    blocks = schemes * periods * each * -(-records // count_records_per_block(config))
     require(
         config.engine == "expected" or blocks <= MOST_BLOCKS,
         f"{key}: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
@@ -61,7 +70,7 @@ def _count_conditions(config: HubConfig) -> tuple[int, int]:
     world = find_world(config)
     grid = world.get_grid(config)
     of_record = [len(grid[each.name]) for each in world.conditions if not each.expands]
-    return prod(of_record), len(world.list_amplitudes(config))
+    return prod(of_record), prod(len(grid[each.name]) for each in world.conditions if each.expands)
 
 
 def count_table_bytes(config: HubConfig) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Plain, as_mapping
@@ -22,7 +22,7 @@ NATURAL_PERIOD = Condition(
     "natural_period", "natural period", "s", in_streams=True, plural="periods"
 )
 AMPLITUDE = Condition(
-    "amplitude", "motion amplitude", "m", scale="log", expands=True, plural="amplitudes"
+    "amplitude", "motion amplitude", "m", scale="log", enters="scale", plural="amplitudes"
 )
 #: The conditions of motion=spectrum.
 CONDITIONS = (NATURAL_PERIOD, AMPLITUDE)
@@ -80,14 +80,6 @@ class SpectrumWorld(World):
         points = config.motion.envelope or []
         told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
         return f"amplitude times {told}" if told else ""
-
-    def describe_record(self, conditions: Mapping[str, Value]) -> str:
-        """Return the natural period in words."""
-        return f"{conditions['natural_period']:g} s"
-
-    def list_amplitudes(self, config: HubConfig) -> Sequence[float]:
-        """Return the amplitudes of the grid, m."""
-        return config.grid.amplitude
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
         """Return the source of motion of an amplitude of 1 m at a natural period."""

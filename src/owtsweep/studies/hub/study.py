@@ -79,6 +79,7 @@ class HubStudy(HubKeys):
     name = "hub"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
+    commands = frozenset({"compare", "estimate", "spectrum", "tune", "vary"})
 
     def schemes(self) -> dict[str, str]:
         """Return name -> description of each scheme and baseline that the study provides."""
@@ -108,9 +109,10 @@ class HubStudy(HubKeys):
 
     def estimate(self, config: HubConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""
-        from owtsweep.studies.hub.estimating import estimate_record
+        from owtsweep.studies.base.estimating import estimate_record
+        from owtsweep.studies.hub.declaration import find_declaration
 
-        return estimate_record(config, replicate)
+        return estimate_record(find_declaration(config), config, replicate)
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]

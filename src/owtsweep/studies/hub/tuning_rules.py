@@ -62,6 +62,8 @@ RECORDED = {
     "hme.mhe.horizon": 32,
     "hme.mhe.smoother_window": 32,
 }
+#: The scheme whose numbers these are.
+RECORDED_FOR = "HME2"
 #: Between these ends, each property alone, the rules were compared with searches.
 VALID = {
     "sensors.gnss.sigma": (0.005, 0.3),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.config import Plain
@@ -78,10 +78,6 @@ class World(ABC):
         """Return in words what is special about the motion; "" for a plain spectrum."""
 
     @abstractmethod
-    def list_amplitudes(self, config: HubConfig) -> Sequence[float]:
-        """Return the amplitudes, m, at which schemes are run; 1 stands for the motion as it is."""
-
-    @abstractmethod
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
         """Return the source of motion under some conditions, condition -> value.
 
@@ -100,10 +96,6 @@ class World(ABC):
         return ", ".join(
             f"{named[name].word} {named[name].show(v)}" for name, v in at.items() if v != LAYERS
         )
-
-    def describe_record(self, conditions: Mapping[str, Value]) -> str:
-        """Return the conditions of a record's motion in words, for the names of blocks."""
-        return self.describe_values(conditions)
 
     def fit_sensors(self, source: Source, sensors: Sensors, config: HubConfig) -> Sensors:
         """Return what estimators may know of the sensors on this source of motion."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config import as_mapping, require
 from owtsweep.studies.base.axes import check_axes
-from owtsweep.studies.mating.contest import AXES
+from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import configure_blade, configure_hub
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def check(config: MatingConfig) -> None:
     InputError
         If two values cannot work together; the message says what would work.
     """
-    check_axes(config.axes, config.grid, AXES, len(config.schemes))
+    check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
     judged = config.record.duration - config.record.settling
     require(

@@ -17,7 +17,6 @@ CONDITIONS = (
     Condition("hub_sigma", "standard deviation of a fix on the hub", "m", scale="log"),
     Condition("hold", "time together", "s"),
 )
-AXES = tuple(condition.name for condition in CONDITIONS)
 
 
 def describe_truth(config: MatingConfig) -> str:

@@ -13,8 +13,8 @@ from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.blocks import Planned, plan_blocks
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.engine import ContestEngine
-from owtsweep.studies.base.tables import Judgement, make_rows
-from owtsweep.studies.mating.contest import AXES, CONTEST
+from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import (
     configure_blade,
     configure_hub,
@@ -38,7 +38,7 @@ NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "c
 
 
 class MatingEngine(ContestEngine["MatingConfig"]):
-    """The engine of the mating study (protocol `owtsweep.sweep.study.Engine`)."""
+    """The engine of the mating study."""
 
     def __init__(self) -> None:
         super().__init__(CONTEST)
@@ -47,7 +47,7 @@ class MatingEngine(ContestEngine["MatingConfig"]):
         """Return all blocks of a configuration: one per cell, scheme, and some records."""
         schemes = [Planned(name) for name in config.schemes]
         content = _describe_content(config)
-        return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, AXES)
+        return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, CONTEST.names)
 
     def run(
         self, config: MatingConfig, blocks: Sequence[Block]
@@ -60,27 +60,27 @@ class MatingEngine(ContestEngine["MatingConfig"]):
         hold = max(round(content["hold"] * config.record.rate), 1)
         limits = Limits(config.limits.distance, config.limits.speed, hold)
         replicates = range(*content["replicates"])
-        judged: dict[str, list[Judgement]] = {scheme: [] for scheme in schemes}
+        judged: dict[str, list[Judgement[Mapping[str, float]]]] = {scheme: [] for scheme in schemes}
         for replicate in replicates:
             of_blade, of_hub = estimate(blade, replicate), estimate(hub, replicate)
             true = find_true_motion(of_blade, of_hub)
             for scheme in schemes:
                 reason = of_blade.failures.get(scheme)
                 if reason is not None:
-                    judged[scheme].append(Judgement.none(UNABLE, reason))
+                    judged[scheme].append(Judgement(None, UNABLE, reason))
                     continue
                 told = find_told_motion(of_blade, scheme, of_hub, config.hub_scheme)
                 try:
                     found = compare(true, told, limits, config.record.settled)
                 except ValueError as error:
-                    judged[scheme].append(Judgement.none(FAILED, str(error)))
+                    judged[scheme].append(Judgement(None, FAILED, str(error)))
                     continue
                 if of_blade.waits[scheme] > 0.0:
                     found[WAIT] = of_blade.waits[scheme]
                 judged[scheme].append(Judgement(found))
         for block in blocks:
             scheme = block.content["scheme"]
-            rows = make_rows(scheme, block.content, AXES, replicates, judged[scheme])
+            rows = make_rows(scheme, block.content, CONTEST.names, replicates, judged[scheme])
             yield block, rows
 
     def drawings(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -94,9 +94,7 @@ def _compose(study: str, overrides: tuple[str, ...]) -> Config:
 
 def estimate(config: Config, replicate: int) -> EstimatedRecord:
     """Return a record of another study."""
-    study: Any = get_study(config.study)
-    record: EstimatedRecord = study.estimate(config, replicate)
-    return record
+    return get_study(config.study).estimate(config, replicate)
 
 
 def find_true_motion(blade: EstimatedRecord, hub: EstimatedRecord) -> Relative:

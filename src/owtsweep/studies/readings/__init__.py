@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from owtsweep.errors import require
 from owtsweep.studies.hub.public import ROOMS, HubKeys
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition
+    from owtsweep.studies.hub.public import HubConfig
     from owtsweep.studies.readings.config import ReadingsConfig
     from owtsweep.sweep.study import Engine
 
@@ -34,6 +36,23 @@ class ReadingsStudy(HubKeys):
         from owtsweep.studies.readings.config import ReadingsConfig
 
         return ReadingsConfig
+
+    def check(self, config: HubConfig) -> None:
+        """Check that values can work together, and that the motion has a spectrum.
+
+        Raises
+        ------
+        InputError
+            If that is not so.
+        """
+        from owtsweep.studies.hub.public import find_world
+
+        require(
+            find_world(config).has_spectrum,
+            "motion: the search compares with numbers of a spectrum; leave out "
+            f"motion={config.motion.kind}",
+        )
+        super().check(config)
 
     def conditions(self, config: ReadingsConfig) -> tuple[Condition, ...]:
         """Return an empty tuple: a search has no grid of conditions."""

@@ -45,10 +45,6 @@ class ReadingsConfig(HubConfig):
         require(not self.tunings, "tuning: a search starts from one tuning; name one")
         super().check()
         require(
-            self.motion.kind == "spectrum",
-            "motion: the search compares with numbers of a spectrum; leave out motion=plant",
-        )
-        require(
             self.engine != "expected",
             "engine: expected simulates no records, but a search needs records; use engine=batch",
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -13,6 +13,7 @@ from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
 from owtsweep.studies.hub.public import HubConfig
 from owtsweep.studies.readings import searches
+from owtsweep.sweep.study import Engine
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,15 +25,15 @@ if TYPE_CHECKING:
 KEPT = 5
 
 
-class SearchEngine:
-    """The engine of the study `readings` (protocol `owtsweep.sweep.study.Engine`).
+class SearchEngine(Engine):
+    """The engine of the study `readings`.
 
     A row of its results is one trial of a search: values of the parameters, and their score.
     """
 
     samples = True
     #: Columns without which no table can be made.
-    row_types: ClassVar[Mapping[str, type]] = {
+    row_types: Mapping[str, type] = {
         **dict.fromkeys(("target", "truth", "search"), str),
         **dict.fromkeys(("trial", "score"), float),
     }

@@ -24,6 +24,8 @@ from owtsweep.studies.readings.published import BOUNDARIES, published_numbers
 
 #: Natural periods (s) that the published numbers need.
 PERIODS = (3.0, 4.0, 6.0, 8.0)
+#: The schemes with a published boundary: the first is better below it, the second above.
+BOUNDED = ("HME2", "HME1")
 MEASURES = ("x", "y", "vx", "vy")
 WINNER_PENALTY = 0.5
 BOUNDARY_WEIGHT = 0.5
@@ -64,7 +66,7 @@ def scheme_products(
     chain = None
     for period, batch in lanes.items():
         sensors = batch.records.sensors
-        settled = round(config.measures.settling_time / sensors.step)
+        settled = config.measures.find_settled(sensors.step)
         if chain is None:  # its gains do not depend on the period, and take most of the time
             chain = resolved.kernel(Known(sensors, config), batch.records.steps)
         (sums,) = sum_errors([chain], batch.records, settled, consistency=False)
@@ -175,7 +177,8 @@ def score(products: Products) -> Score:
         return tuple(sums.scheme[sums.groupby("table")[column].idxmin()])
 
     wrong = sum(a != b for a, b in zip(winners("published"), winners("reproduced"), strict=True))
-    limits = {p: boundary(products["HME2"][p], products["HME1"][p]) for p in PERIODS}
+    below, above = (products[scheme] for scheme in BOUNDED)
+    limits = {p: boundary(below[p], above[p]) for p in PERIODS}
     parts = np.array([np.log2(limits[period] / target) for period, target in BOUNDARIES.items()])
     apart = float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))
     penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * apart

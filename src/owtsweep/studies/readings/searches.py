@@ -24,6 +24,7 @@ from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.public import Lanes
 from owtsweep.studies.readings.config import Plain, ReadingsConfig
 from owtsweep.studies.readings.score import (
+    BOUNDED,
     at_amplitude,
     compare,
     make_lanes,
@@ -324,7 +325,7 @@ def _score_published(
         "median_log2": float(logs.median()),
         "p80_log2": float(logs.quantile(0.8)),
     }
-    if {"HME1", "HME2"} <= set(schemes):
+    if {*BOUNDED} <= {*schemes}:
         all_four = score(products)
         found += all_four.penalties
         details["winners"] = " ".join(all_four.winners)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
+from owtsweep.errors import require
 from owtsweep.studies.hub.public import ROOMS, HubKeys
-from owtsweep.sweep.study import Block, add_versions
+from owtsweep.sweep.study import Block, Engine, add_versions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["ReplayStudy"]
 
 
-class ReplayStudy(HubKeys):
+class ReplayStudy(HubKeys, Engine):
     """The study of recorded data, which is also its only engine.
 
     A block of the plan runs one scheme on one record. A further block for each record runs no
@@ -32,7 +33,7 @@ class ReplayStudy(HubKeys):
     numerics_version = add_versions(1, *ROOMS)
     samples = True
     #: Columns without which no table can be made.
-    row_types: ClassVar[Mapping[str, type]] = {
+    row_types: Mapping[str, type] = {
         **dict.fromkeys(("file", "scheme", "measure", "window"), str),
         **dict.fromkeys(("replicate", "value", "n_samples"), float),
     }
@@ -42,6 +43,31 @@ class ReplayStudy(HubKeys):
         from owtsweep.studies.replay.config import ReplayConfig
 
         return ReplayConfig
+
+    def check(self, config: HubConfig) -> None:
+        """Check that the motion is left to the record, and that schemes are told what they must be.
+
+        Raises
+        ------
+        InputError
+            If that is not so, or values cannot work together.
+        """
+        from owtsweep.studies.hub.public import find_world, resolve_all
+
+        require(
+            find_world(config).has_spectrum,
+            "motion: a replay takes its motion from the record; leave out "
+            f"motion={config.motion.kind}",
+        )
+        told = None not in (config.skf.natural_period, config.skf.amplitude)
+        for scheme in resolve_all(config.schemes):
+            require(
+                told or not (scheme.told_motion and "skf" in scheme.sections),
+                f"skf.natural_period, skf.amplitude: {scheme.name} must be told the motion of the "
+                "record; give the period of its peak and its amplitude, or leave "
+                f"{scheme.name} out of schemes",
+            )
+        super().check(config)
 
     def describe_origin(self, config: HubConfig) -> str:
         """Return nothing, because a replay's truth is in its record."""

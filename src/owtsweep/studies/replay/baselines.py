@@ -16,13 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.public import Sensors
+from owtsweep.studies.hub.public import Line, Sensors
 from owtsweep.studies.replay.measures import Measured, cut_into_parts, measure_last_fix
 from owtsweep.studies.replay.record import ReplayRecord
 
 #: Value of the column `scheme` -> name of the baseline, the simplest first. The values differ from
 #: the names because NONE, HOLD and DELTA may also stand in the key `schemes`.
 BASELINE_ROWS = {"no_estimate": "NONE", "last_fix": "HOLD", "last_two_fixes": "DELTA"}
+#: Value of the column `scheme` -> the line from fix to fix that the baseline follows.
+LINES = {
+    "no_estimate": Line(holds=False, moves=False),
+    "last_fix": Line(holds=True, moves=False),
+    "last_two_fixes": Line(holds=True, moves=True),
+}
 
 
 @dataclass(frozen=True)
@@ -41,15 +47,14 @@ class Lines:
     slope: Array
 
 
-def draw_lines(name: str, fixes: Array, sensors: Sensors) -> Lines:
+def draw_lines(line: Line, fixes: Array, sensors: Sensors) -> Lines:
     """Return the estimates of a baseline.
 
     Parameters
     ----------
-    name
-        "NONE": zero. "HOLD": the last fix, with velocity zero. "DELTA": the line through the last
-        two fixes, extended by the delay and the time since the last one. Before the first fix, the
-        position is zero; before the second fix, the velocity is zero.
+    line
+        What the baseline follows. Before the first fix, the position is zero; before the second
+        fix, the velocity is zero.
     fixes
         Position fixes, shape (intervals, 2) in m; NaN where no fix came.
     sensors
@@ -57,12 +62,12 @@ def draw_lines(name: str, fixes: Array, sensors: Sensors) -> Lines:
     """
     nothing = np.zeros_like(fixes)
     came = np.flatnonzero(np.isfinite(fixes[:, 0]))
-    if name == "NONE" or len(came) == 0:
+    if not line.holds or len(came) == 0:
         return Lines(nothing, nothing)
     here = np.arange(len(fixes))
     last = np.searchsorted(came, here, "right") - 1  # the number of the last fix that came, or -1
     held = np.where(last[:, None] >= 0, fixes[came[np.maximum(last, 0)]], 0.0)
-    if name == "HOLD":
+    if not line.moves:
         return Lines(held, nothing)
     slopes = np.zeros((len(came), 2))
     slopes[1:] = np.diff(fixes[came], axis=0) / (sensors.fix_step * np.diff(came))[:, None]
@@ -162,16 +167,17 @@ def measure_baselines(
     settled
         The first step after the settling time.
     """
-    for row, name in BASELINE_ROWS.items():
-        lines = draw_lines(name, fixes, sensors)
-        if name == "HOLD":  # the whole windows as stored replays have them, to the last digit
+    for row, line in LINES.items():
+        lines = draw_lines(line, fixes, sensors)
+        stands = line.holds and not line.moves
+        if stands:  # the whole windows as stored replays have them, to the last digit
             for measured in measure_last_fix(record, fixes, sensors, settled):
                 yield row, measured
         if sums is not None:
             for quantity, (squared, count) in _sum_errors(lines, sums).items():
                 parts = np.array([np.bincount(sums.part, q) for q in (squared, count)], dtype=float)
                 for measured in _average(quantity, parts):
-                    if name != "HOLD" or quantity != "position" or measured[1].startswith("part_"):
+                    if not stands or quantity != "position" or measured[1].startswith("part_"):
                         yield row, measured
         residual = _sum_residuals(lines, fixes, sensors, cut_into_parts(settled, record.steps))
         for measured in _average("fix_residual", residual):

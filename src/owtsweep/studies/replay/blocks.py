@@ -21,7 +21,6 @@ from owtsweep.studies.hub.public import (
     compile_kernels,
     make_sensors,
     resolve_all,
-    scheme_content,
 )
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
@@ -71,7 +70,8 @@ def plan(config: ReplayConfig) -> list[Block]:
     apart = (
         config.compute.backend in ("auto", "threading") and backend(config, schemes) == "threading"
     )
-    contents = [scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
+    pairs = zip(config.schemes, schemes, strict=True)
+    contents = [SCHEMES.describe_content(config, entry, scheme) for entry, scheme in pairs]
     blocks = []
     for label, file in label_files(config.grid.files).items():
         # a file that may not be read fails with that reason when its blocks are run
@@ -117,7 +117,7 @@ def _plan_noise(
     yield Block(label, f"{label}, its baselines again", {**shared, "scheme": RECORD}, 1)
     for scheme, entry in zip(resolve_all(other.schemes, other), other.schemes, strict=True):
         name, anew = f"{label}, {name_second_run(scheme.name)}", SCHEMES.explain_anew(scheme)
-        second = {**shared, **scheme_content(other, entry, scheme)}
+        second = {**shared, **SCHEMES.describe_content(other, entry, scheme)}
         yield Block(name if apart else label, name, second, 1, anew=anew)
 
 
@@ -157,7 +157,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
     sensors = make_sensors(config.sensors)
     files = label_files(config.grid.files)
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
-    settled = round(config.measures.settling_time / sensors.step)
+    settled = config.measures.find_settled(sensors.step)
     for block in blocks:
         label, name = block.content["file"], block.content["scheme"]
         try:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from owtsweep.errors import InputError, printable
-from owtsweep.motion.tracking import LEAST
+from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.identification.of_record import estimate_noise
 from owtsweep.studies.replay.loading import load_record
@@ -49,7 +49,7 @@ def verify(config: ReplayConfig) -> Verified:
         the file), or if no expected errors can be computed in the band `replay.band`.
     """
     read_sea_states(config)
-    files = config.grid.files
+    files, schemes = config.grid.files, resolve_all(config.schemes)
     notes: dict[str, None] = {}
     refused: dict[str, str] = {}
     for file in files:
@@ -59,10 +59,12 @@ def verify(config: ReplayConfig) -> Verified:
             notes |= {f"{name}{note}": None for note in record.notes}
             if record.lean and len(files) > 1:  # of a single record it stands beside the advice
                 notes[f"{name}{record.lean}"] = None
-            if "SKFA" in config.schemes and record.steps * record.step < LEAST:
-                notes[f"{name}SKFA had no time to choose a spectrum, which takes {LEAST:g} s"] = (
-                    None
-                )
+            for scheme in schemes:
+                if record.steps * record.step < scheme.least_duration:
+                    notes[
+                        f"{name}{scheme.name} had no time to choose a spectrum, which takes "
+                        f"{scheme.least_duration:g} s"
+                    ] = None
             if config.replay.noise == "estimate" and (
                 said := estimate_noise(config, file).disagreement
             ):

@@ -130,19 +130,10 @@ class ReplayConfig(HubConfig):
         """Raise `InputError` if values cannot work together, e.g. both edges of replay.band."""
         require(not self.tunings, "tuning: a replay takes one tuning; run it once with each")
         require(
-            self.motion.kind == "spectrum",
-            "motion: a replay takes its motion from the record; leave out motion=plant",
-        )
-        require(
             self.motion.envelope is None,
             "motion.envelope: a replay takes its motion from the record; use null",
         )
         super().check()
-        require(
-            "SKF" not in self.schemes or None not in (self.skf.natural_period, self.skf.amplitude),
-            "skf.natural_period, skf.amplitude: SKF must be told the motion of the record; give "
-            "the period of its peak and its amplitude, or leave SKF out of schemes",
-        )
         require(
             not self.baselines,
             "baselines: a replay always judges NONE, HOLD and DELTA; leave the key out, or name "

@@ -24,6 +24,8 @@ from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen
 if TYPE_CHECKING:
     import pandas as pd
 
+#: The scheme whose estimates describe a record without reference position, if it is run.
+DESCRIBER = "HME1"
 #: The periodogram is kept up to this multiple of the upper edge of the band.
 BEYOND = 2.0
 
@@ -124,7 +126,7 @@ def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Arra
     simulations begin with a transient. If the true motion is unknown, the displacement is a
     scheme's estimate after the settling time.
     """
-    settled = round(config.measures.settling_time / record.step)
+    settled = config.measures.find_settled(record.step)
     if record.position is not None:
         begin = settled if config.measures.window == "settled" else 0
         xy, source = bridge_gaps(record.position)[begin:], record.truth
@@ -151,12 +153,12 @@ def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Schem
 def choose_describer(config: ReplayConfig) -> int:
     """Return the index of the scheme whose estimates describe a record without reference position.
 
-    This is HME1, or the last scheme if HME1 is not among the schemes. A baseline is taken only if
-    there is no other scheme.
+    This is `DESCRIBER`, or the last scheme if that is not among the schemes. A baseline is taken
+    only if there is no other scheme.
     """
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     estimators = [name for name in names if name not in BASELINES] or names
-    return names.index("HME1" if "HME1" in names else estimators[-1])
+    return names.index(DESCRIBER if DESCRIBER in names else estimators[-1])
 
 
 def bridge_gaps(xy: Array) -> Array:

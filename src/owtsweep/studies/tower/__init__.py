@@ -25,6 +25,7 @@ class TowerStudy(DeclaredStudy):
 
     name = "tower"
     numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
+    commands = DeclaredStudy.commands | {"place"}
 
     def complete(self, plain: Plain) -> Plain:
         """Return the keys with the content of a structure in place of its name or file.

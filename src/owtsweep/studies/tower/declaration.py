@@ -113,7 +113,7 @@ def _score(
     return found | find_quietest(record.channels.get(DIRECTIONS[0], []))
 
 
-def _show(config: TowerConfig, record: Record) -> Shown:
+def _show(config: TowerConfig, cell: Cell, record: Record) -> Shown:
     """Return a record; names of quantities and signals end with the direction, "_fa" or "_ss"."""
     case = record.case
     time = np.arange(config.record.steps) / config.record.rate
@@ -128,7 +128,7 @@ def _show(config: TowerConfig, record: Record) -> Shown:
         for i, place in enumerate(case.places)
     }
     units = {name: UNITS[name.partition("_")[0]] for name in [*truth, *signals]}
-    return Shown(time, truth, signals, units)
+    return Shown(time, config.record.settled, truth, signals, units)
 
 
 def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
@@ -149,7 +149,7 @@ def _warn(config: TowerConfig) -> None:
 
 
 DECLARATION = Declaration(
-    contest=CONTEST,
+    axes=CONTEST,
     schemes=SCHEMES,
     list_content=list_content,
     most_records=lambda config: 1,

@@ -17,7 +17,6 @@ from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.peak import peak_factors
-from owtsweep.studies.hub.planning import scheme_content
 from owtsweep.studies.hub.resolving import SCHEMES, resolve
 
 
@@ -117,7 +116,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     """
     sensors = sensing.sensors(config.sensors)
     steps = round(config.record.duration / sensors.step)
-    settled = round(config.measures.settling_time / sensors.step)
+    settled = config.measures.find_settled(sensors.step)
     band = (config.band[0], config.band[1])
     entry = {resolve(entry).name: entry for entry in list_entries(config)}[name]
     scheme = resolve(entry)
@@ -125,7 +124,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
         "what": "curves",
         "version": EXPECTED_VERSION,
         "sensors": asdict(sensors),
-        "scheme": scheme_content(config, entry, scheme),
+        "scheme": SCHEMES.describe_content(config, entry, scheme),
         "steps": steps,
         "settled": settled,
         "band": list(band),

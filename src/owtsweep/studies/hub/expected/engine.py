@@ -18,11 +18,11 @@ from owtsweep.results.status import FAILED, OK
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.declaration import list_content
 from owtsweep.studies.hub.error_curves.of_schemes import EXPECTED_VERSION, curves_of, motion_of
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
 from owtsweep.studies.hub.names import list_entries
 from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
-from owtsweep.studies.hub.planning import scheme_content, shared_content
 from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
 from owtsweep.studies.hub.schemes.skf import SpectralScheme
 from owtsweep.sweep.study import Block
@@ -33,7 +33,7 @@ def plan(config: HubConfig) -> list[Block]:
 
     There is one block per scheme, but one per amplitude for SKF.
     """
-    shared = shared_content(config)
+    shared = list_content(config)
     if config.normalise == "peak":
         shared["peak_records"] = RECORDS
     else:
@@ -44,7 +44,7 @@ def plan(config: HubConfig) -> list[Block]:
     for entry, scheme in zip(entries, resolve_all(entries, config), strict=True):
         content = {
             **shared,
-            **scheme_content(config, entry, scheme),
+            **SCHEMES.describe_content(config, entry, scheme),
             "expected_version": EXPECTED_VERSION,
             "natural_periods": periods,
         }
@@ -108,7 +108,7 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
     angle = np.deg2rad(config.wave_direction)
     along = (np.cos(angle) ** 2, np.sin(angle) ** 2)
     steps = round(config.record.duration / sensors.step)
-    samples = (steps, steps - round(config.measures.settling_time / sensors.step))
+    samples = (steps, steps - config.measures.find_settled(sensors.step))
     parts = []
     for m, measure in enumerate(MEASURES):
         for w, window in enumerate(measures.WINDOWS):
@@ -137,4 +137,4 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
     )
     if not finite:
         table = table.iloc[:1]
-    return table[list(measures.COLUMNS)].astype({"replicate": "int64", "n_samples": "int64"})
+    return table.astype({"replicate": "int64", "n_samples": "int64"})

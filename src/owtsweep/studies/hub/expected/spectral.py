@@ -16,7 +16,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.late_errors import find_motion_errors, find_noise_errors
-from owtsweep.studies.hub import measures
+from owtsweep.studies.base.rows import Judgement, Means, make_product_rows
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known import Known
@@ -96,14 +96,13 @@ def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> 
     rate = config.sensors.imu.rate
     samples = round(config.record.duration * rate) - round(config.measures.settling_time * rate)
     names = [name for measure in MEASURES for name in (*AXES[measure], measure)]
+    windows, counts = ["settled"] * len(names), [samples] * len(names)
     tables = []
     for period in periods:
         true = find_expected_errors(config, period, amplitude).true
-        # (name, product, replicate); the value is the last product
-        products = np.zeros((len(names), 3, 1))
-        products[:, 2, 0] = np.concatenate([true, true.sum(axis=0, keepdims=True)]).T.ravel()
-        windows, counts = ["settled"] * len(names), [samples] * len(names)
-        measured = measures.Measured(names, windows, products, counts)
-        conditions = {"natural_period": period}
-        tables.append(measures.table(conditions, [0], SCHEME.name, measured, amplitude))
-    return pd.concat([pd.DataFrame(table) for table in tables], ignore_index=True)
+        products = np.zeros((len(names), 3))  # the value is the last
+        products[:, 2] = np.concatenate([true, true.sum(axis=0, keepdims=True)]).T.ravel()
+        judged = [Judgement(Means(names, windows, products, counts))]
+        cell = {"natural_period": period, "amplitude": amplitude}
+        tables.append(make_product_rows(SCHEME.name, cell, [*cell], [0], judged, apart=False))
+    return pd.concat(tables, ignore_index=True)

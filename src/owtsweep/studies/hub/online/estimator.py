@@ -12,6 +12,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.loop import RecordEstimator
 from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
 from owtsweep.studies.hub.kernels.online_layout import (
     LINKS,
@@ -45,7 +46,7 @@ TOO_FAR = (
 _EYE = np.eye(2)
 
 
-class OnlineEstimator:
+class OnlineEstimator(RecordEstimator):
     """A running scheme: `update` takes one IMU sample, `run` takes many samples.
 
     Any position fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at

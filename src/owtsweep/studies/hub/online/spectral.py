@@ -8,13 +8,14 @@ from numpy.typing import ArrayLike
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.loop import RecordEstimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.axis_filters import AxisFilter
 from owtsweep.studies.hub.known import ZERO, Sensors
 from owtsweep.studies.hub.online.coordinates import check_origin, check_sample, check_samples
 
 
-class SpectralEstimator:
+class SpectralEstimator(RecordEstimator):
     """A running SKF or SKFA: `update` takes one IMU sample, `run_record` takes many samples.
 
     Any position fix may be missing, but fixes come only at multiples of the fix interval, because

@@ -35,6 +35,7 @@ class AdaptiveSpectralScheme(Scheme):
     name = "SKFA"
     on_board = True
     sections = ("skf", "band")
+    least_duration = LEAST
 
     def start(self, known: Known) -> SpectralEstimator:
         """Return a new estimator that runs step by step."""

@@ -54,7 +54,7 @@ class SupervisorySwitching(Scheme):
 
     def check(self, config: HubConfig) -> None:
         """Refuse names of schemes, or a boundary, with which it cannot work."""
-        check_switch(config.switch)
+        check_switch(self.name, config.switch)
 
 
 def _choose_schemes(config: HubConfig) -> tuple[Scheme, Scheme]:

@@ -129,17 +129,20 @@ def compute_boundary(config: HubConfig, below: str, above: str, crest: float) ->
     return Boundary(-np.log(frequency), np.clip(amplitude, NONE, ANY))
 
 
-def check_switch(settings: Switch) -> None:
-    """Raise `InputError` unless `switch` names two schemes and its boundary is a table."""
-    others = ", ".join(name for name in LISTED if name != "SWITCH")
+def check_switch(own: str, settings: Switch) -> None:
+    """Raise `InputError` unless `switch` names two schemes and its boundary is a table.
+
+    `own` is the name of the scheme that switches, which cannot be one of the two.
+    """
+    others = ", ".join(name for name in LISTED if name != own)
     for key, name in (("below", settings.below), ("above", settings.above)):
         require(
             name in LISTED,
             f"switch.{key}: there is no scheme {name!r}; use {others}",
         )
         require(
-            name != "SWITCH",
-            f"switch.{key}: SWITCH cannot switch to itself; name another scheme, e.g. HME1",
+            name != own,
+            f"switch.{key}: {own} cannot switch to itself; name another scheme, e.g. HME1",
         )
     require(
         settings.below != settings.above,

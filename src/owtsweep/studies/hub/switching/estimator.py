@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
-from owtsweep.evaluation.loop import run_steps
+from owtsweep.evaluation.loop import RecordEstimator, run_steps
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.switching.supervisor import Supervisor, error_variances
 
 
-class SwitchingEstimator:
+class SwitchingEstimator(RecordEstimator):
     """Two estimators on the same measurements, of which a supervisor hands out one.
 
     The supervisor watches the estimates of the scheme above the boundary, since that scheme follows

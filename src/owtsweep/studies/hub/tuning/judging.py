@@ -14,8 +14,9 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.statistics.contrasts import gap
-from owtsweep.studies.hub import blocks, planning
+from owtsweep.studies.base import blocks
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.tuning.objective import amplitudes, score
 from owtsweep.studies.hub.winners import make_cube
@@ -80,9 +81,9 @@ def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int
     entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)
     part = changed(config, engine="batch", grid=grid, schemes=entries, baselines=[])
-    rows = []
-    for _, group in groupby(planning.plan(part), attrgetter("group")):
-        rows += [table for _, table in blocks.run(part, list(group))]
+    declaration, rows = find_declaration(part), []
+    for _, group in groupby(blocks.plan(declaration, part), attrgetter("group")):
+        rows += [table for _, table in blocks.run(declaration, part, list(group))]
     cube = make_cube(part, pd.concat(rows, ignore_index=True))
     place = (cube.measures.index(part.measures.criterion), cube.windows.index(WINDOW))
     numbers = [cube.schemes.index(name) for name in schemes]

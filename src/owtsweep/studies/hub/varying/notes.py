@@ -10,7 +10,7 @@ from owtsweep.results.conditions import Condition, Value
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.origin import list_sensors
-from owtsweep.studies.hub.tuning_rules import RECORDED
+from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
 from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 
@@ -50,11 +50,11 @@ def list_notes(
     told = [f"{' and '.join(group)} have the same errors." for group in groups]
     recorded = [value for value, config in configs.items() if _has_recorded_numbers(config)]
     one_tuning = len({config.tuning_name for config in configs.values()}) == 1
-    if "HME2" in schemes and one_tuning and 0 < len(recorded) < len(configs):
+    if RECORDED_FOR in schemes and one_tuning and 0 < len(recorded) < len(configs):
         places = " and ".join(along.show(value) for value in recorded)
         told.append(
-            f"At {places}, HME2 has the numbers that tuning=matched keeps for the paper's sensors; "
-            "elsewhere its numbers follow a rule (docs/tuning.md)."
+            f"At {places}, {RECORDED_FOR} has the numbers that tuning=matched keeps for the "
+            "paper's sensors; elsewhere its numbers follow a rule (docs/tuning.md)."
         )
     return (*told, BOUND, OTHER_WINDOW["settled"])
 
