@@ -20,6 +20,7 @@ from owtsweep.config import (
     typed,
     with_values,
 )  # fmt: skip
+from owtsweep.config.hints import explain_unknown_key
 from owtsweep.config.section import unit_of
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
@@ -115,6 +116,11 @@ def test_texts_from_numbers_and_numbers_from_texts() -> None:
 def test_an_unknown_key_is_told_before_wrong_values() -> None:
     with pytest.raises(InputError, match=r"^labl: there is no such key; did you mean label\?$"):
         make(labl="x", count="x")
+
+
+def test_a_key_that_no_file_sets_is_told_with_how_to_set_it() -> None:
+    told = explain_unknown_key("inner.sigma", ["inner.sigma"])
+    assert told == "inner.sigma: no YAML file sets this key yet; use +inner.sigma=..."
 
 
 def test_a_missing_key_is_told() -> None:

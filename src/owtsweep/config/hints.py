@@ -37,7 +37,7 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     """Return a one-line message about a configuration key that does not exist.
 
     The message lists the keys in the same section, or names the most similar key, or says how to
-    print all keys.
+    print all keys. Of a key that exists but that no YAML file sets, it says how to set it.
 
     Parameters
     ----------
@@ -46,6 +46,8 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     keys
         All keys that exist.
     """
+    if key in keys:
+        return f"{key}: no YAML file sets this key yet; use +{key}=..."
     section, _, leaf = key.rpartition(".")
     by_leaf: dict[str, list[str]] = {}
     for name in keys:
