@@ -1,4 +1,4 @@
-"""A declared study is planned again with more records of some cells."""
+"""A study is planned again with more records of some cells."""
 
 from __future__ import annotations
 
@@ -47,3 +47,23 @@ def test_tables_and_maps_are_made_of_cells_with_unequal_numbers_of_records() -> 
     assert summary.groupby("delay")["n"].unique().map(list).to_dict() == {0.0: [2], 2.0: [4]}
     assert len(tables["best_scheme"].query("criterion == 'velocity'")) == 2
     assert "map_velocity" in engine.drawings(config, tables, rows, {})
+
+
+def test_the_hub_plans_more_records_of_a_cell_too() -> None:
+    """Linear schemes have one block for all amplitudes; MHE with constraints one for each."""
+    study = get_study("hub")
+    config: Any = compose([
+        "tuning=paper", "grid.natural_period=[4,8]", "grid.amplitude=[0.1,1]", "grid.replicates=8",
+        "schemes=[MKF,HME2]", "baselines=[]", "hme.mhe.constraints.bias=1",
+    ])  # fmt: skip
+    engine: Any = study.engine(config)
+    cells = engine.declaration.axes.list_cells(config)
+    first = engine.plan(config)
+    assert len(cells) == 4
+    assert len(first) == 2 * (1 + 2)
+    kept = {block_key(study, block) for block in first}
+    more = [b for b in engine.plan(config, cells[2:3], 16) if block_key(study, b) not in kept]
+    told = [
+        (b.content["scheme"], b.content.get("amplitude"), b.content["replicates"]) for b in more
+    ]
+    assert told == [("MKF", None, [8, 16]), ("HME2", 0.1, [8, 16])]
