@@ -23,8 +23,6 @@ from typing import Any
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^ *from owtsweep\.([\w.]+) import ", re.MULTILINE)
 
-#: The end of the cache folder's name, for all kernels that are imported from now on.
-variant = ""
 #: The environment variable that names a command to all of its processes.
 COMMAND = "OWTSWEEP_COMMAND"
 
@@ -80,7 +78,7 @@ def cache_directory() -> Path:
         base = Path(sys.prefix) / "numba-cache"  # as in the Makefile
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "owtsweep"
-    return base / f"kernels-{source_hash()}{variant}"
+    return base / f"kernels-{source_hash()}"
 
 
 @cache
@@ -156,12 +154,27 @@ def njit(function: object) -> Any:
     The compiled function is cached on disk, runs without Python's global lock (GIL), and computes
     in the order that the source says (no fastmath).
     """
+    return _compiled(function)
+
+
+def step(function: object) -> Any:
+    """Return a function as `njit` does, whose code becomes a part of every kernel that calls it.
+
+    It is for functions that are called at every step: what does not change from step to step is
+    then fetched once, and numba counts no references to arrays on the way.
+    """
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: object, **options: bool) -> Any:
     import numba
 
     _announce_when_compiling()
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(usable_directory())
     try:
-        return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function)
+        return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy", **options)(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = previous

@@ -154,7 +154,7 @@ class WarmsUp(Protocol):
     """The interface of an engine that has work to do once, before the first block is computed."""
 
     def warm_up(self, config: AnyConfig, workers: int) -> None:
-        """Do this work, e.g. compile kernels, in up to `workers` processes side by side.
+        """Do this work, in up to `workers` processes side by side.
 
         It is called in the process of the sweep, once per tuning, and only if blocks are missing.
         """
@@ -370,9 +370,6 @@ class Tunable(Protocol):
 
         Raise `InputError` if there is nothing to search.
         """
-
-    def prepare_tuning(self, config: AnyConfig) -> None:
-        """Do work once before the search, e.g. compile kernels."""
 
     def tune(self, config: AnyConfig, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers; call `advance` with the scheme's name after each trial."""

@@ -152,16 +152,6 @@ class RecordsEngine(_Engine):
                 )
         return blocks.backend(config, schemes)
 
-    def warm_up(self, config: HubConfig, workers: int) -> None:
-        """Compile the kernels that the study uses, in up to `workers` processes side by side."""
-        from owtsweep.studies.hub.compiling import compile_kernels
-
-        schemes = [s for s in resolve_all(config.schemes, config) if blocks.runs_chain(config, s)]
-        superposed = {planning.superposes(config, scheme) for scheme in schemes}
-        uses = sorted("superposed" if each else "direct" for each in superposed)
-        if uses:
-            compile_kernels("gains", *uses, vectors=config.compute.vectors, cores=workers)
-
     def predict(
         self, config: HubConfig, blocks: Sequence[Block], workers: int
     ) -> tuple[float, float] | None:
@@ -198,12 +188,6 @@ class ExpectedEngine(_Engine):
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
         return "threading"
-
-    def warm_up(self, config: HubConfig, workers: int) -> None:
-        """Compile the kernels that the engine uses, in up to `workers` processes side by side."""
-        from owtsweep.studies.hub.compiling import compile_kernels
-
-        compile_kernels("gains", "expected", vectors=config.compute.vectors, cores=workers)
 
 
 def _tell_beaten(config: HubConfig, cells: pd.DataFrame, summary: pd.DataFrame) -> list[str]:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, sum_errors
     from owtsweep.studies.hub.blocks import backend
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
-    from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme
     from owtsweep.studies.hub.error_spectrum import (
@@ -42,7 +41,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
     "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "NoiseFloor", "OnePassSeries",
-    "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks", "compile_kernels",
+    "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks",
     "error_spectrum", "expected_mse", "fix_count", "fix_noise", "follow_sensors",
     "has_acceleration", "lag_of", "look_constant", "make_records", "make_sensors", "noise_floor",
     "resolve", "resolve_all", "scheme_content", "simulate_bias", "state_chunks",
@@ -54,7 +53,6 @@ _HOMES = {
     "batch": ["Lanes", "sum_errors"],
     "blocks": ["backend"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
-    "compiling": ["compile_kernels"],
     "config": ["HubConfig"],
     "contract": ["Scheme"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
