@@ -157,16 +157,24 @@ def njit(function: object) -> Any:
     return _compiled(function)
 
 
-def step(function: object) -> Any:
-    """Return a function as `njit` does, whose code becomes a part of every kernel that calls it.
+def part(function: object) -> Any:
+    """Return a function that only kernels call: its code becomes a part of each of them.
 
-    It is for functions that are called at every step: what does not change from step to step is
-    then fetched once, and numba counts no references to arrays on the way.
+    What does not change from one call to the next is then fetched once, numba counts no references
+    to arrays on the way, and no interface to Python is compiled. Otherwise it is as `njit` has it.
     """
-    return _compiled(function, forceinline=True)
+    return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-def _compiled(function: object, **options: bool) -> Any:
+def pasted(function: object) -> Any:
+    """Return a function whose source is pasted into kernels that call it; Python can call it, too.
+
+    It is for a few lines that call larger parts, which would else be optimised once more.
+    """
+    return _compiled(function, inline="always")
+
+
+def _compiled(function: object, **options: Any) -> Any:
     import numba
 
     _announce_when_compiling()

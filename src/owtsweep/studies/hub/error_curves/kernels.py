@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from owtsweep.compiled import njit, step
+from owtsweep.compiled import njit, part
 from owtsweep.studies.hub.kernels.feeding import keep_rows
 from owtsweep.studies.hub.kernels.layout import WIDTH, Fed
 from owtsweep.studies.hub.kernels.runs import estimate, leave
@@ -77,7 +77,7 @@ def repeats(newest, lanes, tolerance, ring):
     return True
 
 
-@step
+@part
 def turn(now):
     """Take the sinusoids one step further: (c, s) is turned by the angle per step."""
     for i in range(len(now.c)):
@@ -111,7 +111,7 @@ def make_waves(stop, waves, buffers):
         turn(now)
 
 
-@step
+@part
 def square(t, x, wave, at):
     """Add the squared errors of the estimates in the row x; row `at` of `wave` is the truth."""
     for i in range(len(t.p)):

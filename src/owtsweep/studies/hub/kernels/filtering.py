@@ -6,19 +6,19 @@ A lane is one series along one axis. A row (`Memory.steps`) holds a step's state
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit, step
+from owtsweep.compiled import part
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.horizon import choose_input, keep_state, make_position, take_fix
 from owtsweep.studies.hub.kernels.predicting import add_input
 
 
-@step
+@part
 def next_row(row, rows, cycle):
     """Return the gain schedule's row of the next step; the last `cycle` rows repeat for ever."""
     return row + 1 if row + 1 < rows else rows - cycle
 
 
-@step
+@part
 def predict_and_correct(before, now, force, at, f, K, row):
     """Take a step with the specific force alone: m = A x + B u, r = f - h m, x = m + K r.
 
@@ -52,7 +52,7 @@ def predict_and_correct(before, now, force, at, f, K, row):
         now.b[i] = b + k3 * r
 
 
-@step
+@part
 def correct(now, positions, at, K, row):
     """Correct a step's state by a position: s = z - m, x = x + K s; z is row `at` of `positions`.
 
@@ -68,7 +68,7 @@ def correct(now, positions, at, K, row):
         now.b[i] += k3 * s
 
 
-@njit
+@part
 def filter_chunk(k0, count, fed, f, steps):
     """Filter the `count` steps from step k0 on; the states go to the last rows of `steps`.
 
@@ -92,7 +92,7 @@ def filter_chunk(k0, count, fed, f, steps):
             fix, since = fix + 1, 0
 
 
-@njit
+@part
 def filter_chunk_with_mhe(k0, count, fed, f, mhe, memory):
     """Filter as `filter_chunk` does, but with the positions of the MHE (HME2, Algorithm 2).
 

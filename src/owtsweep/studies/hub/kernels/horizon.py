@@ -7,11 +7,11 @@ window (`Memory.nodes`) is registers 2 and 3 of the paper, Algorithms 4 and 5.
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit, step
+from owtsweep.compiled import part
 from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED
 
 
-@step
+@part
 def add_datum(now, values, maps, matrix, column):
     """Add a datum's part of the state at the newest fix: a column of the matrix times the datum."""
     g0, g1, g2 = maps[matrix, 0, column], maps[matrix, 1, column], maps[matrix, 2, column]
@@ -21,7 +21,7 @@ def add_datum(now, values, maps, matrix, column):
         now.nb[i] += g2 * values[i]
 
 
-@njit
+@part
 def take_fix(q, fixes, mhe, nodes, now):
     """Take fix number q into the window, and compute the state np, nv, nb at this fix.
 
@@ -51,14 +51,14 @@ def take_fix(q, fixes, mhe, nodes, now):
         add_datum(now, node.b, maps, matrix, 4 * n + 3)
 
 
-@step
+@part
 def keep_state(x, node):
     """Keep the filter's state after a fix's correction, the row x, in the fix's node (Alg. 5)."""
     for i in range(len(x.p)):
         node.p[i], node.v[i], node.b[i] = x.p[i], x.v[i], x.b[i]
 
 
-@step
+@part
 def make_position(growth, since, now, position):
     """Predict the MHE's position `since` steps after the last fix, by A_df and B_df (Eq. 11d)."""
     gp, gv, gb = growth[since, 0, 0], growth[since, 0, 1], growth[since, 0, 2]
@@ -67,7 +67,7 @@ def make_position(growth, since, now, position):
         position[0, i] = n + gv * now.nv[i] + gb * now.nb[i] + now.p[i] + gp * n
 
 
-@step
+@part
 def choose_input(now, u, inputs, tick, interval):
     """Set now.sample to the input that the MHE takes: each, the average or one of `interval`.
 

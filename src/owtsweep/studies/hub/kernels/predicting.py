@@ -7,10 +7,10 @@ newest input is included and the oldest left out.
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit, step
+from owtsweep.compiled import part
 
 
-@step
+@part
 def add_input(sums, u, T, half, lean):
     """Integrate an input twice over a step: p = p + T v + T^2/2 u, v = v + T u.
 
@@ -24,7 +24,7 @@ def add_input(sums, u, T, half, lean):
         sums.v[i] = v + T * u[i] + (vp * p + vv * v + vu * u[i])
 
 
-@step
+@part
 def predict(x, sums, force, at, m):
     """Replace the past state in the row x by the prediction of now; move the sums on by a step.
 
@@ -44,7 +44,7 @@ def predict(x, sums, force, at, m):
         sums.v[i] = dv + T * (new - old) + of_lean
 
 
-@njit
+@part
 def predict_chunk(k0, count, fed, m, steps, inputs):
     """Predict the `count` steps from step k0 on, from the states in the rows 1, 2, ... of `steps`.
 

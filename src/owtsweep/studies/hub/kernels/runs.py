@@ -7,14 +7,14 @@ second-level cache. Arguments are the structures of `kernels.layout`.
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit
+from owtsweep.compiled import njit, pasted
 from owtsweep.studies.hub.kernels.filtering import filter_chunk, filter_chunk_with_mhe
 from owtsweep.studies.hub.kernels.predicting import predict_chunk
 from owtsweep.studies.hub.kernels.smoothing import smooth_chunk
 from owtsweep.studies.hub.kernels.sums import sum_chunk
 
 
-@njit
+@pasted
 def estimate(k0, count, fed, chain, memory, whole):
     """Estimate the `count` steps from step k0 on: [MHE ->] filter [-> smoother] [-> predictor].
 
@@ -34,7 +34,7 @@ def estimate(k0, count, fed, chain, memory, whole):
         predict_chunk(k0, count, fed, chain.predictor, steps, memory.inputs)
 
 
-@njit
+@pasted
 def leave(count, window, steps):
     """Keep the last `window` steps of a chunk, filtered and not smoothed yet, for the next one."""
     for i in range(1, window + 1):

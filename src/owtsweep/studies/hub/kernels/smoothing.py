@@ -10,17 +10,17 @@ starts it anew, one window after the chunk's last state; inside this window noth
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit, step
+from owtsweep.compiled import part
 from owtsweep.estimation.windowing import schedule_row
 
 
-@step
+@part
 def row_before(k, row, rows, cycle):
     """Return the gain schedule's row of step k - 1, if `row` is that of step k."""
     return rows - 1 if row == rows - cycle and k > row else row - 1
 
 
-@step
+@part
 def add_position(S, x, G, row):
     """Add a position's part of a correction: S = S + G s, where s is the innovation in the row x.
 
@@ -35,7 +35,7 @@ def add_position(S, x, G, row):
         S.b[i] += g3 * s
 
 
-@step
+@part
 def add_force(S, x, G, row):
     """Add a specific force's part of a correction: S = S + G r, where r stands in the row x."""
     g0, g1, g2, g3 = G[row, 0, 1], G[row, 1, 1], G[row, 2, 1], G[row, 3, 1]
@@ -47,7 +47,7 @@ def add_force(S, x, G, row):
         S.b[i] += g3 * r
 
 
-@step
+@part
 def carry_back(S, C, row):
     """Turn a correction of one step's state into that of the step before: S = C S."""
     c00, c01, c02, c03 = C[row, 0, 0], C[row, 0, 1], C[row, 0, 2], C[row, 0, 3]
@@ -62,7 +62,7 @@ def carry_back(S, C, row):
         S.b[i] = c30 * p + c31 * v + c32 * a + c33 * b
 
 
-@step
+@part
 def add_correction(x, S):
     """Smooth a step's state: x = x + S."""
     for i in range(len(S.p)):
@@ -72,7 +72,7 @@ def add_correction(x, S):
         x.b[i] += S.b[i]
 
 
-@njit
+@part
 def smooth_chunk(k0, count, f, steps, back):
     """Smooth the states of the steps k0 - window ... k0 - window + count - 1, in place.
 

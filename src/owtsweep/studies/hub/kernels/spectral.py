@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from owtsweep.arrays import Array
-from owtsweep.compiled import njit, step
+from owtsweep.compiled import njit, part
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.filtering import next_row
 from owtsweep.studies.hub.kernels.layout import WIDTH, Rows, filled, rows
@@ -80,7 +80,7 @@ def new_memory(states: int, squared: Array, estimates: Array) -> SpectralMemory:
     return SpectralMemory(rows(states, 2 * WIDTH, "x"), sums, squared, estimates)
 
 
-@step
+@part
 def advance_pair(one, two, A, i, fast, t):
     """Move two states on by block i of A; add what they make of the specific force to r and odd."""
     a00, a01, a10, a11 = A[0, i, 0, 0], A[0, i, 0, 1], A[0, i, 1, 0], A[0, i, 1, 1]
@@ -95,14 +95,14 @@ def advance_pair(one, two, A, i, fast, t):
         t.odd[j] += (f1 if j < WIDTH else g1) * second
 
 
-@step
+@part
 def subtract_from(t, measured, at):
     """Make the innovation: r = z - (r + odd), where z is row `at` of the measurements."""
     for j in range(2 * WIDTH):
         t.r[j] = measured[at, j] - (t.r[j] + t.odd[j])
 
 
-@step
+@part
 def correct(x, gain, row, i, t):
     """Correct state i by its gain times the innovation: x = x + K r."""
     k, m = gain[0, row, i], gain[1, row, i]
@@ -110,21 +110,21 @@ def correct(x, gain, row, i, t):
         x.x[j] += (k if j < WIDTH else m) * t.r[j]
 
 
-@step
+@part
 def add_term(total, x, c, d):
     """Add a state times c (lanes of x) or d (lanes of y) to a sum."""
     for j in range(2 * WIDTH):
         total[j] += (c if j < WIDTH else d) * x.x[j]
 
 
-@step
+@part
 def clear(t):
     """Set a step's sums over the state to zero."""
     for j in range(2 * WIDTH):
         t.p[j] = t.v[j] = t.r[j] = t.odd[j] = 0.0
 
 
-@step
+@part
 def add_errors(t, cx, cy, P, row):
     """Add the squared errors of a step; motion times cx and cy is the truth along x and along y."""
     pp, pv, vv = P[0, row, 0], P[0, row, 1], P[0, row, 2]

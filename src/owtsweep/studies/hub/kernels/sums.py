@@ -12,13 +12,13 @@ both are sums over the axes. `layout.new_sums` explains the row t of the sums.
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit, step
+from owtsweep.compiled import part
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.filtering import next_row
 from owtsweep.studies.hub.kernels.layout import WIDTH
 
 
-@step
+@part
 def copy_estimate(t, x, motion, at):
     """Copy a step's estimates and true motion into the row t."""
     for i in range(len(t.p)):
@@ -27,7 +27,7 @@ def copy_estimate(t, x, motion, at):
         t.motion[i] = motion[at, i]
 
 
-@step
+@part
 def add_products(t, cx, cy, P, row):
     """Add the products of the errors from motion and of those from noise, for one step.
 
@@ -55,7 +55,7 @@ def add_products(t, cx, cy, P, row):
         t.nxx[i] += pp * (pxx + pyy) + 2.0 * pv * (px * vx + py * vy) + vv * (vxx + vyy)
 
 
-@step
+@part
 def add_squares(t, cx, cy, P, row):
     """Add the squared errors of whole series, for one step; see `add_products`."""
     pp, pv, vv = P[row, 0], P[row, 1], P[row, 2]
@@ -72,7 +72,7 @@ def add_squares(t, cx, cy, P, row):
         t.square[i] = pxx + pyy
 
 
-@step
+@part
 def add_innovations(t, x, w, cx, cy):
     """Add the products of a step's innovations, times the inverse w of their variance.
 
@@ -92,7 +92,7 @@ def add_innovations(t, x, w, cx, cy):
             t.ixx[i] += w * (sx * sx + sy * sy)
 
 
-@njit
+@part
 def sum_chunk(k0, count, settled, fed, truth, f, weights, steps, sums, squared):
     """Add the errors of the `count` steps from step k0 on, whose estimates are in `steps`.
 
