@@ -38,9 +38,7 @@ sweep: $(INSTALLED)
 	@echo 'next: $(VENV)/bin/owtsweep list, or $(VENV)/bin/owtsweep --help'
 
 test: $(INSTALLED_TEST)
-	$(VENV_PYTHON) tests/compile_kernels.py online & \
-	$(VENV_PYTHON) tests/compile_kernels.py studies & \
-	$(VENV_PYTHON) tests/compile_kernels.py declared & \
+	$(VENV_PYTHON) tests/compile_kernels.py & \
 	$(VENV_PYTHON) -m ruff check . && \
 	$(VENV_PYTHON) -m ruff format --check . && \
 	$(VENV)/bin/lint-imports --no-cache --no-logo && \

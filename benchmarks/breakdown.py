@@ -59,14 +59,10 @@ def _spans(chains: Sequence[Chain], records: Records, settled: int) -> list[floa
 
     All of them run span by span in turn, as in `batch.sum_errors`.
     """
-    scratch, output = batch.shared_memory(chains, 3)
     _ = records.motion  # made before the clock starts
     started = time.thread_time()
     feed = Feed(records)
-    runs = [
-        batch.ChainRun(chain, batch.weights_of(chain), feed, settled, scratch, output)
-        for chain in chains
-    ]
+    runs = [batch.ChainRun(chain, batch.weights_of(chain), feed, settled) for chain in chains]
     spent = [0.0] * (1 + len(runs))
     for span in feed.spans(max(run.lead for run in runs)):
         spent[0] += time.thread_time() - started

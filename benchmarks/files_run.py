@@ -33,7 +33,7 @@ from benchmarks import page
 PACKAGE = Path(owtsweep.__file__).resolve().parent
 OURS = f"{PACKAGE}{os.sep}"
 #: Rooms from configuration to score.
-ROOMS = ("studies", "estimation", "motion", "sensing", "vectors")
+ROOMS = ("studies", "estimation", "motion", "sensing")
 CASE = (
     "schemes=[HME1]", "baselines=[]", "tuning=paper", "grid.natural_period=[4.0]",
     "grid.amplitude=[1.0]", "grid.replicates=1", "record.duration=60", "compute=single",

@@ -1,10 +1,8 @@
 """Measure the batch kernels alone: ns per step and series, and share of the machine's peaks.
 
 A series is a whole two-axis record (8 states, two lanes). The kernels run filter, MHE, smoother,
-predictor and error sums; sensors and truth are made before and lie in memory. Threads take eight
-series at a time until none are left, as a sweep's workers take blocks: if other programs slow down
-one core, the other cores do more. Each thread works in a single call, so Python takes no time.
-Counted are:
+predictor and error sums; sensors and truth are made before and lie in memory. The threads take
+eight series in turn. Each thread works in a single call, so Python takes no time. Counted are:
 
 operations (additions, multiplications) per lane and step, as the algorithm needs them
     filter      27, and 9 more at steps with a position: prediction 15, innovation 4 of the specific
@@ -25,7 +23,6 @@ smoother's run-up at each chunk, and all traffic to the caches.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -55,7 +52,7 @@ class Work:
 
         `peaks` are the results of `machine.Limits.now`.
         """
-        peak = max(peaks["multiply_add_Gflop_per_s"], peaks["fused_Gflop_per_s"])
+        peak = peaks["multiply_add_Gflop_per_s"]
         return self.bytes / peaks["triad_GB_per_s"], self.flops / peak
 
 
@@ -86,9 +83,9 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     """Prepare a scheme for `series` series of `steps` steps, with random sensors and truth.
 
     Returns the scheme's chain (its form for the batch engine), the inputs, and the chain's arrays
-    and weights. The inputs are specific force in x and y, fixes in x and y, true position and true
-    velocity, of shape (tiles, rows, 8) each, with a tile for every eight series. Before the first
-    step, specific force is zero for some rows.
+    and weights. The inputs are specific force and fixes (x, then y), and the truth, of shape
+    (tiles, rows, 16) each, with a tile for every eight series. Before the first step, specific
+    force is zero for some rows.
     """
     from owtsweep.arrays import aligned
     from owtsweep.studies import compose
@@ -96,63 +93,38 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
     from owtsweep.studies.hub.known import Known
     from owtsweep.studies.hub.resolving import resolve
-    from owtsweep.vectors import uses_vectors
 
-    config: Any = compose([STUDY[0], f"tuning={tuning}", f"compute.vectors={uses_vectors()}"])
+    config: Any = compose([STUDY[0], f"tuning={tuning}"])
     sensors = sensing.sensors(config.sensors)
     chain = resolve(scheme).kernel(Known(sensors, config), 200_000)
-    lead = chunk_of(chain)[1]
-    fixes = -(-steps // sensors.fix_interval)
-    tiles = series // 8
-    force, truth = aligned(2, tiles, lead + steps, 8), aligned(2, tiles, lead + steps, 8)
-    positions = aligned(2, tiles, fixes, 8)
+    lead, fixes, tiles = chunk_of(chain)[1], -(-steps // sensors.fix_interval), series // 8
+    inputs = tuple(aligned(tiles, rows, 16) for rows in (lead + steps, fixes, lead + steps))
     draw = np.random.default_rng(1)
-    for array in (force, positions, truth):
+    for array in inputs:
         array[...] = draw.normal(size=array.shape)
-    force[:, :, :lead] = 0.0
-    return chain, (*force, *positions, *truth), (arrays_of(chain), weights_of(chain))
+    inputs[0][:, :lead] = 0.0
+    return chain, inputs, (arrays_of(chain), weights_of(chain))
 
 
 @cache
 def _driver() -> Any:
-    """Compile the function that runs tiles through `runs.direct` without Python between them.
+    """Compile the function that runs tiles through `runs.run` without Python between them.
 
-    Each tile starts with the registers that the previous tile left; the time does not depend on
-    their values.
+    Each tile starts with the memory that the previous tile left; the time does not depend on its
+    values.
     """
-    from llvmlite import ir
-    from numba import types
-    from numba.extending import intrinsic
-
     from owtsweep.compiled import njit
     from owtsweep.studies.hub.kernels.layout import Fed, Truth
-    from owtsweep.studies.hub.kernels.runs import direct
-
-    @intrinsic
-    def taken(typingctx: Any, counter: Any) -> Any:
-        """Return the number in `counter`, shape (1,), and increase it by one, atomically."""
-
-        def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            whole = context.make_array(counter)(context, builder, args[0])
-            return builder.atomic_rmw(
-                "add", whole.data, ir.Constant(ir.IntType(64), 1), "monotonic"
-            )
-
-        return types.int64(counter), codegen
+    from owtsweep.studies.hub.kernels.runs import run
 
     @njit
-    def work_through(counter, threads, count, stretch, series, chain, memory, totals):
-        fx, fy, zx, zy, position, velocity, direction, lead = series
+    def work_through(first, stop, every, stretch, series, chain, memory, sums, squared):
+        force, fixes, motion, direction, lead = series
         arrays, weights = chain
-        turn = taken(counter)
-        while turn < count:
-            tile = turn % fx.shape[0]
-            fed = Fed((fx[tile], fy[tile]), -lead, (zx[tile], zy[tile]))
-            truth = Truth((position[tile],), (velocity[tile],), direction)
-            direct(stretch, fed, truth, arrays, weights, memory, *totals)
-            turn = taken(counter)
-        if turn == count + threads - 1:  # the last one to find nothing left
-            counter[0] = 0
+        for turn in range(first, stop, every):
+            tile = turn % force.shape[0]
+            fed, truth = Fed(force[tile], -lead, fixes[tile]), Truth(motion[tile], direction)
+            run(stretch, fed, truth, arrays, weights, memory, sums, squared)
 
     return work_through
 
@@ -167,28 +139,22 @@ class Job:
     def __init__(
         self, scheme: str, threads: int, series: int, steps: int, tuning: str, different: int = 0
     ) -> None:
-        from owtsweep.studies.hub.batch import chunk_of, shared_memory
-        from owtsweep.studies.hub.kernels.layout import Memory, new_registers
+        from owtsweep.studies.hub.batch import chunk_of
+        from owtsweep.studies.hub.kernels.layout import new_memory, new_sums
 
         self.chain, fed, self.arrays = prepared(scheme, different or series, steps, tuning)
         self.threads, self.series, self.steps = threads, series, steps
         chunk, lead = chunk_of(self.chain)
         self.stretch = (0, steps, chunk, 2000)
         self.fed = (*fed, np.array([0.8, 0.6]), lead)
-        filter_, mhe = self.chain.filter, self.chain.mhe
-        self.counter = np.zeros(1, dtype=np.int64)
-        self.memory = [
-            Memory(new_registers(2, filter_.window, mhe.horizon), *shared_memory([self.chain], 2))
-            for _ in range(threads)
-        ]
-        self.totals = [((np.zeros((36, 8)),), (np.empty((0, 8)),)) for _ in range(threads)]
+        self.memory = [new_memory(self.arrays[0], 16, chunk) for _ in range(threads)]
+        self.totals = [(new_sums(16), np.empty((0, 8))) for _ in range(threads)]
         self.work = work(self.chain, steps, series)
 
     def __call__(self, thread: int) -> None:
-        tiles = PASSES * self.series // 8
         _driver()(
-            self.counter, self.threads, tiles, self.stretch, self.fed, self.arrays,
-            self.memory[thread], self.totals[thread],
+            thread, PASSES * self.series // 8, self.threads, self.stretch, self.fed, self.arrays,
+            self.memory[thread], *self.totals[thread],
         )  # fmt: skip
 
     def each(self, seconds: float) -> float:
@@ -203,10 +169,10 @@ def measure(
 
     Each round runs every scheme once and measures the machine's limits too, because other programs
     change these limits from one second to the next. The limit of a scheme is the least time it
-    needs, max(bytes / triad bandwidth, operations / multiply-add peak), with the higher of the two
-    peaks, fused or not. `share` is the median over the rounds of limit / time; `share_of_best` is
-    the limit by the highest peaks of all rounds, divided by the median time. `ns_cached` is the
-    median time for so few series that all inputs stay in the last cache.
+    needs, max(bytes / triad bandwidth, operations / multiply-add peak). `share` is the median over
+    the rounds of limit / time; `share_of_best` is the limit by the highest peaks of all rounds,
+    divided by the median time. `ns_cached` is the median time for so few series that all inputs
+    stay in the last cache.
     """
     rows = [
         row
@@ -276,9 +242,7 @@ def reasons(rows: Sequence[dict[str, Any]], goal: float) -> list[str]:
 
 if __name__ == "__main__":
     from benchmarks.goals import SHARE
-    from owtsweep.vectors import choose
 
-    choose("--plain" not in sys.argv)  # as plain loops, without vectors of LLVM
     measured = measure()
     for row in measured:
         print(
@@ -286,7 +250,7 @@ if __name__ == "__main__":
             "in cache {ns_cached:.2f}), "
             "{flops:.0f} flops, {bytes:.1f} bytes, memory {ns_memory:.2f} ns, arithmetic "
             "{ns_arithmetic:.2f} ns, share {share:.2f}; triad {triad_GB_per_s:.1f} GB/s, peak "
-            "{multiply_add_Gflop_per_s:.1f} (fused {fused_Gflop_per_s:.1f}) Gflop/s; of the best "
+            "{multiply_add_Gflop_per_s:.1f} Gflop/s; of the best "
             "limit {share_of_best:.2f}".format(**row)
         )
     print(*reasons(measured, SHARE), sep="\n")

@@ -83,7 +83,7 @@ def _peaks(rows: list[dict[str, Any]]) -> Iterator[str]:
 
     A peak that was measured too low makes the kernels' share of this peak too high.
     """
-    peak = {row["threads"]: row["fused_Gflop_per_s"] for row in rows}
+    peak = {row["threads"]: row["multiply_add_Gflop_per_s"] for row in rows}
     threads = max(peak, default=1)
     if peak and peak[threads] < 0.8 * threads * peak[1]:
         yield (
@@ -130,21 +130,19 @@ def _kernels(results: dict[str, Any]) -> Iterator[str]:
     yield (
         "Operations and bytes are counted per step and series as the algorithm needs them (the "
         "formula stands in `benchmarks/kernels.py`). The limit is max(bytes / triad, operations / "
-        "peak); triad on arrays of 4 x the last cache; the peak is the higher of multiply-then-add "
-        "and fused multiply-add, which counts as two (our kernels fuse by name, so their bits do "
-        "not hang on the machine). Limits and kernels take turns: *share* is the median, over "
-        "rounds, of a round's limit over the same round's time; *of the best* sets the best limit "
-        "of all rounds, in the table below, against the median time, so it also holds what other "
-        "work on the hardware takes.\n"
+        "peak); triad on arrays of 4 x the last cache; the peak is that of multiply-then-add (our "
+        "kernels fuse nothing, so their bits do not hang on the machine). Limits and kernels take "
+        "turns: *share* is the median, over rounds, of a round's limit over the same round's time; "
+        "*of the best* sets the best limit of all rounds, in the table below, against the median "
+        "time, so it also holds what other work on the hardware takes.\n"
     )
     yield from table(
-        ("threads", "triad, GB/s", "multiply, add, Gflop/s", "fused, Gflop/s"),
+        ("threads", "triad, GB/s", "multiply, add, Gflop/s"),
         [
             (
                 n,
                 f"{row['triad_GB_per_s']:.1f}",
                 f"{row['multiply_add_Gflop_per_s']:.1f}",
-                f"{row['fused_Gflop_per_s']:.1f}",
             )
             for n, row in {row["threads"]: row for row in rows}.items()
         ],

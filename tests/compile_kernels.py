@@ -1,20 +1,17 @@
 """Compile every kernel that the tests use, into the cache that their processes share.
 
-`make test` runs this beside the linters, once per part (`online`, `studies`, `declared`): workers
-of pytest that start on an empty cache would all compile everything.
+`make test` runs this beside the linters: workers of pytest that start on an empty cache would all
+compile everything.
 """
 
 from __future__ import annotations
 
-import sys
 import tempfile
 
 import numpy as np
 
 import owtsweep
 from owtsweep.studies import get_study
-from owtsweep.studies.hub.compiling import compile_kernels
-from owtsweep.studies.hub.compiling.share import write_in_turn
 
 TINY = ("grid=small", "record.duration=50")
 #: Kernels are compiled anew for each number of series that run side by side.
@@ -32,7 +29,6 @@ CELLS = {
 
 
 def online() -> None:
-    compile_kernels("gains", "recorded", vectors=True)
     owtsweep.online("HME2", []).update(np.zeros(2), np.zeros(2))
 
 
@@ -43,7 +39,6 @@ def studies() -> None:
 
 
 def declared() -> None:
-    write_in_turn()  # the other parts write to the same folder
     with tempfile.TemporaryDirectory() as results:
         for study, cell in CELLS.items():
             schemes = f"schemes=[{','.join(get_study(study).schemes())}]"
@@ -52,4 +47,6 @@ def declared() -> None:
 
 
 if __name__ == "__main__":
-    {"online": online, "studies": studies, "declared": declared}[sys.argv[1]]()
+    online()
+    studies()
+    declared()

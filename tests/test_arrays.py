@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from owtsweep.arrays import LINE, aligned
-from owtsweep.studies.hub.kernels.layout import new_output, new_registers, new_scratch
+from owtsweep.studies.hub.kernels.layout import rows
 
 
 @pytest.mark.parametrize("shape", [(1, 8), (7, 8), (3, 11, 8), (5,)])
@@ -20,8 +19,11 @@ def test_aligned_arrays_are_zero_and_plain(shape):
         assert array.ctypes.data % LINE == 0
 
 
-def test_what_kernels_read_and_write_at_each_step_is_aligned():
-    memory = (new_registers(2, 19, 20), new_scratch(2, 500, 19), new_output(2, 500))
-    for group in (array for part in memory for field in part for array in field):
-        assert group.ctypes.data % LINE == 0
-        assert group.strides == (8 * np.dtype(float).itemsize, 8)
+def test_the_rows_of_kernels_are_aligned_and_plain():
+    made = rows(3, 24, "p", "v")
+    assert made.shape == (3,)
+    assert made.flags.c_contiguous
+    assert made["v"].shape == (3, 24)
+    assert made.ctypes.data % LINE == 0
+    assert made.strides[0] % LINE == 0
+    assert not made["p"].any()

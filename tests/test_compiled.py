@@ -14,8 +14,8 @@ from owtsweep import compiled
 IMPORTED = "import owtsweep.studies.hub.kernels.runs, owtsweep.studies.hub.kernels.online"
 CALLED = """
 import numpy as np
-from owtsweep.studies.hub.kernels.feeding import keep_lead
-keep_lead(0, np.zeros((1, 1, 8)))
+from owtsweep.studies.hub.kernels.feeding import keep_rows
+keep_rows(0, 0, np.zeros((1, 8)))
 """
 NAMED = """
 import os, sys, owtsweep.__main__ as process, owtsweep.cli as cli
@@ -28,9 +28,8 @@ def test_sources_are_all_that_kernels_are_made_of() -> None:
     package = Path(compiled.__file__).parent
     names = {str(path.relative_to(package)) for path in compiled.kernel_sources()}
     assert {
-        "compiled.py", "estimation/riccati.py", "estimation/windowing.py", "vectors/vector.py",
-        "vectors/rows.py", "vectors/plain.py", "studies/hub/kernels/runs.py",
-        "studies/hub/error_curves/kernels.py",
+        "compiled.py", "estimation/riccati.py", "estimation/windowing.py",
+        "studies/hub/kernels/runs.py", "studies/hub/error_curves/kernels.py",
     } <= names  # fmt: skip
     assert not any("figures" in name or "config" in name for name in names)
     assert len(names) < 50

@@ -23,8 +23,6 @@ from typing import Any
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^ *from owtsweep\.([\w.]+) import ", re.MULTILINE)
 
-#: The end of the cache folder's name, for all kernels that are imported from now on.
-variant = ""
 #: The environment variable that names a command to all of its processes.
 COMMAND = "OWTSWEEP_COMMAND"
 
@@ -80,7 +78,7 @@ def cache_directory() -> Path:
         base = Path(sys.prefix) / "numba-cache"  # as in the Makefile
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "owtsweep"
-    return base / f"kernels-{source_hash()}{variant}"
+    return base / f"kernels-{source_hash()}"
 
 
 @cache
@@ -156,12 +154,35 @@ def njit(function: object) -> Any:
     The compiled function is cached on disk, runs without Python's global lock (GIL), and computes
     in the order that the source says (no fastmath).
     """
+    return _compiled(function)
+
+
+def part(function: object) -> Any:
+    """Return a function that only kernels call: its code becomes a part of each of them.
+
+    What does not change from one call to the next is then fetched once, numba counts no references
+    to arrays on the way, and no interface to Python is compiled. Otherwise it is as `njit` has it.
+    """
+    return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def pasted(function: object) -> Any:
+    """Return a function whose source is pasted into kernels that call it; Python can call it, too.
+
+    It is for a few lines that call larger parts, which would else be optimised once more.
+    """
+    return _compiled(function, inline="always")
+
+
+def _compiled(function: object, **options: Any) -> Any:
     import numba
 
     _announce_when_compiling()
     previous = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(usable_directory())
     try:
-        return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function)
+        return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy", **options)(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = previous

@@ -16,13 +16,13 @@ from owtsweep.sweep.study import add_versions
 @pytest.mark.parametrize(
     ("name", "version"),
     [
-        ("hub", 4),
-        ("readings", 4),
-        ("replay", 4),
+        ("hub", 5),
+        ("readings", 5),
+        ("replay", 5),
         ("tower", 3),
         ("floater", 1),
         ("blade", 1),
-        ("mating", 6),
+        ("mating", 7),
     ],
 )
 def test_our_studies_stand_where_their_rooms_do(name: str, version: int) -> None:

@@ -54,7 +54,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     check_writable(path.parent, "--output", "name another file by --output FILE")
     with blame(study):
         trials = study.count_trials(config)
-        study.prepare_tuning(config)  # shows its own line, so the bar comes later
         with _progress(trials) as advance:
             tuned = study.tune(config, advance)
         name = re.sub(r"[^\w.+=-]", "_", path.stem)

@@ -34,11 +34,6 @@ class Compute(Section):
         ge=0,
         advice="use 0 for all cores",
     )
-    vectors: bool = key(
-        "whether kernels are compiled with vectors; false: plain loops, slower, the same bits "
-        "(docs/vectors.md)",
-        default=True,
-    )
     scheduler: str | None = key(
         "address of the dask scheduler, tcp://host:port; only with backend dask", default=None
     )

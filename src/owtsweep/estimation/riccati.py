@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.compiled import njit
+from owtsweep.compiled import njit, part
 
 #: How the gain and the covariance treat a step without a slow measurement.
 PROPER, MASK_COLUMNS, MASK_ROWS, EVERY_STEP = 0, 1, 2, 3
@@ -75,7 +75,7 @@ class GainRows(NamedTuple):
     Pf: Array
 
 
-@njit
+@part
 def riccati_step(model, P, is_slow, K, Pm, Pf, work):
     """Predict the covariance of a state over one step, and correct it by the step's measurements.
 
@@ -102,7 +102,9 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
     A, Q, slow, fast = model.A, model.Q, model.slow, model.fast
     r_slow, r_fast, rule = model.r_slow, model.r_fast, model.rule
     n = A.shape[0]
-    has_fast = np.any(fast != 0.0)
+    has_fast = False
+    for i in range(n):
+        has_fast = has_fast or fast[i] != 0.0
     AP, L, LP = work[0], work[1], work[2]
     for i in range(n):
         for j in range(n):
@@ -148,9 +150,10 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
             K[i, 0], K[i, 1] = 0.0, 0.0
     if not is_slow:
         if rule == MASK_COLUMNS:
-            K[:, 0] = 0.0
+            for i in range(n):
+                K[i, 0] = 0.0
         elif rule == MASK_ROWS:
-            K[0, :] = 0.0
+            K[0, 0] = K[0, 1] = 0.0
 
     for i in range(n):
         for j in range(n):

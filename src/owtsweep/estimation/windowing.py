@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.compiled import njit
+from owtsweep.compiled import njit, part
 
 _ZERO = (0.0, 0.0, 0.0, 0.0)
 _NOTHING = (_ZERO, _ZERO, _ZERO, _ZERO)
@@ -37,7 +37,7 @@ class FilterRows(NamedTuple):
     C: Array
 
 
-@njit
+@part
 def schedule_row(k, rows, cycle):
     """Return the index of the row with the gains of step k.
 
@@ -141,7 +141,7 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
                 product = _plus_product(_NOTHING, product, _matrix(C, s + i))
 
 
-@njit
+@part
 def _matrix(A, k):
     """Return the matrix A[k] of an array A, shape (rows, 4, 4), as a tuple of four rows."""
     return (
@@ -152,13 +152,13 @@ def _matrix(A, k):
     )
 
 
-@njit
+@part
 def _put(M, A, k):
     for i in range(4):
         A[k, i, 0], A[k, i, 1], A[k, i, 2], A[k, i, 3] = M[i]
 
 
-@njit
+@part
 def _transposed(A):
     a, b, c, d = A
     return (
@@ -169,7 +169,7 @@ def _transposed(A):
     )
 
 
-@njit
+@part
 def _plus_product(M, A, B):
     """Return M + A B for matrices as tuples of four rows.
 
@@ -183,7 +183,7 @@ def _plus_product(M, A, B):
     )
 
 
-@njit
+@part
 def _plus_row_product(row, a, B):
     for m in range(4):
         b = B[m]
@@ -192,7 +192,7 @@ def _plus_row_product(row, a, B):
     return row
 
 
-@njit
+@part
 def _minus(A, B):
     return (
         _row_minus(A[0], B[0]),
@@ -202,16 +202,16 @@ def _minus(A, B):
     )
 
 
-@njit
+@part
 def _row_minus(a, b):
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3])
 
 
-@njit
+@part
 def _times(A, b):
     return (_dot(A[0], b), _dot(A[1], b), _dot(A[2], b), _dot(A[3], b))
 
 
-@njit
+@part
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]

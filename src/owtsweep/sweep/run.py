@@ -181,17 +181,12 @@ class _Sweep:
             # Another sweep may work on this run: start at the other end, to share the work.
             todo.reverse()
         if todo:
-            self._warm_up()
+            for config in self.run.config.by_tuning().values():
+                self.run.engine.warm_up(config)
         self.progress.start(total, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
             for result in results:
                 self._take(result)
-
-    def _warm_up(self) -> None:
-        # a cluster's machines have folders of their own
-        if self.executor.work.backend != "dask":
-            for config in self.run.config.by_tuning().values():
-                self.run.engine.warm_up(config, self.executor.workers)
 
     def _drop_doubtful(self) -> None:
         """Delete stored blocks (units of work) that must be computed anew, and log why.

@@ -169,8 +169,8 @@ class Engine(ABC):
         """
         return {}
 
-    def warm_up(self, config: AnyConfig, workers: int) -> None:  # noqa: B027
-        """Do work that is due once, e.g. compile kernels, in up to `workers` processes.
+    def warm_up(self, config: AnyConfig) -> None:  # noqa: B027
+        """Do work that is due once, e.g. warn of what the configuration makes doubtful.
 
         It is called in the process of the sweep, once per tuning, and only if blocks are missing.
         """
@@ -327,10 +327,6 @@ class Study(ABC):
         InputError
             If there is nothing to search.
         """
-        raise NotImplementedError
-
-    def prepare_tuning(self, config: AnyConfig) -> None:
-        """Do work once before the search, e.g. compile kernels."""
         raise NotImplementedError
 
     def tune(self, config: AnyConfig, advance: Callable[[str], None]) -> Tuned:

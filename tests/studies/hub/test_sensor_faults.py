@@ -84,7 +84,7 @@ def test_all_ways_to_a_record_hold_the_faults() -> None:
     fixes = 0.9 * motion.position_at(-sensors.delay, sensors.fix_interval, 60)
     seen = sensing.observe(motion, records.direction, sensors)
     np.testing.assert_allclose(seen.fixes, fixes[:, None] * records.direction, rtol=1e-12)
-    np.testing.assert_allclose(Feed(records).fixes[0, :, 0], fixes, rtol=1e-12)
+    np.testing.assert_allclose(Feed(records).fixes[:, 0], fixes, rtol=1e-12)
     noise = Lanes(records).at(0.0)[1]
     np.testing.assert_allclose(
         Lanes(records).at(2.0)[1] - noise, 2.0 * seen.fixes, rtol=1e-9, atol=1e-12

@@ -1,4 +1,4 @@
-"""The kernels, eight lanes at a time in chunks, against the algorithms in plain NumPy.
+"""The kernels, many lanes at a time in chunks, against the algorithms in plain NumPy.
 
 One step after the other, one operation after the other, whole matrices: nothing is shared with the
 kernels but the gains.
@@ -10,17 +10,12 @@ import numpy as np
 import pytest
 from tools import Array, assert_same, configure
 
-from owtsweep.compiled import njit
 from owtsweep.studies.hub import batch, estimates
-from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.feed import Lanes
-from owtsweep.studies.hub.kernels.filtering import PREDICTED
-from owtsweep.studies.hub.kernels.lagging import smooth_chunk
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.resolving import resolve
-from owtsweep.vectors.lanes import borrowed
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -137,29 +132,6 @@ def squares(chain: Chain, records: Records, settled: int) -> Array:
         each = np.array([ep[:, 0] ** 2, ep[:, 1] ** 2, ev[:, 0] ** 2, ev[:, 1] ** 2, nees, nis])
         result[:, :, r] = each[:, :settled].sum(axis=1), each[:, settled:].sum(axis=1)
     return result
-
-
-@njit
-def _together(k0, count, arrays, X, r, s, u):
-    c, target, force = borrowed(arrays), borrowed(X), borrowed(u)
-    window = (target, borrowed(r), borrowed(s))
-    smooth_chunk(k0, count, c, PREDICTED, window, force, 0)
-
-
-@pytest.mark.parametrize("k0", [0, 400])
-def test_smoothing_side_by_side_is_smoothing_group_by_group(k0: int) -> None:
-    config = configure(tuning="matched")
-    sensors = sensing.sensors(config.sensors)
-    chain = resolve("HME1").kernel_for_runs(Known(sensors, config), 1000)
-    window, count = chain.filter.window, 300
-    draw = np.random.default_rng(k0)
-    rows = (PREDICTED * (window + count), window + count, window + count, window + 3 * count)
-    X, r, s, u = (tuple(draw.normal(size=(n, 8)) for _ in range(3)) for n in rows)
-    alone = tuple(np.copy(rows) for rows in X)
-    _together(k0, count, batch.arrays_of(chain), X, r, s, u)
-    for own in zip(alone, r, s, u, strict=True):
-        _together(k0, count, batch.arrays_of(chain), *((one,) for one in own))
-    np.testing.assert_array_equal(X, alone)
 
 
 @pytest.mark.parametrize("name", ["EKF", "MKF", "HME1", "HME2"])

@@ -85,7 +85,7 @@ class DeclaredBlocks:
         """Run blocks of one group; yield each with its rows."""
         return blocks.run(self.declaration, config, of_group)
 
-    def warm_up(self, config: AnyConfig, workers: int) -> None:
+    def warm_up(self, config: AnyConfig) -> None:
         """Warn of what the configuration makes doubtful."""
         self.declaration.warn(config)
 

@@ -1,7 +1,6 @@
 """The batch engine: runs chains on simulated records and sums the chains' squared errors.
 
-A chain is a scheme in the form of arrays for compiled kernels. A lane is one series along one axis,
-x or y. A group is eight lanes, which kernels run at once.
+A chain is a scheme in the form of arrays for compiled kernels. A lane is one series along one axis.
 """
 
 from __future__ import annotations
@@ -22,19 +21,16 @@ from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
     Fed,
-    Memory,
-    Output,
-    Scratch,
     Truth,
     Weights,
-    new_output,
-    new_registers,
-    new_scratch,
+    new_memory,
+    new_sums,
+    products,
 )
 from owtsweep.studies.hub.records import Records
 
-#: Number of steps that kernels process at once, a chunk: so few that the buffers of eight lanes fit
-#: the second-level cache.
+#: Number of steps that kernels process at once, a chunk: so few that their rows fit the
+#: second-level cache.
 CHUNK = 500
 
 
@@ -130,7 +126,6 @@ def sum_errors(
     lines = {chain: chain.line for chain in chains if chain.line and amplitude is None}
     others = [chain for chain in chains if chain not in lines]
     weights = [weights_of(chain, consistency=consistency) for chain in others]
-    memory = shared_memory(others, 3 if amplitude is None else 2)
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
         """Return each chain's sums and kept squared errors for the replicates first to first + 7.
@@ -139,19 +134,20 @@ def sum_errors(
         """
         feed = Feed(part, first, amplitude)
         runs = [
-            ChainRun(*pair, feed, settled, *memory, keep=keep_squared)
+            ChainRun(*pair, feed, settled, keep=keep_squared)
             for pair in zip(others, weights, strict=True)
         ]
         for span in feed.spans(max(run.lead for run in runs)) if runs else ():
             for run in runs:
                 run.advance(span)
         arrays: dict[Chain, tuple[Array, Array]] = {
-            chain: (run.sums, run.squared) for chain, run in zip(others, runs, strict=True)
+            chain: (run.products, run.squared) for chain, run in zip(others, runs, strict=True)
         }
         sums = sum_line_errors(list(lines.values()), feed, settled) if lines else []
-        arrays |= {chain: (one, one[:0]) for chain, one in zip(lines, sums, strict=True)}
-        count = len(feed.indices)
-        return [(arrays[chain][0][:, :count], arrays[chain][1][:, :count]) for chain in chains]
+        nothing = np.empty((0, WIDTH))
+        arrays |= {chain: (one, nothing) for chain, one in zip(lines, sums, strict=True)}
+        some = slice(len(feed.indices))
+        return [(arrays[chain][0][..., some], arrays[chain][1][:, some]) for chain in chains]
 
     eights = [
         run_eight(part, first)
@@ -188,8 +184,6 @@ class ChainRun:
         The source of the records.
     settled
         Number of the first step after the settling time.
-    scratch, output
-        Working memory, which several runs may use in turn.
     keep
         Whether the squared position error of each step is kept.
     """
@@ -200,8 +194,6 @@ class ChainRun:
         weights: Weights,
         feed: Feed,
         settled: int,
-        scratch: Scratch,
-        output: Output,
         *,
         keep: bool = False,
     ) -> None:
@@ -209,12 +201,17 @@ class ChainRun:
         self.steps = feed.records.steps
         self.arrays = arrays_of(chain)
         self.chunk, self.lead = chunk_of(chain)
-        registers = new_registers(feed.groups, chain.filter.window, chain.mhe.horizon)
-        self.memory = Memory(registers, scratch, output)
-        self.fixes = tuple(feed.fixes)
-        self.sums = np.zeros((36, WIDTH))
+        self.memory = new_memory(self.arrays, feed.lanes, self.chunk)
+        amplitude = 1.0 if feed.amplitude is None else feed.amplitude
+        self.direction = feed.records.direction * amplitude
+        self.sums = new_sums(feed.lanes)
         self.squared = np.empty((self.steps if keep else 0, WIDTH))
         self.done = 0
+
+    @property
+    def products(self) -> Array:
+        """The sums as `layout.products` arranges them."""
+        return products(self.sums, self.direction)
 
     def advance(self, span: Span) -> None:
         """Run the scheme on the next span of the records; add the errors' products to `self.sums`.
@@ -226,27 +223,10 @@ class ChainRun:
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
         stretch = (self.done, ready, self.chunk, self.settled)
-        fed = Fed(tuple(span.force), span.base, self.fixes)
-        amplitude = 1.0 if self.feed.amplitude is None else self.feed.amplitude
-        direction = self.feed.records.direction * amplitude
-        truth = Truth((span.position,), (span.velocity,), direction)
-        work = (stretch, fed, truth, self.arrays, self.weights, self.memory, (self.sums,))
-        if self.feed.amplitude is None:
-            runs.superposed(*work)
-        else:
-            runs.direct(*work, (self.squared,))
+        fed, truth = Fed(span.force, span.base, self.feed.fixes), Truth(span.motion, self.direction)
+        work = (stretch, fed, truth, self.arrays, self.weights, self.memory)
+        runs.run(*work, self.sums, self.squared)
         self.done = ready
-
-
-def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output]:
-    """Return arrays that kernels use as scratch, and arrays to which kernels write estimates.
-
-    All chains (schemes in the form of arrays) use these arrays in turn, so that the arrays stay in
-    the processor's cache. `groups` is the number of groups of eight series that run at once.
-    """
-    chunk = max((chunk_of(chain)[0] for chain in chains), default=0)
-    window = max((chain.filter.window for chain in chains), default=0)
-    return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
@@ -257,10 +237,10 @@ def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array,
     the first step after the settling time.
     """
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
-    products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+    sums, squared = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
     lengths = np.array([settled, steps - settled])
     return Sums(
-        products=products.reshape(2, 6, 3, -1),
+        products=sums,
         steps=lengths,
         covariances=lengths if chain.has_covariance else np.zeros_like(lengths),
         innovations=np.array([early, whole - early]),

@@ -49,7 +49,6 @@ def predictor_arrays(model: Discrete | None, steps: int, step: float) -> Predict
         first, new = (A @ model.B_next)[:, 0], model.B_next[:, 0]
         held = replace(model, B=model.B + model.A @ model.B_next, B_next=None)
         return predictor_arrays(held, steps, step)._replace(
-            linear=True,
             new_p=float(new[0]),
             new_v=float(new[1]),
             first_p=float(first[0]),

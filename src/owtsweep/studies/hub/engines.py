@@ -20,7 +20,7 @@ from owtsweep.studies.hub.conditions import (
     get_map_conditions,
     list_maps,
 )
-from owtsweep.studies.hub.declaration import DECLARATIONS, superposes
+from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.names import REGISTERED, list_baselines, list_entries
@@ -154,20 +154,6 @@ class RecordsEngine(DeclaredBlocks, _Engine):
                 )
         return backend(config, schemes)
 
-    def warm_up(self, config: HubConfig, workers: int) -> None:
-        """Compile the kernels that the study uses, in up to `workers` processes side by side."""
-        from owtsweep.studies.hub.compiling import compile_kernels
-
-        chained = [
-            scheme
-            for scheme in resolve_all(config.schemes, config)
-            if uses_kernels(config, scheme) and scheme.batched == "chain"
-        ]
-        superposed = {superposes(config, scheme) for scheme in chained}
-        uses = sorted("superposed" if each else "direct" for each in superposed)
-        if uses:
-            compile_kernels("gains", *uses, vectors=config.compute.vectors, cores=workers)
-
     def predict(
         self, config: HubConfig, blocks: Sequence[Block], workers: int
     ) -> tuple[float, float] | None:
@@ -204,12 +190,6 @@ class ExpectedEngine(_Engine):
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
         return "threading"
-
-    def warm_up(self, config: HubConfig, workers: int) -> None:
-        """Compile the kernels that the engine uses, in up to `workers` processes side by side."""
-        from owtsweep.studies.hub.compiling import compile_kernels
-
-        compile_kernels("gains", "expected", vectors=config.compute.vectors, cores=workers)
 
 
 def _tell_beaten(config: HubConfig, cells: pd.DataFrame, summary: pd.DataFrame) -> list[str]:

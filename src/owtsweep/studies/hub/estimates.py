@@ -12,10 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of, shared_memory
+from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, Memory, new_registers
+from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, Memory, new_memory
 from owtsweep.studies.hub.known import Sensors
+
+#: Number of lanes that are run together: as in a direct run of the batch engine, whose compiled
+#: kernels then serve here too.
+LANES = 2 * WIDTH
 
 
 class Estimates(NamedTuple):
@@ -74,12 +78,17 @@ def chunks(
     """
     from owtsweep.studies.hub.kernels import runs
 
-    width = force.shape[1]
+    width, window, arrays = force.shape[1], chain.filter.window, arrays_of(chain)
     flat = Estimates(*(np.zeros((chunk_of(chain)[0], width)) for _ in Estimates._fields))
     for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        runs.estimates(k0, n, fed, arrays_of(chain), memory)
-        for out, source in zip(flat, memory.output, strict=True):
-            out[:, lanes] = source[0][:, : lanes.stop - lanes.start]
+        runs.estimate(k0, n, fed, arrays, memory, False)
+        rows, own = memory.steps, slice(lanes.stop - lanes.start)
+        flat.position[:n, lanes] = rows["p"][1 : 1 + n, own]
+        flat.velocity[:n, lanes] = rows["v"][1 : 1 + n, own]
+        applied = chain.gains.applied[chain.gains.row(np.arange(k0, k0 + n))]
+        innovation = rows["s"][1 + window : 1 + window + n, own]
+        flat.innovation[:n, lanes] = np.where(applied[:, None], innovation, np.nan)
+        runs.leave(n, window, rows)
         if lanes.stop == width:
             yield k0, n, flat
 
@@ -120,12 +129,14 @@ def state_chunks(
     """
     from owtsweep.studies.hub.kernels import runs
 
-    width, chunk = force.shape[1], chunk_of(chain)[0]
-    eight, flat = np.empty((chunk, 4, WIDTH)), np.empty((chunk, 4, width))
-    rows = (eight.reshape(-1, WIDTH),)
+    width, arrays = force.shape[1], arrays_of(chain)
+    flat = np.empty((chunk_of(chain)[0], 4, width))
     for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        runs.states(k0, n, fed, arrays_of(chain), memory, rows)
-        flat[:, :, lanes] = eight[:, :, : lanes.stop - lanes.start]
+        runs.estimate(k0, n, fed, arrays, memory, True)
+        for state, field in enumerate("pvab"):
+            rows = memory.steps[field][1 : 1 + n]
+            flat[:n, state, lanes] = rows[:, : lanes.stop - lanes.start]
+        runs.leave(n, chain.filter.window, memory.steps)
         if lanes.stop == width:
             yield k0, n, flat
 
@@ -133,7 +144,7 @@ def state_chunks(
 def _one_by_one(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
-    """Cut series into pieces that kernels process at once: a chunk of steps, and eight lanes.
+    """Cut series into pieces that kernels process at once: a chunk of steps, and some lanes.
 
     A lane is one series along one axis. For each piece, yield its first step, its number of steps,
     the indices of its lanes, and the inputs and the memory for the kernels. The pieces of one chunk
@@ -141,26 +152,23 @@ def _one_by_one(
     """
     (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
-    shared = shared_memory([chain], 1)
-    window, horizon = chain.filter.window, chain.mhe.horizon
-    memories = [Memory(new_registers(1, window, horizon), *shared) for _ in positions]
+    memories = [new_memory(arrays_of(chain), LANES, chunk) for _ in positions]
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         for g, rows in enumerate(_in_groups(force, k0 - lead, k0 + n)):
-            lanes = slice(g * WIDTH, min((g + 1) * WIDTH, width))
-            yield k0, n, lanes, Fed((rows,), k0 - lead, (positions[g],)), memories[g]
+            lanes = slice(g * LANES, min((g + 1) * LANES, width))
+            yield k0, n, lanes, Fed(rows, k0 - lead, positions[g]), memories[g]
 
 
 def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:
-    """Return rows `first` to `stop` - 1 of values (rows, lanes), regrouped: (groups, rows, 8).
+    """Return rows `first` to `stop` - 1 of values (rows, lanes), regrouped: (groups, rows, LANES).
 
-    Each group has eight of the lanes (columns). Zeros stand for rows before row 0, and for the
-    lanes that the last group lacks.
+    Zeros stand for rows before row 0, and for the lanes (columns) that the last group lacks.
     """
-    result = aligned(-(-values.shape[1] // WIDTH), stop - first, WIDTH)
+    result = aligned(-(-values.shape[1] // LANES), stop - first, LANES)
     given = values[max(first, 0) : stop]
     for g, rows in enumerate(result):
-        some = given[:, g * WIDTH : (g + 1) * WIDTH]
+        some = given[:, g * LANES : (g + 1) * LANES]
         rows[max(-first, 0) :, : some.shape[1]] = some
     return result
 

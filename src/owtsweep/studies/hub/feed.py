@@ -34,18 +34,17 @@ class Span(NamedTuple):
         The number of the step in row 0, so step k is in row k - base. `base` may be negative; rows
         before step 0 are zero.
     force
-        Specific force in NED, m/s^2, shape (groups, rows, 8). The groups are either motion, noise
-        of x and noise of y, or x and y of motion plus noise.
-    position, velocity
-        True displacement (m) and velocity (m/s) along the wave, for the motion of unit amplitude;
-        shape (rows, 8) each.
+        Specific force in NED, m/s^2, shape (rows, lanes): eight lanes (columns) each of motion,
+        noise of x and noise of y, or of x and y of motion plus noise.
+    motion
+        True displacement (m) and velocity (m/s) along the wave, for the motion of unit amplitude,
+        eight columns each; shape (rows, 16).
     """
 
     stop: int
     base: int
     force: Array
-    position: Array
-    velocity: Array
+    motion: Array
 
 
 class Lanes:
@@ -87,11 +86,12 @@ class Lanes:
 
 
 class Feed:
-    """The kernels' input for up to eight replicates, one in each of eight lanes (columns).
+    """The kernels' input for up to eight replicates.
 
-    A group is eight series, one per replicate. Without an amplitude, the three groups are motion,
-    noise of x and noise of y. One group of motion along the wave is enough, because x and y respond
-    to motion alike. With an amplitude, the two groups are x and y of motion plus noise.
+    Lanes (columns) of a kind stand side by side, eight each, one per replicate. Without an
+    amplitude the kinds are motion, noise of x and noise of y; one lane of motion along the wave is
+    enough, because x and y respond to motion alike. With an amplitude they are x and y of motion
+    plus noise.
 
     Parameters
     ----------
@@ -106,14 +106,14 @@ class Feed:
     Attributes
     ----------
     fixes
-        Positions that the GNSS reports, m, shape (groups, fixes, 8).
+        Positions that the GNSS reports, m, shape (fixes, lanes).
     """
 
     def __init__(self, records: Records, first: int = 0, amplitude: float | None = None) -> None:
         self.records = records
         self.indices = range(first, min(first + WIDTH, len(records.replicates)))
         self.amplitude = amplitude
-        self.groups = 3 if amplitude is None else 2
+        self.lanes = (3 if amplitude is None else 2) * WIDTH
         self.fixes = self._fixes()
 
     def _fixes(self) -> Array:
@@ -126,7 +126,14 @@ class Feed:
                 -sensors.delay, sensors.fix_interval, count
             )
             noise[:, :, lane] = self.records.fix_noise(index).T
-        return self._grouped(motion, noise)
+        if self.amplitude is None:
+            kinds = [motion, *noise]
+        else:
+            direction = self.records.direction[:, None, None]
+            kinds = [*(self.amplitude * motion * direction + noise)]
+        fixes = aligned(count, self.lanes)
+        np.concatenate(kinds, axis=1, out=fixes)
+        return fixes
 
     def spans(self, lead: int) -> Iterator[Span]:
         """Yield the spans (pieces) of the records in order of time.
@@ -138,32 +145,32 @@ class Feed:
 
         steps = self.records.steps
         size = min(SPAN, steps)
-        apart = aligned(3, lead + size, WIDTH)
-        truth = aligned(2, lead + size, WIDTH)
-        whole = apart if self.amplitude is None else aligned(2, lead + size, WIDTH)
+        apart = aligned(lead + size, 3 * WIDTH)
+        truth = aligned(lead + size, 2 * WIDTH)
+        whole = apart if self.amplitude is None else aligned(lead + size, 2 * WIDTH)
         motion = [self.records.motion[index] for index in self.indices]
         fill = self._noise(size)
         for k0 in range(0, steps, SPAN):
             stop = min(k0 + SPAN, steps)
             if k0 > 0:
                 for buffer in (whole, truth):
-                    feeding.keep_lead(lead, buffer)
-            for rows, name in ((truth[0], "position"), (truth[1], "velocity"),
-                               (apart[0], "specific_force")):  # fmt: skip
+                    feeding.keep_rows(len(buffer) - lead, len(buffer), buffer)
+            for rows, column, name in ((truth, 0, "position"), (truth, WIDTH, "velocity"),
+                                       (apart, 0, "specific_force")):  # fmt: skip
                 sources = tuple(getattr(series, name) for series in motion)
-                feeding.gather(k0, stop - k0, lead, sources, rows)
+                feeding.gather(k0, stop - k0, lead, sources, rows, column)
             fill(stop - k0, lead, apart)
             if self.amplitude is not None:
                 direction = self.records.direction
                 feeding.whole_series(stop - k0, lead, self.amplitude, direction, apart, whole)
-            yield Span(stop, k0 - lead, whole, truth[0], truth[1])
+            yield Span(stop, k0 - lead, whole, truth)
 
     def _noise(self, size: int) -> Callable[[int, int, Array], None]:
         """Return a function that writes the next steps of the noise of the specific force, in NED.
 
         The function takes the number of steps (at most `size`), the number of the first row to
-        write, and the array to write to, shape (3, rows, 8). The function writes the noise of x to
-        group 1 (first axis) of this array, and the noise of y to group 2.
+        write, and the array to write to, shape (rows, 24). The function writes the noise of x to
+        the second eight columns, and the noise of y to the third.
         """
         from owtsweep.studies.hub.kernels import feeding
 
@@ -173,7 +180,7 @@ class Feed:
 
             def turned(steps: int, lead: int, force: Array) -> None:
                 for lane, draw in enumerate(draws):
-                    force[1:, lead : lead + steps, lane] = (draw(steps) @ R.T).T
+                    force[lead : lead + steps, WIDTH + lane :: WIDTH] = draw(steps) @ R.T
 
             return turned
         sources = [records.force_noise(index) for index in self.indices]
@@ -208,8 +215,3 @@ class Feed:
             return kept[position - steps : position]
 
         return following
-
-    def _grouped(self, motion: Array, noise: Array) -> Array:
-        if self.amplitude is None:
-            return np.concatenate([motion[None], noise])
-        return self.amplitude * motion * self.records.direction[:, None, None] + noise

@@ -77,12 +77,12 @@ def sum_line_errors(lines: Sequence[Line], feed: Feed, settled: int) -> list[Arr
     Returns
     -------
     list of array
-        For each line the sums as `kernels.sums` arranges them, shape (36, 8); NEES and NIS are 0.
+        For each line the sums as `layout.products` arranges them; NEES and NIS are 0.
     """
     records = feed.records
-    fixes = np.ascontiguousarray(feed.fixes.swapaxes(1, 2))  # (groups, 8, fixes)
+    fixes = np.ascontiguousarray(feed.fixes.T).reshape(3, WIDTH, -1)
     drawn = [line.through(fixes, records.sensors) for line in lines]
-    result = [np.zeros((2, 6, 3, WIDTH)) for _ in lines]
+    result: list[Array] = [np.zeros((2, 6, 3, WIDTH)) for _ in lines]
     for window, (begin, stop) in enumerate(((0, settled), (settled, records.steps))):
         for piece in _cut(feed, begin, stop):
             for (start, slope), sums in zip(drawn, result, strict=True):
@@ -93,7 +93,7 @@ def sum_line_errors(lines: Sequence[Line], feed: Feed, settled: int) -> list[Arr
                         row[0] += cosine**2 * products[0, 0]
                         row[1] += cosine * products[0, 1 + axis]
                         row[2] += products[1 + axis, 1 + axis]
-    return [sums.reshape(36, WIDTH) for sums in result]
+    return result
 
 
 def _cut(feed: Feed, begin: int, stop: int) -> Iterator[Piece]:

@@ -49,7 +49,6 @@ def online(
     """
     from owtsweep.studies import compose
     from owtsweep.studies.composing import require_texts
-    from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.known import Known
     from owtsweep.studies.hub.resolving import resolve
@@ -66,7 +65,4 @@ def online(
     config = compose([*ours, *overrides, f"schemes=[{scheme}]"])
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
-    compute = config.compute
-    if registered.batched == "chain":  # SKF chain; SKF has kernels of its own, two small ones
-        compile_kernels("online", vectors=compute.vectors, cores=compute.workers)
     return registered.stream(Known(sensors(config.sensors), config), origin)

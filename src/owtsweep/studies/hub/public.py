@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, sum_errors
     from owtsweep.studies.hub.batching import backend
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
-    from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.conditions import find_world
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme
@@ -44,7 +43,7 @@ __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
     "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "Line", "NoiseFloor",
     "OnePassSeries", "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks",
-    "compile_kernels", "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
+    "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
     "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_records",
     "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
     "state_chunks", "sum_errors", "trajectories",
@@ -55,7 +54,6 @@ _HOMES = {
     "batch": ["Lanes", "sum_errors"],
     "batching": ["backend"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
-    "compiling": ["compile_kernels"],
     "conditions": ["find_world"],
     "config": ["HubConfig"],
     "contract": ["Scheme"],

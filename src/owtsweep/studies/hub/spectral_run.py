@@ -1,11 +1,12 @@
 """Runs SKF on simulated records by compiled kernels, and sums its squared errors.
 
-SKF has other gains along x than along y, and at each amplitude. So each axis of eight records runs
-by itself, motion plus noise as one series.
+SKF has other gains along x than along y, and at each amplitude. So motion plus
+noise are run as one series.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,13 +14,13 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.feed import Feed
-from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, Truth
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.spectral_axis import TunedAxis
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.kernels.spectral import SpectralArrays, SpectralMemory
+    from owtsweep.studies.hub.kernels.spectral import SpectralArrays
 
 
 class SpectralKernel(NamedTuple):
@@ -74,20 +75,17 @@ class SpectralKernel(NamedTuple):
         tuple of array
             Positions and velocities, shape (steps, 2) each.
         """
-        from owtsweep.studies.hub.kernels.spectral import SpectralSpan, advance
+        from owtsweep.studies.hub.kernels.spectral import advance, new_memory
 
-        steps = len(force)
-        result = np.empty((2, steps, 2))
-        nothing = (aligned(steps, WIDTH),)
-        for axis, tuned in enumerate(self.axes):
-            series = [aligned(len(values), WIDTH) for values in (force, fixes)]
-            for lanes, values in zip(series, (force, fixes), strict=True):
-                lanes[:, 0] = values[:, axis]
-            span = SpectralSpan(0, (series[0],), nothing, nothing, (series[1],), 0.0)
-            memory = _new_memory(tuned, squared=aligned(0, WIDTH), shown=steps)
-            advance(0, steps, 0, span, _arrays_of(tuned), memory)
-            result[:, :, axis] = memory.estimates[0][:, 0].reshape(steps, 2).T
-        return result[0], result[1]
+        steps, arrays = len(force), _arrays_of(self.axes)
+        series = [aligned(len(values), 2 * WIDTH) for values in (force, fixes)]
+        for lanes, values in zip(series, (force, fixes), strict=True):
+            lanes[:, ::WIDTH] = values
+        shown = aligned(2, steps, 2 * WIDTH)
+        memory = new_memory(arrays.fast_gain.shape[2], aligned(0, WIDTH), shown)
+        truth = Truth(aligned(steps, 2 * WIDTH), np.zeros(2))
+        advance(0, steps, 0, Fed(series[0], 0, series[1]), truth, arrays, memory)
+        return shown[0, :, ::WIDTH].copy(), shown[1, :, ::WIDTH].copy()
 
 
 def _run_eight(
@@ -102,63 +100,58 @@ def _run_eight(
     `what` is the number of the first settled step, and whether squared errors are kept. The sums
     have the shape (2, 6, 3, replicates) of `batch.Sums.products`.
     """
-    from owtsweep.studies.hub.kernels.spectral import SpectralSpan, advance
+    from owtsweep.studies.hub.kernels.spectral import advance, new_memory
 
     settled, keep = what
-    feed = Feed(records, first, amplitude)
-    arrays = [_arrays_of(tuned) for tuned in axes]
+    feed, arrays = Feed(records, first, amplitude), _arrays_of(axes)
     squared = aligned(records.steps if keep else 0, WIDTH)
-    memories = [_new_memory(tuned, squared=squared, shown=0) for tuned in axes]
-    done = 0
+    nothing = aligned(2, 0, 2 * WIDTH)
+    memory = new_memory(arrays.fast_gain.shape[2], squared, nothing)
+    direction, done = amplitude * records.direction, 0
     for span in feed.spans(1):
-        for axis in range(2):
-            fed = SpectralSpan(
-                span.base,
-                (span.force[axis],),
-                (span.position,),
-                (span.velocity,),
-                (feed.fixes[axis],),
-                float(amplitude * records.direction[axis]),
-            )
-            advance(done, span.stop, settled, fed, arrays[axis], memories[axis])
+        fed, truth = Fed(span.force, span.base, feed.fixes), Truth(span.motion, direction)
+        advance(done, span.stop, settled, fed, truth, arrays, memory)
         done = span.stop
     count = len(feed.indices)
-    # (axis, window, quantity, replicate)
-    sums = np.stack([memory.sums[0].reshape(2, 4, WIDTH) for memory in memories])[..., :count]
+    # (window, axis, replicate)
+    p, v, nees, nis = (
+        memory.sums[name].reshape(2, 2, WIDTH)[..., :count] for name in ("pp", "vv", "nees", "nis")
+    )
     products = np.zeros((2, 6, 3, count))
-    for axis in range(2):
-        products[:, axis, 2] = sums[axis, :, 0]
-        products[:, 2 + axis, 2] = sums[axis, :, 1]
-    products[:, 4:, 2] = sums[0, :, 2:] + sums[1, :, 2:]
+    products[:, :2, 2], products[:, 2:4, 2] = p, v
+    products[:, 4, 2], products[:, 5, 2] = nees.sum(axis=1), nis.sum(axis=1)
     return products, squared[:, :count]
 
 
-def _arrays_of(tuned: TunedAxis) -> SpectralArrays:
+def _arrays_of(axes: tuple[TunedAxis, TunedAxis]) -> SpectralArrays:
+    """Join the arrays of both axes; the gains that settle first are repeated to the same length."""
     from owtsweep.studies.hub.kernels.spectral import SpectralArrays
 
-    model, gains = tuned.axis.model, tuned.gains
+    model = axes[0].axis.model
+    count = max(len(tuned.gains.fast) for tuned in axes)
+
+    def long(values: Sequence[Array], cycle: int, count: int) -> Array:
+        """Join one array of each axis, (rows, ...), to (2, count, ...); the last rows repeat."""
+        settled = [len(one) - cycle for one in values]
+        k = np.arange(count)
+        return np.stack(
+            [
+                one[np.where(k < rest, k, rest + (k - rest) % cycle)]
+                for one, rest in zip(values, settled, strict=True)
+            ]
+        )
+
+    gains, fixes = [tuned.gains for tuned in axes], count // model.interval
     return SpectralArrays(
-        A=model.A,
-        fast=model.fast,
-        position=tuned.axis.outputs[0].copy(),
-        velocity=tuned.axis.outputs[1].copy(),
+        A=np.stack([tuned.axis.model.A for tuned in axes]),
+        fast=np.stack([tuned.axis.model.fast for tuned in axes]),
+        position=np.stack([tuned.axis.outputs[0] for tuned in axes]),
+        velocity=np.stack([tuned.axis.outputs[1] for tuned in axes]),
         copies=model.copies,
         interval=model.interval,
         delay=model.delay,
-        fast_gain=gains.fast,
-        slow_gain=gains.slow,
-        precision=tuned.precision,
-        weight=1.0 / gains.innovation_variance,
-    )
-
-
-def _new_memory(tuned: TunedAxis, *, squared: Array, shown: int) -> SpectralMemory:
-    """Return the memory of a run along an axis, which shows the estimates of `shown` steps."""
-    from owtsweep.studies.hub.kernels.spectral import SpectralMemory
-
-    return SpectralMemory(
-        state=(aligned(tuned.gains.fast.shape[1], WIDTH),),
-        sums=(aligned(8, WIDTH),),
-        squared=(squared,),
-        estimates=(aligned(2 * shown, WIDTH),),
+        fast_gain=long([one.fast for one in gains], model.interval, count),
+        slow_gain=long([one.slow for one in gains], 1, fixes),
+        precision=long([tuned.precision for tuned in axes], model.interval, count),
+        weight=long([1.0 / one.innovation_variance for one in gains], 1, fixes),
     )

@@ -149,13 +149,10 @@ class HubStudy(HubKeys):
         their paths, and a table of the noise floors for the terminal. `metadata` holds texts by
         name to store inside the figures' files.
         """
-        from owtsweep.studies.hub.compiling import compile_kernels
         from owtsweep.studies.hub.conditions import require_spectrum
         from owtsweep.studies.hub.figures.spectrum_tables import write
 
         require_spectrum(config, "`spectrum`")
-        compute = config.compute
-        compile_kernels("gains", "recorded", vectors=compute.vectors, cores=compute.workers)
         return write(config, folder, metadata)
 
     def count_trials(self, config: HubConfig) -> int:
@@ -165,13 +162,6 @@ class HubStudy(HubKeys):
 
         require_spectrum(config, "`tune`")
         return len(list_tunable(config)) * config.tune.trials
-
-    def prepare_tuning(self, config: HubConfig) -> None:
-        """Compile the kernels by which tunings are searched and judged."""
-        from owtsweep.studies.hub.compiling import compile_kernels
-
-        uses = ("gains", "expected", "superposed")
-        compile_kernels(*uses, vectors=config.compute.vectors, cores=config.compute.workers)
 
     def tune(self, config: HubConfig, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers of each scheme for these sensors; return them."""

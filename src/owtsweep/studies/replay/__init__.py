@@ -93,12 +93,6 @@ class ReplayStudy(HubKeys, Engine):
 
         return backend(config, resolve_all(config.schemes, config))
 
-    def warm_up(self, config: ReplayConfig, workers: int) -> None:
-        """Compile the kernels that the replay uses, in up to `workers` processes side by side."""
-        from owtsweep.studies.replay.blocks import warm_up
-
-        warm_up(config, workers)
-
     def run(
         self, config: ReplayConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:

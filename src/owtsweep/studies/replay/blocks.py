@@ -18,7 +18,6 @@ from owtsweep.studies.hub.public import (
     Scheme,
     Sensors,
     backend,
-    compile_kernels,
     make_sensors,
     resolve_all,
 )
@@ -130,21 +129,6 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
     }
     content["settling_time"] = config.measures.settling_time
     return content
-
-
-def warm_up(config: ReplayConfig, workers: int) -> None:
-    """Compile the kernels that the schemes use, in up to `workers` processes side by side.
-
-    Whether fixes are missing, so that schemes run in their online form, is seen from the last
-    record only, because it is in memory.
-    """
-    if backend(config, resolve_all(config.schemes, config)) != "threading":
-        return  # no scheme has kernels
-    uses = ["gains", "recorded"]
-    with suppress(InputError):  # a record that cannot be used fails when its blocks are run
-        if not np.isfinite(load_record(config, config.grid.files[-1]).fixes).all():
-            uses.append("online")
-    compile_kernels(*uses, vectors=config.compute.vectors, cores=workers)
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:

@@ -1,6 +1,7 @@
 """The structures that the kernels of the expected engine take.
 
-A lane is one sinusoidal test input to a scheme; eight lanes make a group.
+A lane is one sinusoidal test input to a scheme. Sixteen lanes run together: sixteen sines, or eight
+cosines and, behind them, their sines (phasors).
 """
 
 from __future__ import annotations
@@ -11,38 +12,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.kernels.layout import Groups
+from owtsweep.studies.hub.kernels.layout import Rows
 
 
 class Waves(NamedTuple):
-    """The sinusoids of two groups of eight lanes (test inputs).
+    """The sinusoids.
 
     Attributes
     ----------
     starts
-        Cosines and sines of both groups at the first step of each block, shape (4 blocks, 8).
+        Cosines (row 2 b) and sines (row 2 b + 1) at the first step of block number b, shape
+        (2 blocks, 16). A lane's sinusoid is always the sine: a cosine is the sine of an angle that
+        is a quarter turn larger.
     now
-        Cosines and sines of both groups at the next step, shape (4, 8).
-    turn_gain
-        Cosines and sines of the angle per step, and factors that turn sinusoids into forces, of
-        both groups, shape (6, 8).
-    rate
-        Angular frequencies of group 0, rad/s, shape (1, 8).
+        The sinusoids of the next step; one row with the fields c and s (cosine and sine), turn_c
+        and turn_s (of the angle per step), force (what turns a sine into a specific force) and
+        rate (angular frequency, rad/s).
     block
         Number of steps in a block, after which sinusoids start anew from `starts`.
     moving
         Whether any force differs from zero.
     phasor
-        Whether group 0 holds cosines and group 1 the sines of the same angles. Otherwise each group
-        holds eight different sines.
+        Whether the lanes are phasors.
     truth
         Whether the estimates should follow the sinusoids.
     """
 
     starts: Array
-    now: Array
-    turn_gain: Array
-    rate: Array
+    now: Rows
     block: int
     moving: bool
     phasor: bool
@@ -50,7 +47,7 @@ class Waves(NamedTuple):
 
 
 class Course(NamedTuple):
-    """The plan by which two groups of lanes are run and tested for a response that repeats.
+    """The plan by which lanes are run and tested for a response that repeats.
 
     A lane is one sinusoidal test input.
 
@@ -67,7 +64,7 @@ class Course(NamedTuple):
     every
         Number of steps from one test to the next.
     lanes
-        Number of lanes in use: in both groups together or, for phasors, in each group.
+        Number of lanes in use; for phasors, of cosines alone.
     tolerance
         Cycles repeat if their sums of squared errors differ by at most this, relatively.
     """
@@ -82,7 +79,7 @@ class Course(NamedTuple):
 
 
 class Buffers(NamedTuple):
-    """The working memory of two groups of eight lanes (test inputs).
+    """The working memory of sixteen lanes (test inputs).
 
     Attributes
     ----------
@@ -90,21 +87,24 @@ class Buffers(NamedTuple):
         Two steps: the step in row 0 of `force` and `wave`, and the first step that is not filled
         yet.
     force, wave
-        Specific force, and the sinusoid itself; an array (rows, 8) for each group.
+        Specific force, shape (rows, 16), and the sinusoid itself and its rate, shape (rows, 32).
     fixes
-        Position fixes; an array (fixes, 8) for each group.
+        Position fixes, shape (fixes, 16).
+    errors
+        One row with the fields p, v (estimates), wave (sinusoid and rate), and pp, vv (sums of
+        squared errors), which the compiler can tell apart.
     sums
-        Sums of squared errors, shape (8, 8); the rows are 2 parts of the record (before and after
-        settling) x 2 measures x 2 groups.
+        Sums of squared errors, shape (2, 2, 16): parts of the record (before and after settling),
+        measures, lanes. For phasors, the cosines' lanes hold the sum of both.
     ring
-        Sums of squared errors of the newest cycles, shape (4 slots, 8). A cycle is `Course.cycle`
-        steps. Cycle number q is in slot q modulo the number of slots; the four rows of a slot are 2
-        measures x 2 groups.
+        Sums of squared errors of the newest cycles, shape (slots, 2, 16). A cycle is `Course.cycle`
+        steps. Cycle number q is in slot q modulo the number of slots.
     """
 
     filled: NDArray[np.int64]
-    force: Groups
-    wave: Groups
-    fixes: Groups
+    force: Array
+    wave: Array
+    fixes: Array
+    errors: Rows
     sums: Array
     ring: Array

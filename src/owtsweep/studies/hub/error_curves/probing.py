@@ -1,8 +1,7 @@
 """Runs a chain on the sinusoids of a probe and sums its squared errors in a record's windows.
 
 A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. A cosine or sine
-fills a lane; a sinusoid takes one lane or two. Kernels run two groups of eight lanes, a pair, at
-once.
+fills a lane; a sinusoid takes one lane or two. Kernels run sixteen lanes, a batch, at once.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.error_curves.inputs import Probe
 from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
-from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
+from owtsweep.studies.hub.kernels.layout import Memory, filled, new_memory, rows
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
@@ -32,6 +31,8 @@ TOLERANCE = 1e-7
 JUDGED = 32
 #: Number of steps after which sinusoids start anew, so that rounding errors do not accumulate.
 BLOCK = 2048
+#: The fields of `Buffers.errors` beside the wave.
+ERRORS = ("p", "v", "pp", "vv")
 
 
 class Workspace:
@@ -45,28 +46,24 @@ class Workspace:
         self.chain, self.arrays, self.cycle = chain, batch.arrays_of(chain), cycle_of(chain)
         self.sensors, self.steps, self.settled = sensors, steps, settled
         self.chunk, self.lead = batch.chunk_of(chain)[0], batch.lead_of(chain)
-        self.scratch, self.output = batch.shared_memory([chain], 2)
-        self.no_fixes = aligned(fix_count(steps, sensors.fix_interval), LANES)
+        self.no_fixes = aligned(fix_count(steps, sensors.fix_interval), 2 * LANES)
         self.pairs: list[PairMemory] = []
 
     def pair(self, number: int) -> PairMemory:
         """Return the memory, set to zero, of pair number `number`.
 
-        A pair is two groups of eight lanes (test inputs) that are run together. Memory is made for
-        a new pair; pairs are numbered from 0 without gaps.
+        A pair is sixteen lanes (test inputs) that are run together. Memory is made for a new pair;
+        pairs are numbered from 0 without gaps.
         """
         if number == len(self.pairs):
-            rows = self.lead + 2 * self.chunk
+            count = self.lead + 2 * self.chunk
+            memory = new_memory(self.arrays, 2 * LANES, self.chunk)
             self.pairs.append(
-                PairMemory(
-                    new_registers(2, self.chain.filter.window, self.chain.mhe.horizon),
-                    (aligned(rows, LANES), aligned(rows, LANES)),
-                    (aligned(rows, LANES), aligned(rows, LANES)),
-                )
+                PairMemory(memory, aligned(count, 2 * LANES), aligned(count, 4 * LANES))
             )
         pair = self.pairs[number]
-        for array in (part for groups in (*pair.registers, pair.force) for part in groups):
-            array.fill(0.0)
+        for array in (*pair.memory, pair.force, pair.wave):
+            array.view(np.float64).fill(0.0)
         return pair
 
     def energies(self, probe: Probe) -> Array:
@@ -105,19 +102,15 @@ class Workspace:
 
 
 class PairMemory(NamedTuple):
-    """The memory of a pair of groups of eight lanes: a scheme's registers, and two series.
+    """The memory of a pair (sixteen lanes): a scheme's, and `Buffers.force` and `Buffers.wave`."""
 
-    `force` is the specific force (m/s^2) and `wave` the true displacement (m); an array (rows, 8)
-    per group.
-    """
-
-    registers: Registers
-    force: tuple[Array, Array]
-    wave: tuple[Array, Array]
+    memory: Memory
+    force: Array
+    wave: Array
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs of groups of eight lanes to the first step at which all responses repeat.
+    """Run pairs (sixteen lanes each) to the first step at which all responses repeat.
 
     A lane is one sinusoidal test input. If the responses do not repeat, run to the record's end,
     `steps`. Return the step reached. Repetition is tested from the step `earliest` on.
@@ -137,7 +130,7 @@ def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
 
 
 class _Pair:
-    """A pair of groups of eight lanes: a scheme's state for the lanes, and sums of squared errors.
+    """Sixteen lanes: a scheme's state for the lanes, and sums of squared errors.
 
     The lanes hold the sinusoids of `probe`: up to eight cosines and their sines, or up to sixteen
     sines. Unused lanes are zero. `number` is the number of the memory in `space` that the pair
@@ -146,8 +139,7 @@ class _Pair:
 
     def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
         self.space, self.probe, self.cycle = space, probe, space.cycle
-        registers, force, wave = space.pair(number)
-        self.memory = Memory(registers, space.scratch, space.output)
+        self.memory, force, wave = space.pair(number)
         self.waves = _waves(probe, space)
         self.course = Course(
             lead=space.lead, chunk=space.chunk, settled=space.settled, cycle=self.cycle,
@@ -157,9 +149,10 @@ class _Pair:
             filled=np.array([-space.lead, 0]),
             force=force,
             wave=wave,
-            fixes=_fixes(probe, space) if np.any(probe.fix) else (space.no_fixes,) * 2,
-            sums=aligned(8, LANES),
-            ring=aligned(4 * (JUDGED + 1), LANES),
+            fixes=_fixes(probe, space) if np.any(probe.fix) else space.no_fixes,
+            errors=filled([("wave", 4 * LANES), *((one, 2 * LANES) for one in ERRORS)], 1),
+            sums=aligned(2, 2, 2 * LANES),
+            ring=aligned(JUDGED + 1, 2, 2 * LANES),
         )
         self.done, self.repeats = 0, False
 
@@ -193,24 +186,26 @@ class _Pair:
         """
         return self._of_lanes(self.buffers.ring)
 
-    def _of_lanes(self, rows: Array) -> Array:
-        return rows.reshape(-1, 2, 2 * LANES)[..., : len(self.probe.angle)]
+    def _of_lanes(self, sums: Array) -> Array:
+        return sums[..., : len(self.probe.angle)]
 
 
 def _waves(probe: Probe, space: Workspace) -> Waves:
-    angle, gain, rate = (
-        _in_groups(values, probe.phasor)
-        for values in (probe.angle, probe.force, probe.angle / space.sensors.step)
-    )
+    angle = _in_lanes(probe.angle, probe.phasor)
+    shift = np.broadcast_to(probe.shift, probe.angle.shape)
+    shift = _in_lanes(shift, probe.phasor) + _quarter_turns(probe.phasor)
     blocks = -(-space.steps // BLOCK)
-    first = BLOCK * np.arange(blocks)[:, None, None]
-    start = np.exp(1j * (angle * first + probe.shift))
-    turn = np.exp(1j * angle)
+    start = np.exp(1j * (angle * (BLOCK * np.arange(blocks)[:, None]) + shift))
+    now, turn = (
+        rows(1, 2 * LANES, "c", "s", "turn_c", "turn_s", "force", "rate"),
+        np.exp(1j * angle),
+    )
+    now["turn_c"], now["turn_s"] = turn.real, turn.imag
+    now["force"] = _in_lanes(probe.force, probe.phasor)
+    now["rate"] = angle / space.sensors.step
     return Waves(
-        starts=_rows(np.stack([start.real, start.imag], axis=2)),
-        now=aligned(4, LANES),
-        turn_gain=_rows(np.concatenate([np.stack([turn.real, turn.imag], axis=1), gain[None]])),
-        rate=_rows(rate[:1]),
+        starts=np.stack([start.real, start.imag], axis=1).reshape(-1, 2 * LANES),
+        now=now,
         block=BLOCK,
         moving=bool(np.any(probe.force)),
         phasor=probe.phasor,
@@ -218,36 +213,28 @@ def _waves(probe: Probe, space: Workspace) -> Waves:
     )
 
 
-def _fixes(probe: Probe, space: Workspace) -> tuple[Array, Array]:
-    """Make the position fixes (m) of a probe; return an array (fixes, 8) for each group of lanes.
-
-    There are two groups of eight lanes. For phasors they hold cosines and sines of equal
-    frequencies, otherwise different sines.
-    """
+def _fixes(probe: Probe, space: Workspace) -> Array:
+    """Make the position fixes (m) of a probe, shape (fixes, 16)."""
     delay = space.sensors.delay if probe.truth else 0
     fix_steps = space.sensors.fix_interval * np.arange(len(space.no_fixes))[:, None] - delay
     values = np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix
-    both = _in_groups(values.imag, probe.phasor)
+    result = aligned(len(values), 2 * LANES)
+    result[:] = _in_lanes(values.imag, probe.phasor)
     if probe.phasor:
-        both[:, 0] = _in_groups(values.real, True)[:, 0]
-    return _rows(both[:, 0]), _rows(both[:, 1])
+        result[:, : values.shape[1]] = values.real
+    return result
 
 
-def _in_groups(values: Array, phasor: bool) -> Array:
-    """Arrange values (..., n) as (..., 2, 8), two groups of eight lanes, padded with zeros.
+def _in_lanes(values: Array, phasor: bool) -> Array:
+    """Arrange values (..., n) in lanes, (..., 16), padded with zeros.
 
-    If `phasor` is true, both groups get the same values, at most eight; otherwise each group gets
-    its own eight of at most sixteen values.
+    If `phasor` is true, cosines and sines get the same values, at most eight.
     """
     missing = (1 if phasor else 2) * LANES - values.shape[-1]
     filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
-    if phasor:
-        return np.stack([filled, filled], axis=-2)
-    return filled.reshape(*values.shape[:-1], 2, LANES)
+    return np.concatenate([filled, filled], axis=-1) if phasor else filled
 
 
-def _rows(values: Array) -> Array:
-    """Copy values (..., 8) to a new array (rows, 8) that is aligned to the cache's lines."""
-    rows = aligned(values.size // LANES, LANES)
-    rows[:] = values.reshape(-1, LANES)
-    return rows
+def _quarter_turns(phasor: bool) -> Array:
+    """Return the phases (16,), rad, that make cosines of the sines in the first eight lanes."""
+    return np.repeat([0.5 * np.pi if phasor else 0.0, 0.0], LANES)

@@ -1,23 +1,25 @@
-"""Writes a span of up to eight records into arrays with eight lanes, one record per lane.
+"""Writes a span of up to eight records into arrays with a lane (column) for each series.
 
-A span is some thousand steps. The compiled functions run without the GIL.
+A span is some thousand steps. The lanes of a kind stand side by side, one per record: `WIDTH` each.
+The compiled functions run without the GIL.
 """
 
 from __future__ import annotations
 
 from owtsweep.compiled import njit
+from owtsweep.studies.hub.kernels.layout import WIDTH
 
 
 @njit
-def gather(first, count, lead, sources, rows):
+def gather(first, count, lead, sources, rows, column):
     """Copy the steps first ... first + count - 1 of up to eight series into columns of an array.
 
-    `sources` are the series, shape (steps,) each. Series number i goes to column i of `rows`, shape
-    (rows, 8); the step `first` goes to row `lead`.
+    `sources` are the series, shape (steps,) each. Series number i goes to column `column` + i of
+    `rows`; the step `first` goes to row `lead`.
     """
     for i in range(count):
         for lane in range(len(sources)):
-            rows[lead + i, lane] = sources[lane][first + i]
+            rows[lead + i, column + lane] = sources[lane][first + i]
 
 
 @njit
@@ -41,20 +43,20 @@ def noise(count, lead, normals, begun, bias, imu, force):
         (walk, initial, sigma, gravity): standard deviation of the bias' change per step, initial
         bias, standard deviation of the white noise, and gravity (2,) in NED, all in m/s^2.
     force
-        Array (groups, rows, lanes). The noise of x is written to group 1, the noise of y to group
-        2.
+        Array (rows, 3 WIDTH). The noise of x is written behind the first WIDTH columns, the noise
+        of y behind that of x.
     """
     walk, initial, sigma, gravity = imu
     for axis in range(2):
         for lane in range(normals.shape[0]):
             drawn, white = normals[lane, 2 * axis], normals[lane, 2 * axis + 1]
-            value = bias[lane, axis]
+            column, value = WIDTH * (1 + axis) + lane, bias[lane, axis]
             for i in range(count):
                 if i > 0 or begun:
                     value = value + drawn[i] * walk
                 else:
                     value = initial
-                force[1 + axis, lead + i, lane] = (white[i] * sigma + value) - gravity[axis]
+                force[lead + i, column] = (white[i] * sigma + value) - gravity[axis]
             bias[lane, axis] = value
 
 
@@ -62,27 +64,21 @@ def noise(count, lead, normals, begun, bias, imu, force):
 def whole_series(count, lead, amplitude, direction, force, result):
     """Compute the specific force in x and y at an amplitude (m): scaled motion plus noise, m/s^2.
 
-    `force` has the shape (3, rows, lanes): the motion's acceleration along the wave at unit
-    amplitude, the noise of x, the noise of y. `direction` holds the wave's direction cosines, shape
-    (2,). `count` rows of `result`, shape (2, rows, lanes), are written from row `lead` on: x, then
-    y.
+    `force`, shape (rows, 3 WIDTH), holds the motion's acceleration along the wave at unit
+    amplitude, the noise of x and the noise of y. `direction` holds the wave's direction cosines,
+    shape (2,). `count` rows of `result`, shape (rows, 2 WIDTH), are written from row `lead` on: x,
+    then y.
     """
-    for axis in range(2):
-        for i in range(lead, lead + count):
-            for lane in range(force.shape[2]):
-                moved = amplitude * force[0, i, lane] * direction[axis]
-                result[axis, i, lane] = moved + force[1 + axis, i, lane]
+    for i in range(lead, lead + count):
+        for axis in range(2):
+            for lane in range(WIDTH):
+                moved = amplitude * force[i, lane] * direction[axis]
+                result[i, WIDTH * axis + lane] = moved + force[i, WIDTH * (1 + axis) + lane]
 
 
 @njit
-def keep_lead(lead, rows):
-    """Copy the last `lead` rows of each group of lanes to the group's first rows.
-
-    `rows` has the shape (groups, rows, lanes), and holds a span of records (some thousand steps).
-    The next span will be written behind the copied rows.
-    """
-    last = rows.shape[1] - lead
-    for group in range(rows.shape[0]):
-        for i in range(lead):
-            for lane in range(rows.shape[2]):
-                rows[group, i, lane] = rows[group, last + i, lane]
+def keep_rows(first, stop, rows):
+    """Copy the rows first ... stop - 1 of an array to its first rows."""
+    for i in range(first, stop):
+        for lane in range(rows.shape[1]):
+            rows[i - first, lane] = rows[i, lane]

@@ -1,140 +1,131 @@
-"""Runs the multirate Kalman filter over some steps, on one or more groups of eight lanes.
+"""The multirate Kalman filter, Algorithm 6 of Ren et al. (2019), on many lanes.
 
-A lane is one series of numbers along one axis.
+A lane is one series along one axis. A row (`Memory.steps`) holds a step's state p, v, a, b
+(position, velocity, acceleration, bias) and its innovations.
 """
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit
+from owtsweep.compiled import part
 from owtsweep.estimation.windowing import schedule_row
-from owtsweep.vectors.lanes import AHEAD, element, load, prefetch, store
-
-#: Number of rows in which the scratch memory stores a state: two (what the predictor needs), four
-#: (the whole state), or none if the state is the estimate.
-PREDICTED, WHOLE, FINAL = 2, 4, 0
+from owtsweep.studies.hub.kernels.horizon import choose_input, keep_state, make_position, take_fix
+from owtsweep.studies.hub.kernels.predicting import add_input
 
 
-@njit
-def row_before(k, row, rows, cycle):
-    """Return the gain schedule's row for step k - 1, given the schedule's row for step k, `row`.
-
-    The schedule has `rows` rows, one per step. After the last row, the last `cycle` rows repeat for
-    ever.
-    """
-    if row == rows - cycle and k > row:
-        return rows - 1
-    return row - 1
+@part
+def next_row(row, rows, cycle):
+    """Return the gain schedule's row of the next step; the last `cycle` rows repeat for ever."""
+    return row + 1 if row + 1 < rows else rows - cycle
 
 
-@njit
-def corrected(x0, x1, x2, x3, gains, row, column, innovation):
-    """Return the state x0 ... x3 plus a gain times an innovation.
+@part
+def predict_and_correct(before, now, force, at, f, K, row):
+    """Take a step with the specific force alone: m = A x + B u, r = f - h m, x = m + K r.
 
-    The gain (4,) is column number `column` of matrix number `row` of `gains`, shape (rows, 4, 2).
-    """
-    at = 8 * row + column
-    return (
-        x0 + element(gains, at) * innovation,
-        x1 + element(gains, at + 2) * innovation,
-        x2 + element(gains, at + 4) * innovation,
-        x3 + element(gains, at + 6) * innovation,
-    )
-
-
-@njit
-def filter_steps(steps, fed, positions, chain, memory, width, late):
-    """Run Algorithm 6 of Ren et al. (2019), the Kalman filter, over some steps of a chunk.
-
-    States, and with a smoother also innovations, are stored in the scratch memory, behind the
-    `window` states and innovations of the chunk before. Innovations of the position exist only at
-    steps at which a position is applied; they also go to memory.output, the innovation of the
-    chunk's step i to row i.
-
-    Each step has to wait for the previous step. The sums are therefore ordered so that few
-    operations lie between one state and the next: increments are computed first, then the state,
-    and the term that is computed last is added last.
+    The predicted position is left in now.s, for `correct`.
 
     Parameters
     ----------
-    steps
-        The `Steps` to run. A chunk is a stretch of a record whose steps are computed together.
-    fed, chain, memory
-        The measurements (`Fed`), the scheme (`ChainArrays`) and the working arrays (`Memory`).
-    positions
-        (rows, row, phase, interval). The array `rows` holds the positions that the filter takes.
-        The position that is valid at the first of the steps is in row `row` and came `phase` steps
-        ago. The next position comes after interval - phase steps, later positions every `interval`
-        steps.
-    width
-        Number of rows that a stored state takes. WHOLE stores position, velocity, bias and
-        acceleration. PREDICTED stores what the state adds to position and velocity at the end of
-        the prediction. FINAL stores no state, but writes position and velocity to memory.output; it
-        is for a chain without smoother and predictor.
-    late
-        An array that is read after this call, with rows numbered as those of the force. Its rows
-        are prefetched. The force is prefetched too, unless there is a smoother: then the smoother
-        prefetches the force.
+    before, now
+        The rows of the step before and of this step.
+    force, at
+        The specific forces (rows, lanes), and the row of this step's.
+    f, K, row
+        The filter (`FilterArrays`), its gains, and the row of the gains.
     """
-    k0, first, stop, shift = steps
-    force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # row of the chunk's step 0
-    fixes, q, phase, M = positions
-    x, scratch, output = memory.registers.x, memory.scratch, memory.output
-    arrays, predictor = chain.filter, chain.predictor
-    pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
-    pp, vp, vv = predictor.pp, predictor.vp, predictor.vv
-    A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
+    A, B, h = f.A, f.B, f.h
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
     a00, a10, a11 = A[0, 0] - 1.0, A[1, 0], A[1, 1] - 1.0  # zero unless the IMU leans
-    b0, b1 = B[0], B[1]
-    h0, h2, h3 = h[0], h[2], h[3]
-    rows, cycle, window = K.shape[0], arrays.cycle, arrays.window
-    x0, x1, x2, x3 = load(x, 0), load(x, 1), load(x, 2), load(x, 3)
-    before = load(force, source + first - 1)
-    row = schedule_row(k0 + first, rows, cycle)
-    applied = arrays.applied
-    # fields are fetched once: in a loop numba would count references at each access
-    X, r_rows, s_rows = scratch.X, scratch.r, scratch.s
-    position, velocity, innovation = output.position, output.velocity, output.innovation
-    for i in range(first, stop):
-        now = load(force, source + i)
-        prefetch(late, source + i + AHEAD)
-        if window == 0:
-            prefetch(force, source + i + AHEAD)
-        m0 = x0 + (b0 * before + a01 * x1 + a02 * x2 + a03 * x3 + a00 * x0)
-        m1 = x1 + (b1 * before + a12 * x2 + a13 * x3 + a11 * x1 + a10 * x0)
-        m2 = a22 * x2
-        r = now - h3 * x3 - h2 * m2 - h0 * m0
-        x0, x1, x2, x3 = corrected(m0, m1, m2, x3, K, row, 1, r)
-        if element(applied, row):
-            s = load(fixes, q) - m0
-            store(innovation, i, s)
-            if window > 0:
-                store(s_rows, window + i, s)
-            x0, x1, x2, x3 = corrected(x0, x1, x2, x3, K, row, 0, s)
-        if width == FINAL:
-            store(position, i - shift, x0)
-            store(velocity, i - shift, x1)
-        else:
-            at = width * (window + i)
-            if width == WHOLE:
-                store(X, at, x0)
-                store(X, at + 1, x1)
-                store(X, at + 2, x3)
-                store(X, at + 3, x2)
-            else:
-                store(X, at, x0 + pv * x1 + pb * x3 + pp * x0)
-                store(X, at + 1, x1 + vb * x3 + vp * x0 + vv * x1)
-            if window > 0:
-                store(r_rows, window + i, r)
+    b0, b1, h0, h2, h3 = B[0], B[1], h[0], h[2], h[3]
+    k0, k1, k2, k3 = K[row, 0, 1], K[row, 1, 1], K[row, 2, 1], K[row, 3, 1]
+    for i in range(len(now.p)):
+        p, v, a, b, u = before.p[i], before.v[i], before.a[i], before.b[i], force[at - 1, i]
+        m0 = p + (b0 * u + a01 * v + a02 * a + a03 * b + a00 * p)
+        m1 = v + (b1 * u + a12 * a + a13 * b + a11 * v + a10 * p)
+        m2 = a22 * a
+        r = force[at, i] - h3 * b - h2 * m2 - h0 * m0
+        now.r[i] = r
+        now.s[i] = m0
+        now.p[i] = m0 + k0 * r
+        now.v[i] = m1 + k1 * r
+        now.a[i] = m2 + k2 * r
+        now.b[i] = b + k3 * r
+
+
+@part
+def correct(now, positions, at, K, row):
+    """Correct a step's state by a position: s = z - m, x = x + K s; z is row `at` of `positions`.
+
+    K is computed for both measurements together, so m is the state before either.
+    """
+    k0, k1, k2, k3 = K[row, 0, 0], K[row, 1, 0], K[row, 2, 0], K[row, 3, 0]
+    for i in range(len(now.p)):
+        s = positions[at, i] - now.s[i]
+        now.s[i] = s
+        now.p[i] += k0 * s
+        now.v[i] += k1 * s
+        now.a[i] += k2 * s
+        now.b[i] += k3 * s
+
+
+@part
+def filter_chunk(k0, count, fed, f, steps):
+    """Filter the `count` steps from step k0 on; the states go to the last rows of `steps`.
+
+    Row 0 holds the state before.
+    `fed`, `f` and `steps` are `Fed`, `FilterArrays` and `Memory.steps`.
+    """
+    force, fixes, source = fed.force, fed.fixes, k0 - f.input_delay - fed.base
+    K, applied, M, first = f.K, f.applied, f.fix_interval, f.window + 1
+    rows, cycle = K.shape[0], f.cycle
+    row, fix, since = schedule_row(k0, rows, cycle), k0 // M, k0 % M
+    before = steps[0]
+    for i in range(count):
+        now = steps[first + i]
+        predict_and_correct(before, now, force, source + i, f, K, row)
+        if applied[row]:
+            correct(now, fixes, fix, K, row)
         before = now
-        phase += 1
-        if phase == M:
-            phase = 0
-            q += 1
-        row += 1
-        if row == rows:
-            row = rows - cycle
-    store(x, 0, x0)
-    store(x, 1, x1)
-    store(x, 2, x2)
-    store(x, 3, x3)
+        row = next_row(row, rows, cycle)
+        since += 1
+        if since == M:
+            fix, since = fix + 1, 0
+
+
+@part
+def filter_chunk_with_mhe(k0, count, fed, f, mhe, memory):
+    """Filter as `filter_chunk` does, but with the positions of the MHE (HME2, Algorithm 2).
+
+    The MHE (moving horizon estimator) is run on the way, as its arrival state is the filter's.
+    `mhe` and `memory` are `HorizonArrays` and `Memory`.
+    """
+    force, fixes, source = fed.force, fed.fixes, k0 - f.input_delay - fed.base
+    steps, nodes, held = memory.steps, memory.nodes, memory.now[0]
+    position = memory.position
+    K, applied, M, first = f.K, f.applied, f.fix_interval, f.window + 1
+    rows, cycle, half = K.shape[0], f.cycle, 0.5 * mhe.step * mhe.step
+    row, fix, since = schedule_row(k0, rows, cycle), k0 // M, k0 % M
+    phase = k0 % mhe.interval
+    before = steps[0]
+    for i in range(count):
+        now = steps[first + i]
+        if since == 0:
+            take_fix(fix, fixes, mhe, nodes, held)
+        if phase == 0 and fix >= mhe.first:
+            make_position(mhe.growth, since, held, position)
+        elif phase == 0 and since == 0:
+            for j in range(len(now.p)):  # too few fixes for a window: the fix itself
+                position[0, j] = fixes[fix, j]
+        predict_and_correct(before, now, force, source + i, f, K, row)
+        if applied[row]:
+            correct(now, position, 0, K, row)
+        before = now
+        if since == 0 and mhe.arrival:
+            keep_state(now, nodes[fix % len(nodes)])
+        choose_input(held, force[source + i], mhe.inputs, phase == 0, mhe.interval)
+        add_input(held, held.sample, mhe.step, half, mhe.lean)
+        row = next_row(row, rows, cycle)
+        since += 1
+        if since == M:
+            fix, since = fix + 1, 0
+        phase = phase + 1 if phase + 1 < mhe.interval else 0

@@ -1,149 +1,85 @@
-"""Runs the moving horizon estimator (MHE), which gives the filter its positions."""
+"""The moving horizon estimator (MHE) of HME2, Eq. (11) of Ren et al. (2019), without constraints.
+
+Its least squares problem is linear. So the state at the newest fix is a matrix times the window's
+data: fixes, what the inputs between them add to position and velocity, and an arrival state. The
+window (`Memory.nodes`) is registers 2 and 3 of the paper, Algorithms 4 and 5.
+"""
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit
+from owtsweep.compiled import part
 from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED
-from owtsweep.vectors.lanes import element, load, store, zero
 
 
-@njit
-def added(n0, n1, n2, maps, at, columns, datum):
-    """Return n0, n1, n2 plus the contribution of one datum to the state n0, n1, n2.
+@part
+def add_datum(now, values, maps, matrix, column):
+    """Add a datum's part of the state at the newest fix: a column of the matrix times the datum."""
+    g0, g1, g2 = maps[matrix, 0, column], maps[matrix, 1, column], maps[matrix, 2, column]
+    for i in range(len(now.np)):
+        now.np[i] += g0 * values[i]
+        now.nv[i] += g1 * values[i]
+        now.nb[i] += g2 * values[i]
 
-    The state is one of the moving horizon estimator: position, velocity, bias. The contribution is
-    the datum times a column, three elements, of a matrix in `maps`. A row of the matrix has
-    `columns` elements; `at` is the flat index in `maps` of the column's first element.
+
+@part
+def take_fix(q, fixes, mhe, nodes, now):
+    """Take fix number q into the window, and compute the state np, nv, nb at this fix.
+
+    Before fix number mhe.first no state is computed. The arguments are `Fed.fixes`,
+    `HorizonArrays`, `Memory.nodes` and the row of `Memory.now`.
     """
-    return (
-        n0 + element(maps, at) * datum,
-        n1 + element(maps, at + columns) * datum,
-        n2 + element(maps, at + 2 * columns) * datum,
-    )
-
-
-@njit
-def horizon_fix(q, fixes, mhe, registers):
-    """Take position fix number q into the MHE's window; compute the state at the fix.
-
-    The window of the MHE (moving horizon estimator) holds the newest fixes and, between fixes, what
-    the inputs (specific force) added to position and velocity. The sums over the inputs since the
-    last fix are stored in the window and set to zero. The state (position, velocity, bias) goes to
-    registers.node. Before fix number mhe.first no state is computed. `fixes` are `Fed.fixes`, `mhe`
-    is `HorizonArrays`.
-    """
-    nm = mhe.horizon
-    z, ip, iv, running = registers.z, registers.ip, registers.iv, registers.running
-    if q > 0:
-        store(ip, (q - 1) % nm, load(running, 0))
-        store(iv, (q - 1) % nm, load(running, 1))
-    store(running, 0, zero(running))
-    store(running, 1, zero(running))
-    store(z, q % (nm + 1), load(fixes, q))
+    size, n = len(nodes), min(q, mhe.horizon)
+    last, new = nodes[(q - 1) % size], nodes[q % size]
+    for i in range(len(now.p)):
+        if q > 0:
+            last.ip[i], last.iv[i] = now.p[i], now.v[i]
+        new.z[i] = fixes[q, i]
+        now.p[i] = now.v[i] = now.np[i] = now.nv[i] = now.nb[i] = 0.0
     if q < mhe.first:
         return
-    n = min(q, nm)
-    maps, columns = mhe.maps, mhe.maps.shape[2]
-    G = 3 * columns * min(q, maps.shape[0] - 1)  # start of this fix's matrix
-    n0, n1, n2 = zero(running), zero(running), zero(running)
-    at = (q - n) % (nm + 1)
+    maps, matrix = mhe.maps, min(q, len(mhe.maps) - 1)
     for j in range(n + 1):
-        n0, n1, n2 = added(n0, n1, n2, maps, G + j, columns, load(z, at))
-        at = at + 1 if at < nm else 0
-    at = (q - n) % nm
-    for j in range(n + 1, 4 * n + 1, 3):
-        n0, n1, n2 = added(n0, n1, n2, maps, G + j, columns, load(ip, at))
-        n0, n1, n2 = added(n0, n1, n2, maps, G + j + 1, columns, load(iv, at))
-        at = at + 1 if at + 1 < nm else 0
-    if mhe.arrival and q >= nm:
-        at = 3 * ((q - nm) % (nm + 1))
-        for m in range(3):
-            datum = load(registers.arrival, at + m)
-            n0, n1, n2 = added(n0, n1, n2, maps, G + 4 * n + 1 + m, columns, datum)
-    store(registers.node, 0, n0)
-    store(registers.node, 1, n1)
-    store(registers.node, 2, n2)
+        add_datum(now, nodes[(q - n + j) % size].z, maps, matrix, j)
+    for j in range(n):  # three columns each; an input does not change the bias
+        node = nodes[(q - n + j) % size]
+        add_datum(now, node.ip, maps, matrix, n + 1 + 3 * j)
+        add_datum(now, node.iv, maps, matrix, n + 2 + 3 * j)
+    if mhe.arrival and q >= mhe.horizon:
+        node = nodes[(q - n) % size]
+        add_datum(now, node.p, maps, matrix, 4 * n + 1)
+        add_datum(now, node.v, maps, matrix, 4 * n + 2)
+        add_datum(now, node.b, maps, matrix, 4 * n + 3)
 
 
-@njit
-def tick_of(k0, i, interval):
-    """Return the row in which the MHE's position that is valid at step i of a chunk is stored.
+@part
+def keep_state(x, node):
+    """Keep the filter's state after a fix's correction, the row x, in the fix's node (Alg. 5)."""
+    for i in range(len(x.p)):
+        node.p[i], node.v[i], node.b[i] = x.p[i], x.v[i], x.b[i]
 
-    The MHE (moving horizon estimator) gives a position at each multiple of `interval` steps. The
-    chunk, steps that are computed together, begins at step k0 of the record. Row 0 holds the
-    position that is valid at the chunk's first step.
+
+@part
+def make_position(growth, since, now, position):
+    """Predict the MHE's position `since` steps after the last fix, by A_df and B_df (Eq. 11d)."""
+    gp, gv, gb = growth[since, 0, 0], growth[since, 0, 1], growth[since, 0, 2]
+    for i in range(len(now.p)):
+        n = now.np[i]
+        position[0, i] = n + gv * now.nv[i] + gb * now.nb[i] + now.p[i] + gp * n
+
+
+@part
+def choose_input(now, u, inputs, tick, interval):
+    """Set now.sample to the input that the MHE takes: each, the average or one of `interval`.
+
+    u are the lanes' specific forces; `tick` says whether the step is a multiple of `interval`.
     """
-    return (k0 + i) // interval - k0 // interval
-
-
-@njit
-def positions_from(k0, i, interval, rows):
-    """Return the MHE's positions, from step i of a chunk on, in the form that `filter_steps` takes.
-
-    The MHE is the moving horizon estimator. The form is (rows, row, phase, interval). `rows` is the
-    array of the chunk's positions, one for every `interval` steps. The position that is valid at
-    step i is in row `row` and came `phase` steps before step i. The chunk, steps that are computed
-    together, begins at step k0 of the record.
-    """
-    return (rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
-
-
-@njit
-def horizon_steps(steps, fed, q, chain, memory):
-    """Compute the MHE's positions at some steps of a chunk, between fix number q and the next fix.
-
-    The MHE is the moving horizon estimator. At each multiple of mhe.interval (T_m) a position is
-    predicted by Eq. (11d) of Ren et al. (2019) from the state at fix number q. The position is
-    valid until the next multiple, and is stored in the row of memory.scratch.positions that
-    `tick_of` returns. Before fix number mhe.first the position is the fix itself. The specific
-    force is integrated as the MHE takes it: all samples, averaged or sampled (mhe.inputs). `steps`,
-    `fed`, `chain` and `memory` are structures of `kernels.layout`.
-    """
-    k0, first, stop, _ = steps
-    mhe, fix_interval = chain.mhe, chain.filter.fix_interval
-    force, source = fed.force, k0 - chain.filter.input_delay - fed.base
-    fixes, registers, positions = fed.fixes, memory.registers, memory.scratch.positions
-    T = mhe.step
-    half = 0.5 * T * T
-    running, node, growth, lean = registers.running, registers.node, mhe.growth, mhe.lean
-    interval, inputs, solved = mhe.interval, mhe.inputs, q >= mhe.first
-    n0, n1, n2 = load(node, 0), load(node, 1), load(node, 2)
-    p, v, gathered, mean = load(running, 0), load(running, 1), load(running, 2), load(running, 3)
-    held = load(registers.fix, 0)
-    k = k0 + first
-    phase, tick = k % interval, tick_of(k0, first, interval)
-    since_fix = k - q * fix_interval
-    if phase > 0:
-        store(positions, tick, held)
-        tick += 1
-    for i in range(first, stop):
-        if phase == 0:
-            if solved:
-                g = growth[since_fix, 0]
-                held = n0 + g[1] * n1 + g[2] * n2 + p + g[0] * n0
-            elif since_fix == 0:
-                held = load(fixes, q)
-            store(positions, tick, held)
-            tick += 1
-        u = load(force, source + i)
-        if inputs != ALL:
-            gathered = gathered + u
-            if phase == 0:
-                if inputs == AVERAGED:
-                    mean = gathered / float(interval)
-                else:
-                    mean = u
-                gathered = zero(running)
-            u = mean
-        leaning = lean.vp * p + lean.vv * v + lean.vu * u
-        p = p + (T * v + half * u) + (lean.pp * p + lean.pv * v + lean.pu * u)
-        v = v + T * u + leaning
-        since_fix += 1
-        phase += 1
-        if phase == interval:
-            phase = 0
-    store(running, 0, p)
-    store(running, 1, v)
-    store(running, 2, gathered)
-    store(running, 3, mean)
-    store(registers.fix, 0, held)
+    if inputs == ALL:
+        for i in range(len(now.p)):
+            now.sample[i] = u[i]
+        return
+    for i in range(len(now.p)):
+        now.gathered[i] += u[i]
+    if tick:
+        for i in range(len(now.p)):
+            now.sample[i] = now.gathered[i] / float(interval) if inputs == AVERAGED else u[i]
+            now.gathered[i] = 0.0

@@ -1,25 +1,28 @@
-"""The structures of arrays that the batch engine's kernels take.
+"""The arrays that the batch engine's kernels take: a scheme, its input, its memory.
 
-A chain is a scheme as arrays. A lane is one series of numbers along one axis, and eight lanes make
-a group. A chunk is a stretch of a record whose steps are computed together.
+A chain is a scheme as arrays. A lane is one series of numbers along one axis. Kernels run all lanes
+of a row side by side: their innermost loops run over the lanes, and LLVM makes vectors of them.
+For that, a row is a record whose fields have a fixed number of lanes, so the compiler knows that
+fields do not overlap. A chunk is a stretch of a record whose steps are computed together.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.vectors import WIDTH as WIDTH  # imported from here elsewhere
+
+#: Number of records that run side by side; a record has two or three lanes.
+WIDTH = 8
 
 #: Which IMU samples the moving horizon estimator (MHE) takes, in the order of `hub.horizon.INPUTS`.
 ALL, AVERAGED, SAMPLED = 0, 1, 2
 
-#: One array per group of eight lanes; kernels process all groups side by side.
-Groups = tuple[Array, ...]
+#: An array of records, each with one number per lane in every field.
+Rows = NDArray[np.void]
 
 
 class FilterArrays(NamedTuple):
@@ -82,7 +85,7 @@ class PredictorArrays(NamedTuple):
     and a unit of bias adds `pb` to the position and `vb` to the velocity. An IMU that leans
     (`lean`) also has a unit of position add `pp` to the position and `vp` to the velocity, and a
     unit of velocity add `vv` to the velocity; an input that is older than all steps has left
-    `old_p` in the position and `old_v`, beside `step`, in the velocity. If inputs are `linear`
+    `old_p` in the position and `old_v`, beside `step`, in the velocity. If inputs are linear
     between samples, `new_p` and `new_v` times the newest input are added to position and velocity,
     and `first_p` and `first_v` times the first input of the prediction are subtracted.
     """
@@ -99,7 +102,6 @@ class PredictorArrays(NamedTuple):
     vp: float = 0.0
     vv: float = 0.0
     lean: LeanTerms = NO_LEAN
-    linear: bool = False
     new_p: float = 0.0
     new_v: float = 0.0
     first_p: float = 0.0
@@ -155,114 +157,22 @@ class ChainArrays(NamedTuple):
     mhe: HorizonArrays
 
 
-class Registers(NamedTuple):
-    """The memory that each lane (series) carries from one chunk of steps to the next.
-
-    Each field has an array (rows, 8) for each group of eight lanes. Below, `window` is the length
-    of the smoother's window in steps. The MHE is the moving horizon estimator; `horizon` is the
-    number of intervals between fixes in its window, and T_m the time between its positions.
-
-    Attributes
-    ----------
-    x
-        The filter's state; 4 rows.
-    r, s
-        The newest innovations of specific force and of position; `window` rows each.
-    X
-        The newest filtered states; 4 x window rows.
-    z
-        The position fixes in the MHE's window; horizon + 1 rows.
-    ip, iv
-        What the inputs (specific forces) between two fixes of the MHE's window add to position and
-        to velocity; `horizon` rows each.
-    arrival
-        Filtered states at past fixes; 3 (horizon + 1) rows: position, velocity, bias of each.
-    running
-        What the inputs since the last fix add to position (row 0) and to velocity (row 1); the sum
-        of the IMU samples since the last multiple of T_m (row 2); the sample or average that the
-        MHE takes until the next multiple (row 3).
-    node
-        The MHE's state at the newest fix; 3 rows.
-    fix
-        The MHE's newest position, which the filter takes; 1 row.
-    """
-
-    x: Groups
-    r: Groups
-    s: Groups
-    X: Groups
-    z: Groups
-    ip: Groups
-    iv: Groups
-    arrival: Groups
-    running: Groups
-    node: Groups
-    fix: Groups
-
-
-class Scratch(NamedTuple):
-    """The memory that is used only within a chunk of steps.
-
-    All runs share this memory, so it stays in the cache. Each field has an array (rows, 8) for each
-    group of eight lanes. Below, `chunk` is the number of steps of a chunk, and `window` the length
-    of the smoother's window in steps.
-
-    Attributes
-    ----------
-    r, s
-        Innovations of specific force and of position; window + chunk rows each.
-    X
-        States, up to four rows per step; 4 (window + chunk) rows.
-    inputs
-        What the inputs (specific forces) add to the predicted velocity and position; 2 rows.
-    positions
-        The positions that the moving horizon estimator gives the filter; `chunk` rows, of which as
-        many are used as there are positions.
-    """
-
-    r: Groups
-    s: Groups
-    X: Groups
-    inputs: Groups
-    positions: Groups
-
-
-class Output(NamedTuple):
-    """The estimates of a chunk of steps: position (m), velocity (m/s), and innovation (m).
-
-    Each field has an array (steps, 8) for each group of eight lanes. The innovation is the
-    difference between the position that the filter takes and its prediction.
-    """
-
-    position: Groups
-    velocity: Groups
-    innovation: Groups
-
-
-class Memory(NamedTuple):
-    """The memory of a running scheme: registers, working memory, and the newest estimates."""
-
-    registers: Registers
-    scratch: Scratch
-    output: Output
-
-
 class Fed(NamedTuple):
     """The data on which a scheme is run.
 
     Attributes
     ----------
     force
-        Specific force, m/s^2; an array (rows, 8) for each group of eight lanes.
+        Specific force, m/s^2, shape (rows, lanes).
     base
         The specific force of step k is in row k - base.
     fixes
-        Position fixes, m; an array (fixes, 8) for each group of eight lanes.
+        Position fixes, m, shape (fixes, lanes).
     """
 
-    force: Groups
+    force: Array
     base: int
-    fixes: Groups
+    fixes: Array
 
 
 class Truth(NamedTuple):
@@ -270,64 +180,16 @@ class Truth(NamedTuple):
 
     Attributes
     ----------
-    position, velocity
-        Displacement along the wave (m) at unit amplitude, and its rate (m/s). Each is a tuple of
-        one array (rows, 8). Step k is in the same row as in `Fed`.
+    motion
+        Displacement along the wave (m) at unit amplitude in the first `WIDTH` columns, and its rate
+        (m/s) in the others; shape (rows, 2 WIDTH). Step k is in the same row as in `Fed`.
     direction
         The wave's direction cosines along x and y, times the amplitude of the motion in m (1 if
         motion and noise are run apart); shape (2,).
     """
 
-    position: Groups
-    velocity: Groups
+    motion: Array
     direction: Array
-
-
-class Steps(NamedTuple):
-    """The steps first ... stop - 1 of a chunk, a stretch of a record that begins at step k0.
-
-    The estimate of the chunk's step i is in row i - shift of the output.
-    """
-
-    k0: int
-    first: int
-    stop: int
-    shift: int
-
-
-def new_registers(groups: int, window: int, horizon: int) -> Registers:
-    """Make registers, all zero, for `groups` groups of eight lanes.
-
-    The algorithms of Ren et al. (2019) start from zero. `window` is the length of the smoother's
-    window in steps. `horizon` is the number of intervals between fixes in the MHE's window.
-    """
-    rows = (
-        4, window, window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
-    )  # fmt: skip
-    # slices of one array: making eleven arrays takes longer than a short run
-    block = aligned(groups, sum(max(n, 1) for n in rows), WIDTH)
-    stops = np.cumsum([max(n, 1) for n in rows]).tolist()
-    return Registers(*(tuple(block[:, a:b]) for a, b in pairwise([0, *stops])))
-
-
-def new_scratch(groups: int, chunk: int, window: int) -> Scratch:
-    """Make working memory for `groups` groups of eight lanes, all zero.
-
-    `chunk` is the number of steps that are computed together, `window` the length of the smoother's
-    window in steps.
-    """
-    steps = window + chunk
-    rows = (steps, steps, 4 * steps, 2, chunk)
-    return Scratch(*(_zeros(groups, n) for n in rows))
-
-
-def new_output(groups: int, chunk: int) -> Output:
-    """Make memory, all zero, for estimates of `chunk` steps in `groups` groups of eight lanes."""
-    return Output(*(_zeros(groups, chunk) for _ in Output._fields))
-
-
-def _zeros(groups: int, rows: int) -> Groups:
-    return tuple(aligned(groups, rows, WIDTH))
 
 
 class Weights(NamedTuple):
@@ -347,3 +209,104 @@ class Weights(NamedTuple):
     precision: Array
     innovation: Array
     fresh: NDArray[np.bool_]
+
+
+class Memory(NamedTuple):
+    """The memory of a running scheme, all zero at first, as the algorithms of the paper start.
+
+    Attributes
+    ----------
+    steps
+        One row per step. Fields: the state p, v, a, b (position, velocity, acceleration, bias) and
+        the innovations r of the specific force and s of the position. Row 0 is the filter's state
+        before the chunk; the next `window` rows (the smoother's lag) are kept from the chunk
+        before; the filter writes step k0 + i, where k0 is the chunk's first step, to row
+        1 + window + i. Smoother and predictor then replace what stands in the rows 1, 2, ...: in
+        the end row 1 + i holds the estimate of step k0 + i.
+    back
+        The smoother's correction p, v, a, b; one row.
+    inputs
+        What the inputs (specific forces) of the prediction add to position and velocity: p, v; one
+        row.
+    nodes
+        The MHE's window, registers 2 and 3 of the paper; fix number q is in row q modulo the number
+        of rows. Fields: the fix z; what the inputs until the next fix add to position and velocity,
+        ip and iv; the filter's state p, v, b.
+    now
+        The MHE between two fixes; one row. Fields: p and v, what the inputs since the last fix add
+        to position and velocity; the sum of the IMU samples since the last multiple of T_m, and the
+        sample or average taken until the next; np, nv, nb, the MHE's state at the last fix.
+    position
+        The MHE's newest position, which the filter takes, m, shape (1, lanes).
+    """
+
+    steps: Rows
+    back: Rows
+    inputs: Rows
+    nodes: Rows
+    now: Rows
+    position: Array
+
+
+def new_memory(chain: ChainArrays, lanes: int, chunk: int) -> Memory:
+    """Make the memory for a run of `lanes` lanes, in chunks of at most `chunk` steps."""
+    state = ("p", "v", "a", "b")
+    return Memory(
+        steps=rows(chain.filter.window + 1 + chunk, lanes, *state, "r", "s"),
+        back=rows(1, lanes, *state),
+        inputs=rows(1, lanes, "p", "v"),
+        nodes=rows(chain.mhe.horizon + 1, lanes, "z", "ip", "iv", "p", "v", "b"),
+        now=rows(1, lanes, "p", "v", "gathered", "sample", "np", "nv", "nb"),
+        position=aligned(1, lanes),
+    )
+
+
+def rows(count: int, lanes: int, *fields: str) -> Rows:
+    """Make rows, all zero, with `lanes` numbers in each of the named fields."""
+    return filled([(field, lanes) for field in fields], count)
+
+
+def filled(fields: list[tuple[str, int]], count: int) -> Rows:
+    """Make rows, all zero, whose fields are named with their numbers of lanes."""
+    kind: Any = np.dtype([(name, np.float64, (lanes,)) for name, lanes in fields])
+    return np.asarray(aligned(count, kind.itemsize // 8).view(kind)[:, 0])
+
+
+#: The sums of squared errors: of position, of velocity, in NEES and in NIS. The ending says of
+#: what: m is motion, x and y are noise along an axis, and xx of NEES and NIS is both axes.
+SUMS = (
+    "mm", "mx", "my", "xx", "yy", "vmm", "vmx", "vmy", "vxx", "vyy", "nmm", "nmx", "nxx", "imm",
+    "imx", "ixx",
+)  # fmt: skip
+
+
+def new_sums(lanes: int) -> Rows:
+    """Make sums, all zero, for a run of `lanes` lanes: one row before and one after settling.
+
+    The fields p, v, motion and square are the estimates, the truth and the squared position error
+    of the step whose errors are being added. Kernels copy them into the row of the sums, because
+    the compiler knows that fields of one row do not overlap.
+    """
+    own = [("p", lanes), ("v", lanes), ("motion", 2 * WIDTH), ("square", WIDTH)]
+    return filled(own + [(name, WIDTH) for name in SUMS], 2)
+
+
+def products(sums: Rows, direction: Array) -> Array:
+    """Arrange sums as (2, 6, 3, WIDTH): part of the record, quantity, product, replicate.
+
+    The parts are before and after settling; the quantities x, y, vx, vy, NEES, NIS; the products
+    motion x motion, motion x noise, noise x noise. `direction` are the wave's direction cosines
+    (2,), times the amplitude.
+    """
+    cx, cy = direction
+    result = np.empty((2, 6, 3, WIDTH))
+    for quantity, v in ((0, ""), (2, "v")):
+        for axis, (c, name) in enumerate(((cx, "x"), (cy, "y"))):
+            row = result[:, quantity + axis]
+            row[:, 0] = c * c * sums[f"{v}mm"]
+            row[:, 1] = c * sums[f"{v}m{name}"]
+            row[:, 2] = sums[f"{v}{name}{name}"]
+    for quantity, n in ((4, "n"), (5, "i")):
+        for product, name in enumerate(("mm", "mx", "xx")):
+            result[:, quantity, product] = sums[n + name]
+    return result

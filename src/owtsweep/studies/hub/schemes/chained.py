@@ -11,7 +11,6 @@ from typing import Literal
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import Known
-from owtsweep.vectors import choose
 
 #: Greatest number of chains in the cache: four schemes under each of two tunings, and three
 #: baselines. A chain whose gains settle slowly takes up to 100 MB.
@@ -44,7 +43,6 @@ class ChainScheme(Scheme):
         return self._share(known, steps, for_runs=True)
 
     def _share(self, known: Known, steps: int, *, for_runs: bool) -> Chain:
-        choose(known.tuning.compute.vectors)  # every run needs a chain before its first kernel
         sections = tuple(repr(attrgetter(section)(known.tuning)) for section in self.sections)
         key = (type(self), known.sensors, steps, for_runs, *sections)
         with _LOCK:

@@ -24,7 +24,6 @@ from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_model import make_axes, tune_axes
 from owtsweep.studies.hub.spectral_run import SpectralKernel
-from owtsweep.vectors import choose
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -72,7 +71,6 @@ class SpectralScheme(Scheme):
         InputError
             If nothing has said what the motion is.
         """
-        choose(known.tuning.compute.vectors)
         return SpectralKernel(tune_axes(find_motion(known), known.tuning.skf, known.sensors, steps))
 
     def check(self, config: HubConfig) -> None:
