@@ -21,6 +21,9 @@ WIDTH = 8
 #: Which IMU samples the moving horizon estimator (MHE) takes, in the order of `hub.horizon.INPUTS`.
 ALL, AVERAGED, SAMPLED = 0, 1, 2
 
+#: The fields of a state: position, velocity, acceleration, bias.
+STATE = ("p", "v", "a", "b")
+
 #: An array of records, each with one number per lane in every field.
 Rows = NDArray[np.void]
 
@@ -250,19 +253,21 @@ class Memory(NamedTuple):
 
 def new_memory(chain: ChainArrays, lanes: int, chunk: int) -> Memory:
     """Make the memory for a run of `lanes` lanes, in chunks of at most `chunk` steps."""
-    state = ("p", "v", "a", "b")
     return Memory(
-        steps=rows(chain.filter.window + 1 + chunk, lanes, *state, "r", "s"),
-        back=rows(1, lanes, *state),
+        steps=rows(chain.filter.window + 1 + chunk, lanes, "r", "s", *STATE),
+        back=rows(1, lanes, *STATE),
         inputs=rows(1, lanes, "p", "v"),
         nodes=rows(chain.mhe.horizon + 1, lanes, "z", "ip", "iv", "p", "v", "b"),
-        now=rows(1, lanes, "p", "v", "gathered", "sample", "np", "nv", "nb"),
+        now=rows(1, lanes, "gathered", "sample", "np", "nv", "nb", "p", "v"),
         position=aligned(1, lanes),
     )
 
 
 def rows(count: int, lanes: int, *fields: str) -> Rows:
-    """Make rows, all zero, with `lanes` numbers in each of the named fields."""
+    """Make rows, all zero, with `lanes` numbers in each of the named fields.
+
+    Two kinds of rows should not begin with the same fields: numba would take one for the other.
+    """
     return filled([(field, lanes) for field in fields], count)
 
 

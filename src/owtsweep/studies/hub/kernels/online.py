@@ -14,8 +14,9 @@ import numpy as np
 
 from owtsweep.compiled import njit
 from owtsweep.estimation.riccati import MASK_ROWS, TwoRates, riccati_step
+from owtsweep.studies.hub.kernels.filtering import correct, predict_and_correct
 from owtsweep.studies.hub.kernels.fix_weights import distance, judge, weigh_anew
-from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED
+from owtsweep.studies.hub.kernels.horizon import choose_input
 from owtsweep.studies.hub.kernels.online_layout import (
     DETERMINED,
     HUBER,
@@ -27,6 +28,7 @@ from owtsweep.studies.hub.kernels.online_layout import (
     STEP,
 )
 from owtsweep.studies.hub.kernels.online_output import output
+from owtsweep.studies.hub.kernels.predicting import add_input
 from owtsweep.studies.hub.kernels.window import (
     FIXED,
     NO_ARRIVAL,
@@ -71,7 +73,7 @@ def advance(begin, resume, samples, f, h, m, estimates):
                 if not horizon_position(f, h, m):
                     return i
             elif fresh:
-                m.given[0], m.given[1] = fixes[i, 0], fixes[i, 1]
+                m.given[0, 0], m.given[0, 1] = fixes[i, 0], fixes[i, 1]
         resume = False
         if h.active:
             fresh = horizon_has_position(f, h, m)
@@ -82,7 +84,7 @@ def advance(begin, resume, samples, f, h, m, estimates):
         if fresh:
             variance[i] = ss
             for axis in range(2):
-                innovation[i, axis] = m.innovation[axis]
+                innovation[i, axis] = m.steps[m.counter[ROW]].s[axis]
         else:
             variance[i] = np.nan
             innovation[i, 0] = innovation[i, 1] = np.nan
@@ -103,7 +105,8 @@ def take_sample(force, f, m):
         for i in range(keep):
             old = row - keep + i
             m.force[i, 0], m.force[i, 1] = m.force[old, 0], m.force[old, 1]
-            for register in (m.X, m.e, m.C, m.Pm, m.Pf):
+            m.steps[i] = m.steps[old]
+            for register in (m.K, m.C, m.Pm, m.Pf):
                 put(register[i], 0, 0, register[old])
         row = keep
     for i in range(2):
@@ -119,47 +122,29 @@ def filter_step(fresh, f, m):
     `OnlineRegisters`. Return the variance of the position's innovation along an axis, m^2.
     """
     row = m.counter[ROW]
-    predict_state(f, m)
+    before, now, at = m.steps[row - 1], m.steps[row], row - f.delay
     taken, r_slow, judged = fresh, f.r_slow, 0.0
     if fresh and f.fix_rule != PLAIN:
+        # the gains are not known yet, but the predicted position does not depend on them
+        predict_and_correct(before, now, m.force, at, f, m.K, row)
+        for axis in range(2):
+            m.predicted[0, axis] = now.s[axis]
         judged = predicted_variance(f, m) + f.r_slow
-        weight = judge(distance(m.given, m.predicted, judged), f, m.counter)
+        weight = judge(distance(m.given[0], m.predicted, judged), f, m.counter)
         taken = weight > 0.0
         if taken:
             r_slow += (1.0 / weight - 1.0) * judged  # the innovation's becomes judged / weight
-    model = TwoRates(f.A, f.Q, f.slow, f.fast, r_slow, f.r_fast, f.rule)
-    ss = riccati_step(model, m.P, taken, m.K, m.Pm[row], m.Pf[row], m.work)
+    model = TwoRates(f.A, f.Q, f.slow, f.h, r_slow, f.r_fast, f.rule)
+    ss = riccati_step(model, m.P, taken, m.K[row], m.Pm[row], m.Pf[row], m.work)
     if judged > 0.0:
         ss = judged
     put(m.P, 0, 0, m.Pf[row])
-    applied = taken or f.rule == MASK_ROWS
-    now = row - f.delay
-    for axis in range(2):
-        r = m.force[now, axis]
+    if not taken and f.rule != MASK_ROWS:
         for i in range(4):
-            r -= f.fast[i] * m.predicted[i, axis]
-        s = m.given[axis] - m.predicted[0, axis]
-        m.innovation[axis] = s
-        for i in range(4):
-            e = m.K[i, 1] * r
-            if applied:
-                e += m.K[i, 0] * s
-            m.e[row, i, axis] = e
-            m.x[i, axis] = m.predicted[i, axis] + e
-            m.X[row, i, axis] = m.x[i, axis]
+            m.K[row, i, 0] = 0.0
+    predict_and_correct(before, now, m.force, at, f, m.K, row)
+    correct(now, m.given, 0, m.K, row)
     return ss
-
-
-@njit
-def predict_state(f, m):
-    """Predict the filter's state over one step, into m.predicted; `f` is `FilterSettings`."""
-    before = m.counter[ROW] - f.delay - 1
-    for axis in range(2):
-        for i in range(4):
-            total = f.B[i] * m.force[before, axis]
-            for j in range(4):
-                total += f.A[i, j] * m.x[j, axis]
-            m.predicted[i, axis] = total
 
 
 @njit
@@ -195,10 +180,11 @@ def take_fix(fresh, fix, f, h, m):
             n += 1
             m.counter[LINKS] = n
         for axis in range(2):
-            m.effects[n - 1, 0, axis] = m.running[0, axis]
-            m.effects[n - 1, 1, axis] = m.running[1, axis]
+            m.effects[n - 1, 0, axis] = m.now[0].p[axis]
+            m.effects[n - 1, 1, axis] = m.now[0].v[axis]
             m.effects[n - 1, 2, axis] = 0.0
-    m.running[:] = 0.0
+    for axis in range(2):
+        m.now[0].p[axis] = m.now[0].v[axis] = 0.0
     m.have[n] = fresh
     for axis in range(2):
         m.z[n, axis] = fix[axis] if fresh else 0.0
@@ -258,7 +244,7 @@ def horizon_position(f, h, m):
     if not m.counter[DETERMINED]:
         if since == 0 and m.have[n]:
             # too few fixes for a window: the filter gets the fix itself
-            m.given[0], m.given[1] = m.z[n, 0], m.z[n, 1]
+            m.given[0, 0], m.given[0, 1] = m.z[n, 0], m.z[n, 1]
         return True
     if m.counter[STEP] % h.interval != 0:
         return True
@@ -266,10 +252,10 @@ def horizon_position(f, h, m):
     last = m.nodes[n + 1]
     for axis in range(2):
         p, v, b = m.node[0, axis], m.node[1, axis], m.node[2, axis]
-        last[0, axis] = p + g[0, 1] * v + g[0, 2] * b + m.running[0, axis] + g[0, 0] * p
-        last[1, axis] = v + g[1, 2] * b + m.running[1, axis] + (g[1, 0] * p + g[1, 1] * v)
+        last[0, axis] = p + g[0, 1] * v + g[0, 2] * b + m.now[0].p[axis] + g[0, 0] * p
+        last[1, axis] = v + g[1, 2] * b + m.now[0].v[axis] + (g[1, 0] * p + g[1, 1] * v)
         last[2, axis] = b
-        m.given[axis] = last[0, axis]
+        m.given[0, axis] = last[0, axis]
     if h.constrained:
         if since > 0:  # the nodes at fixes were checked, and solved anew, at the last fix
             # with a tolerance: this node is predicted from one that may be on its bound
@@ -290,23 +276,13 @@ def after_filter(f, h, m):
     as the MHE takes it: all samples, averaged or sampled. f, h and m are `FilterSettings`,
     `HorizonSettings` and `OnlineRegisters`.
     """
-    n = m.counter[LINKS]
+    n, x = m.counter[LINKS], m.steps[m.counter[ROW]]
     if m.counter[STEP] % f.fix_interval == 0:
         for i in range(3):
             for axis in range(2):
-                m.states[n, i, axis] = m.x[PICK[i], axis]
+                m.states[n, i, axis] = (x.p[axis], x.v[axis], x.b[axis])[i]
             for j in range(3):
                 m.covariances[n, i, j] = m.P[PICK[i], PICK[j]]
-    T, lean = h.step, h.lean
-    tick = m.counter[STEP] % h.interval == 0
-    for axis in range(2):
-        u = m.force[m.counter[ROW] - f.delay, axis]
-        if h.inputs != ALL:
-            m.recent[axis] += u
-            if tick:
-                m.held[axis] = m.recent[axis] / h.interval if h.inputs == AVERAGED else u
-                m.recent[axis] = 0.0
-            u = m.held[axis]
-        p, v = m.running[0, axis], m.running[1, axis]
-        m.running[0, axis] += T * v + 0.5 * T * T * u + (lean.pp * p + lean.pv * v + lean.pu * u)
-        m.running[1, axis] += T * u + (lean.vp * p + lean.vv * v + lean.vu * u)
+    now, u = m.now[0], m.force[m.counter[ROW] - f.delay]
+    choose_input(now, u, h.inputs, m.counter[STEP] % h.interval == 0, h.interval)
+    add_input(now, now.sample, h.step, 0.5 * h.step * h.step, h.lean)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.kernels.layout import LeanTerms
+from owtsweep.studies.hub.kernels.layout import LeanTerms, PredictorArrays, Rows
 
 #: Indices in `OnlineRegisters.counter`: present step, present row of the registers, number of links
 #: in the MHE's window, whether the window's data determine its states, fixes in a row beyond the
@@ -52,7 +52,7 @@ class FilterSettings(NamedTuple):
     A, B, Q
         The filter's transition matrix (4, 4), input column (4,) and process noise covariance
         (4, 4).
-    slow, fast, r_slow, r_fast
+    slow, h, r_slow, r_fast
         Measurement rows (4,) of position and specific force, and the variances of their noises.
     rule
         Index in `estimation.gains.RULES`: how a step without a position fix is treated.
@@ -62,10 +62,8 @@ class FilterSettings(NamedTuple):
         Time between position fixes, delay of the specific force, length of the smoother's window.
     predicts
         Whether there is a predictor.
-    input_A, input_B
-        The predictor's transition matrix (3, 3) and input column (3,) for one step.
-    input_next
-        The predictor's column (3,) for the input at the end of a step; zero if inputs are held.
+    predictor
+        The predictor's numbers.
     ahead, response, added
         The predictor's transition matrix over all its steps (3, 3), its response to the noise of
         each input (inputs, 3), and the covariance that noise during the prediction adds (3, 3).
@@ -82,7 +80,7 @@ class FilterSettings(NamedTuple):
     B: Array
     Q: Array
     slow: Array
-    fast: Array
+    h: Array
     r_slow: float
     r_fast: float
     rule: int
@@ -91,9 +89,7 @@ class FilterSettings(NamedTuple):
     delay: int
     window: int
     predicts: bool
-    input_A: Array
-    input_B: Array
-    input_next: Array
+    predictor: PredictorArrays
     ahead: Array
     response: Array
     added: Array
@@ -165,19 +161,21 @@ class OnlineRegisters(NamedTuple):
     ----------
     counter
         The counters STEP, ROW, LINKS, DETERMINED, BEYOND; shape (5,).
-    x, P, K
-        The filter's state (4, 2), its covariance (4, 4) and the gain of the present step (4, 2).
+    P
+        The covariance (4, 4) of the filter's state.
     work
         Working memory (3, 4, 4) of the filter and the smoother.
-    predicted, innovation, given
-        The predicted state (4, 2), the innovation of the position (2,), and the position that the
-        filter takes (2,), m.
-    force, X, e
-        One row per recent step: specific force in NED (rows, 2), filtered state (rows, 4, 2) and
-        the correction that it contains (rows, 4, 2).
+    predicted, given
+        The predicted position and the position that the filter takes, m, shape (1, 2) each.
+    force, steps, K
+        One row per recent step: specific force in NED (rows, 2), filtered state and innovations as
+        in `Memory.steps`, with the lanes x and y, and the gains (rows, 4, 2).
     C, Pm, Pf
         One row per recent step, shape (rows, 4, 4): the smoother's gain, and the covariances of the
         predicted and of the filtered state.
+    back, inputs, estimate
+        The smoother's correction, what the predictor's inputs add, and the smoothed and then
+        predicted state; one row each, as in `Memory`, the states with the fields of `steps`.
     smoothed, coupling, no_coupling
         Results of `estimation.windowing.covariances`, shapes (window + 1, 4, 4) and
         (window + 1, 4, 3), and a coupling of zero (4, 3).
@@ -191,11 +189,8 @@ class OnlineRegisters(NamedTuple):
     states, covariances
         The filter's position, velocity and bias at the nodes, shape (nodes, 3, 2), and their
         covariances (nodes, 3, 3).
-    running
-        What the specific force since the last node adds to position and velocity, shape (2, 2).
-    recent, held
-        Sum of the IMU samples since the last multiple of T_m, and the sample or average that the
-        MHE takes until the next multiple; shape (2,) each.
+    now
+        The MHE between two nodes, one row: the fields p, v, gathered and sample of `Memory.now`.
     prior
         Square root of the information about the oldest node (3, 3).
     node, nodes
@@ -206,19 +201,19 @@ class OnlineRegisters(NamedTuple):
     """
 
     counter: NDArray[np.int64]
-    x: Array
     P: Array
-    K: Array
     work: Array
     predicted: Array
-    innovation: Array
     given: Array
     force: Array
-    X: Array
-    e: Array
+    steps: Rows
+    K: Array
     C: Array
     Pm: Array
     Pf: Array
+    back: Rows
+    inputs: Rows
+    estimate: Rows
     smoothed: Array
     coupling: Array
     no_coupling: Array
@@ -229,9 +224,7 @@ class OnlineRegisters(NamedTuple):
     effects: Array
     states: Array
     covariances: Array
-    running: Array
-    recent: Array
-    held: Array
+    now: Rows
     prior: Array
     node: Array
     nodes: Array

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from owtsweep.compiled import njit
+from owtsweep.compiled import njit, part
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.kernels.online_layout import PICK, ROW, STEP
+from owtsweep.studies.hub.kernels.predicting import add_input, predict
+from owtsweep.studies.hub.kernels.smoothing import (
+    add_correction,
+    add_force,
+    add_position,
+    carry_back,
+)
 from owtsweep.studies.hub.kernels.window import put, take
 
 
@@ -50,36 +57,42 @@ def output(f, m, state, covariance):
     """
     row, k, window = m.counter[ROW], m.counter[STEP], f.window
     if not f.predicts:
-        for axis in range(2):
-            state[axis], state[2 + axis] = m.x[0, axis], m.x[1, axis]
+        write(m.steps[row], state)
         take(covariance, m.P, 0, 0)
         return
     if window > 0 and k > 0:
         smoother_gain(f.A, m.Pf[row - 1], m.Pm[row], m.work, m.C[row - 1])
-    A, B, N = f.input_A, f.input_B, f.input_next
+    x, S, sums = m.estimate[0], m.back[0], m.inputs[0]
+    clear(x)
+    if k >= window:  # until then the smoother's register is not full
+        clear(S)
+        for j in range(row, row - window, -1):
+            add_position(S, m.steps[j], m.K, j)
+            add_force(S, m.steps[j], m.K, j)
+            carry_back(S, m.C, j - 1)
+        add_correction(x, m.steps[row - window])
+        add_correction(x, S)
     for axis in range(2):
-        s0 = s1 = s2 = s3 = 0.0
-        if k >= window:
-            for j in range(row - 1, row - 1 - window, -1):
-                C = m.C[j]
-                y0, y1 = m.e[j + 1, 0, axis] + s0, m.e[j + 1, 1, axis] + s1
-                y2, y3 = m.e[j + 1, 2, axis] + s2, m.e[j + 1, 3, axis] + s3
-                s0 = C[0, 0] * y0 + C[0, 1] * y1 + C[0, 2] * y2 + C[0, 3] * y3
-                s1 = C[1, 0] * y0 + C[1, 1] * y1 + C[1, 2] * y2 + C[1, 3] * y3
-                s2 = C[2, 0] * y0 + C[2, 1] * y1 + C[2, 2] * y2 + C[2, 3] * y3
-                s3 = C[3, 0] * y0 + C[3, 1] * y1 + C[3, 2] * y2 + C[3, 3] * y3
-            X = m.X[row - window]
-            p, v, b = X[0, axis] + s0, X[1, axis] + s1, X[3, axis] + s3
-        else:
-            p = v = b = 0.0  # the smoother's register is not full yet
-        for j in range(row - f.delay - window, row):
-            u, after = m.force[j, axis], m.force[j + 1, axis]
-            p, v = (
-                p + A[0, 1] * v + A[0, 2] * b + B[0] * u + (A[0, 0] - 1.0) * p + N[0] * after,
-                v + A[1, 2] * b + B[1] * u + (A[1, 0] * p + (A[1, 1] - 1.0) * v) + N[1] * after,
-            )
-        state[axis], state[2 + axis] = p, v
+        sums.p[axis] = sums.v[axis] = 0.0
+    for j in range(row - f.predictor.steps, row):
+        add_input(sums, m.force[j], f.predictor.step, f.predictor.half, f.predictor.lean)
+    predict(x, sums, m.force, row, f.predictor)
+    write(x, state)
     output_covariance(f, m, covariance)
+
+
+@part
+def clear(x):
+    """Set a state to zero."""
+    for axis in range(2):
+        x.p[axis] = x.v[axis] = x.a[axis] = x.b[axis] = 0.0
+
+
+@part
+def write(x, state):
+    """Write a state's positions and velocities to `state` (4,)."""
+    for axis in range(2):
+        state[axis], state[2 + axis] = x.p[axis], x.v[axis]
 
 
 @njit
@@ -97,7 +110,7 @@ def output_covariance(f, m, covariance):
     if m.counter[STEP] >= window:
         begin = row - window
         rows = FilterRows(m.Pf[begin : row + 1], m.Pm[begin : row + 1], m.C[begin : row + 1])
-        covariances(rows, window, f.fast, f.response, smoothed, coupling)
+        covariances(rows, window, f.h, f.response, smoothed, coupling)
         P, cross = smoothed[window], coupling[window]
     else:
         P, cross = f.P0, m.no_coupling

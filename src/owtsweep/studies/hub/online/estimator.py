@@ -266,7 +266,7 @@ class OnlineEstimator(RecordEstimator):
         number, since = divmod(int(m.counter[STEP]), self._sensors.fix_interval)
         effects = m.effects[:n].reshape(n, 6)
         if since:
-            effects = np.vstack([effects, [*m.running[0], *m.running[1], 0.0, 0.0]])
+            effects = np.vstack([effects, [*m.now["p"][0], *m.now["v"][0], 0.0, 0.0]])
         filled = self._mhe.uses_filter(number)
         covariance = None
         if self._mhe.arrival:
@@ -286,5 +286,5 @@ class OnlineEstimator(RecordEstimator):
         last = nodes[:, -1].reshape(3, 2)
         if not since:
             m.node[:] = last
-        m.given[:] = last[0]
+        m.given[0] = last[0]
         self.solved += 1

@@ -9,9 +9,11 @@ from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.estimation.predictor import prediction_noise
+from owtsweep.studies.hub.chain import predictor_arrays
 from owtsweep.studies.hub.fix_rules import FIX_RULES, FixRule
 from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
-from owtsweep.studies.hub.kernels.layout import NO_LEAN
+from owtsweep.studies.hub.kernels.layout import NO_LEAN, STATE
+from owtsweep.studies.hub.kernels.layout import rows as new_rows
 from owtsweep.studies.hub.kernels.online_layout import (
     COUNTERS,
     PLAIN,
@@ -49,7 +51,6 @@ def filter_settings(
         How much the positions count that the filter gets.
     """
     steps = delay + window
-    linear = None if predict is None else predict.B_next
     ahead: Array = np.eye(3)
     response: Array = np.zeros((1, 3))
     added: Array = np.zeros((3, 3))
@@ -62,7 +63,7 @@ def filter_settings(
         B=axis.model.B[:, 0].copy(),
         Q=axis.model.Q,
         slow=POSITION,
-        fast=axis.force_row,
+        h=axis.force_row,
         r_slow=axis.position_variance,
         r_fast=axis.force_variance,
         rule=RULES.index(rule),
@@ -71,9 +72,7 @@ def filter_settings(
         delay=delay,
         window=window,
         predicts=predict is not None,
-        input_A=np.eye(3) if predict is None else np.ascontiguousarray(predict.A),
-        input_B=np.zeros(3) if predict is None else predict.B[:, 0].copy(),
-        input_next=np.zeros(3) if linear is None else linear[:, 0].copy(),
+        predictor=predictor_arrays(predict, steps, sensors.step),
         ahead=np.ascontiguousarray(ahead),
         response=np.ascontiguousarray(response),
         added=np.ascontiguousarray(added),
@@ -132,19 +131,19 @@ def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
     n = h.length
     return OnlineRegisters(
         counter=counter,
-        x=np.zeros((4, 2)),
         P=f.P0.copy(),
-        K=np.zeros((4, 2)),
         work=np.zeros((3, 4, 4)),
-        predicted=np.zeros((4, 2)),
-        innovation=np.zeros(2),
-        given=np.zeros(2),
+        predicted=np.zeros((1, 2)),
+        given=np.zeros((1, 2)),
         force=np.zeros((rows, 2)),
-        X=np.zeros((rows, 4, 2)),
-        e=np.zeros((rows, 4, 2)),
+        steps=new_rows(rows, 2, "r", "s", *STATE),
+        K=np.zeros((rows, 4, 2)),
         C=np.zeros((rows, 4, 4)),
         Pm=np.zeros((rows, 4, 4)),
         Pf=np.zeros((rows, 4, 4)),
+        back=new_rows(1, 2, "r", "s", *STATE),
+        inputs=new_rows(1, 2, "p", "v"),
+        estimate=new_rows(1, 2, "r", "s", *STATE),
         smoothed=np.zeros((f.window + 1, 4, 4)),
         coupling=np.zeros((f.window + 1, 4, 3)),
         no_coupling=np.zeros((4, 3)),
@@ -155,9 +154,7 @@ def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
         effects=np.zeros((n, 3, 2)),
         states=np.zeros((n + 1, 3, 2)),
         covariances=np.zeros((n + 1, 3, 3)),
-        running=np.zeros((2, 2)),
-        recent=np.zeros(2),
-        held=np.zeros(2),
+        now=new_rows(1, 2, "gathered", "sample", "p", "v"),
         prior=np.zeros((3, 3)),
         node=np.zeros((3, 2)),
         nodes=np.zeros((n + 2, 3, 2)),
