@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from owtsweep.compiled import njit
+from owtsweep.compiled import njit, part
 from owtsweep.estimation.riccati import MASK_ROWS, TwoRates, riccati_step
 from owtsweep.studies.hub.kernels.filtering import correct, predict_and_correct
 from owtsweep.studies.hub.kernels.fix_weights import distance, judge, weigh_anew
@@ -92,7 +92,7 @@ def advance(begin, resume, samples, f, h, m, estimates):
     return rows
 
 
-@njit
+@part
 def take_sample(force, f, m):
     """Turn the newest sample of specific force (2,) to NED; store the result in m.force.
 
@@ -114,7 +114,7 @@ def take_sample(force, f, m):
     m.counter[ROW] = row
 
 
-@njit
+@part
 def filter_step(fresh, f, m):
     """Run one step of the Kalman filter (Algorithm 6 of Ren et al. 2019), gain included.
 
@@ -147,7 +147,7 @@ def filter_step(fresh, f, m):
     return ss
 
 
-@njit
+@part
 def predicted_variance(f, m):
     """Return the variance of the predicted position along an axis, m^2; change nothing."""
     total = f.Q[0, 0]
@@ -219,7 +219,7 @@ def take_fix(fresh, fix, f, h, m):
         older_nodes(n, m.blocks, m.nodes)
 
 
-@njit
+@part
 def horizon_has_position(f, h, m):
     """Return whether the MHE has a position for the filter at this step.
 
@@ -232,7 +232,7 @@ def horizon_has_position(f, h, m):
     return since == 0 and m.have[m.counter[LINKS]]
 
 
-@njit
+@part
 def horizon_position(f, h, m):
     """Put the MHE's position, if there is one at this step, into m.given.
 
@@ -267,7 +267,7 @@ def horizon_position(f, h, m):
     return True
 
 
-@njit
+@part
 def after_filter(f, h, m):
     """Store the filter's state for the MHE, and integrate this step's specific force.
 
