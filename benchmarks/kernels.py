@@ -52,7 +52,7 @@ class Work:
 
         `peaks` are the results of `machine.Limits.now`.
         """
-        peak = max(peaks["multiply_add_Gflop_per_s"], peaks["fused_Gflop_per_s"])
+        peak = peaks["multiply_add_Gflop_per_s"]
         return self.bytes / peaks["triad_GB_per_s"], self.flops / peak
 
 
