@@ -75,6 +75,11 @@ class Axes(Generic[C]):
         section = getattr(config, self.section)
         return {axis: getattr(section, axis) for axis in self.names}
 
+    def get_grid(self, config: C) -> dict[str, Sequence[Any]]:
+        """Return axis -> its values, for the axes of a configuration's map."""
+        values = self.get_values(config)
+        return {axis: values[axis] or () for axis in self.find_axes(config)}
+
     def tell(self, cell: Mapping[str, float | None], axes: Sequence[str]) -> list[str]:
         """Return in words where a cell is along some axes; an axis without a value is left out."""
         return [

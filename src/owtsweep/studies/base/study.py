@@ -67,19 +67,7 @@ class ContestStudy(Study):
     ) -> Findings:
         """Compare runs over the same axes: how best scheme and errors change between them.
 
-        Parameters
-        ----------
-        comparison
-            The runs, and the pairs of runs to compare.
-        folder
-            The folder for the figures. The tables are returned, not written.
-        metadata
-            Texts by name to store inside the figures' files.
-
-        Raises
-        ------
-        InputError
-            If the runs cannot be compared.
+        Parameters and errors are those of `Study.compare`.
         """
         from functools import partial
 

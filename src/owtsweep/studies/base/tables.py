@@ -29,14 +29,14 @@ def make_tables(contest: Contest[C], config: C, rows: pd.DataFrame) -> dict[str,
 
 def make_cube(contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
     """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
-    axes = contest.find_axes(config)
-    for axis in axes:
-        rows = spread(rows, axis, getattr(config.grid, axis))
+    grid = contest.get_grid(config)
+    for axis, values in grid.items():
+        rows = spread(rows, axis, values)
     return Cube.of_rows(
         rows,
         schemes,
         contest.find_conditions(config),
-        {axis: getattr(config.grid, axis) for axis in axes},
+        grid,
         measures=contest.list_measures(rows["measure"][rows["status"] == OK].unique()),
     )
 
@@ -77,7 +77,7 @@ def describe_run(contest: Contest[C], run: Candidate) -> Aspects:
     config = run.config
     return Aspects(
         conditions=contest.find_conditions(config),
-        grid={axis: getattr(config.grid, axis) for axis in contest.find_axes(config)},
+        grid=contest.get_grid(config),
         schemes=list_competing(config, run.rows),
         criterion=config.criterion,
         window=WINDOW,

@@ -121,19 +121,7 @@ class HubStudy(HubKeys):
 
         The boundary is the amplitude at which HME1 and HME2 are equally good.
 
-        Parameters
-        ----------
-        comparison
-            The runs, and the pairs of runs to compare.
-        folder
-            The folder for the figures. The tables are returned, not written.
-        metadata
-            Texts by name to store inside the figures' files.
-
-        Raises
-        ------
-        InputError
-            If the runs cannot be compared.
+        Parameters and errors are those of `Study.compare`.
         """
         from owtsweep.comparing.compare import compare
         from owtsweep.studies.hub.comparing import describe_run

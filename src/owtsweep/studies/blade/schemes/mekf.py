@@ -117,24 +117,20 @@ class Smoother:
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
-        states, covariances, nis = Navigator(self.setting).filter(measured)
-        links = link_samples(self.setting, measured, states, covariances)
-        out = (np.empty_like(states), np.empty_like(covariances))
+        (states, covariances, nis), links, out = _filter_and_link(self.setting, measured)
         smooth_all(states, covariances, links, out)
         return report(self.setting, measured, Found(*out, nis), wait=len(nis) * measured.step)
 
 
 @dataclass(frozen=True)
 class FixedLag:
-    """The smoother, made ready for a setting."""
+    """The smoother with a fixed lag, made ready for a setting."""
 
     setting: Setting
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
-        states, covariances, nis = Navigator(self.setting).filter(measured)
-        links = link_samples(self.setting, measured, states, covariances)
-        out = (np.empty_like(states), np.empty_like(covariances))
+        (states, covariances, nis), links, out = _filter_and_link(self.setting, measured)
         lag = round(self.setting.tuning.lag / measured.step)
         smooth_lag(states, covariances, links, measured.due, lag, out)
         between = np.diff(np.flatnonzero(measured.due)).max(initial=1) - 1
@@ -143,16 +139,21 @@ class FixedLag:
         )
 
 
-def link_samples(
-    setting: Setting, measured: Measured, states: Array, covariances: Array
-) -> tuple[Array, Array, Array]:
-    """Return how samples follow from later ones, as of `inertial_smoother.link`."""
+def _filter_and_link(
+    setting: Setting, measured: Measured
+) -> tuple[Found, tuple[Array, Array, Array], tuple[Array, Array]]:
+    """Filter a record; return it with how samples follow from later ones, and room for the result.
+
+    How they follow is as of `inertial_smoother.link`.
+    """
+    found = Navigator(setting).filter(measured)
+    states, covariances, _ = found
     links = (np.empty_like(states), np.empty_like(covariances), np.empty_like(covariances))
     link(
         states, covariances, measured.specific_force, measured.rate, measured.step,
         find_noise(setting), links,
     )  # fmt: skip
-    return links
+    return found, links, (np.empty_like(states), np.empty_like(covariances))
 
 
 @dataclass(frozen=True)
