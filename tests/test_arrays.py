@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from owtsweep.arrays import LINE, aligned
-from owtsweep.studies.hub.kernels.layout import rows
+from owtsweep.arrays import LINE, aligned, make_rows
 
 
 @pytest.mark.parametrize("shape", [(1, 8), (7, 8), (3, 11, 8), (5,)])
@@ -20,7 +19,7 @@ def test_aligned_arrays_are_zero_and_plain(shape):
 
 
 def test_the_rows_of_kernels_are_aligned_and_plain():
-    made = rows(3, 24, "p", "v")
+    made = make_rows(3, 24, "p", "v")
     assert made.shape == (3,)
     assert made.flags.c_contiguous
     assert made["v"].shape == (3, 24)

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 #: `np.floating` rather than `np.float64`, because NumPy's functions are annotated with it.
 Array = NDArray[np.floating[Any]]
+#: An array of records, each with some numbers side by side, the lanes, in every field. Compiled
+#: kernels know how many lanes there are and that fields do not overlap, so LLVM makes vectors.
+Rows = NDArray[np.void]
 
 #: Bytes of a cache line.
 LINE = 64
@@ -26,3 +29,17 @@ def aligned(*shape: int) -> Array:
     raw = np.zeros(size + LINE, dtype=np.uint8)
     skipped = -raw.ctypes.data % LINE
     return raw[skipped : skipped + size].view(np.float64).reshape(shape)
+
+
+def make_rows(count: int, lanes: int, *fields: str) -> Rows:
+    """Make rows, all zero, with `lanes` numbers in each of the named fields.
+
+    Two kinds of rows should not begin with the same fields: numba would take one for the other.
+    """
+    return make_mixed_rows([(field, lanes) for field in fields], count)
+
+
+def make_mixed_rows(fields: list[tuple[str, int]], count: int) -> Rows:
+    """Make rows, all zero, whose fields are named with their numbers of lanes."""
+    kind: Any = np.dtype([(name, np.float64, (lanes,)) for name, lanes in fields])
+    return np.asarray(aligned(count, kind.itemsize // 8).view(kind)[:, 0])

@@ -9,15 +9,10 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, solve_continuous_lyapunov
 
 from owtsweep.errors import InputError
-from owtsweep.estimation import late_gains
+from owtsweep.estimation import late
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
-from owtsweep.estimation.late_errors import find_motion_errors, find_noise_errors
-from owtsweep.estimation.late_gains import (
-    LateGains,
-    LateModel,
-    find_first_covariance,
-    schedule_late,
-)
+from owtsweep.estimation.late import LateGains, LateModel, LateRows, find_first_covariance
+from owtsweep.studies.hub.expected.spectral import find_motion_errors, find_noise_errors
 
 Array = NDArray[np.float64]
 
@@ -40,11 +35,15 @@ def make(interval: int, delay: int, walk: float = 1e-3) -> LateModel:
     )  # fmt: skip
 
 
-def tune(model: LateModel, steps: int) -> LateGains:
-    return schedule_late(model, find_first_covariance(model, STATIONARY, BIAS), OUTPUTS, steps)
+def start(model: LateModel) -> LateGains:
+    return LateGains(model, find_first_covariance(model, STATIONARY, BIAS), OUTPUTS)
 
 
-def run(model: LateModel, gains: LateGains, fast: Array, slow: Array) -> Array:
+def tune(model: LateModel, steps: int) -> LateRows:
+    return start(model).find(steps)
+
+
+def run(model: LateModel, gains: LateRows, fast: Array, slow: Array) -> Array:
     """Outputs (steps, 2, series) for fast (steps, series) and slow (fixes, series).
 
     Past outputs stand in a table by their step, not in a state that is moved on.
@@ -54,7 +53,8 @@ def run(model: LateModel, gains: LateGains, fast: Array, slow: Array) -> Array:
     past = {k: np.zeros(series) for k in range(-model.delay, 0)}
     A, result = block_diag(*model.A), []
     for k, u in enumerate(fast):
-        at = k if k < gains.rows else gains.rows - M + (k - gains.rows) % M
+        count = len(gains.fast)
+        at = k if k < count else count - M + (k - count) % M
         waited = [j for j in sorted(past, reverse=True) if (j + model.delay) % M == 0]
         x = A @ x
         for is_slow in (False, True)[: 2 if k % M == 0 else 1]:
@@ -99,18 +99,19 @@ def test_an_estimate_is_the_least_squares_of_all_measurements(interval: int, del
     expected = OUTPUTS @ dense.mean[-1, :4]
     np.testing.assert_allclose(estimated, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
     covariance = OUTPUTS @ dense.covariance[-1, :4, -1, :4] @ OUTPUTS.T
-    np.testing.assert_allclose(gains.covariance[steps - 1], covariance, rtol=1e-8)
+    np.testing.assert_allclose(gains.outputs[steps - 1], covariance, rtol=1e-8)
 
 
 @pytest.mark.parametrize(("interval", "delay"), PATTERNS)
 def test_gains_repeat_once_they_have_settled(interval: int, delay: int) -> None:
     model = make(interval, delay)
-    gains, longer = tune(model, 10**5), tune(model, 400)
+    gains = start(model)
+    rows = gains.find(10**5)
     assert gains.repeats
-    assert gains.rows % interval == 0
-    np.testing.assert_allclose(gains.fast[: min(400, gains.rows)], longer.fast[: gains.rows])
+    assert len(rows.fast) < 10**5
+    assert len(rows.fast) % interval == 0
     np.testing.assert_allclose(
-        gains.covariance[-interval:], gains.covariance[-2 * interval : -interval], rtol=1e-9
+        rows.outputs[-interval:], rows.outputs[-2 * interval : -interval], rtol=1e-9
     )
 
 
@@ -119,12 +120,22 @@ def test_gains_are_those_of_one_attempt_if_it_takes_several(
 ) -> None:
     model = make(4, 10)
     whole = tune(model, 10**5)
-    monkeypatch.setattr(late_gains, "FIRST_STEPS", 21)
+    monkeypatch.setattr(late, "CHUNK", 21)
     pieces = tune(model, 10**5)
-    assert whole.rows == pieces.rows > 42
-    np.testing.assert_array_equal(pieces.fast, whole.fast)
-    np.testing.assert_array_equal(pieces.slow, whole.slow)
-    np.testing.assert_array_equal(pieces.covariance, whole.covariance)
+    assert len(whole.fast) > 42
+    for piece, array in zip(pieces, whole, strict=True):
+        np.testing.assert_array_equal(piece, array)
+
+
+@pytest.mark.parametrize(("interval", "delay"), PATTERNS)
+def test_the_covariance_at_a_step_is_that_of_the_gains_there(interval: int, delay: int) -> None:
+    gains = start(make(interval, delay))
+    arrived = np.ones(1, dtype=bool)
+    for step in (0, 4 * interval, 10**4 * interval):
+        rows = gains.find(step + interval)
+        at = step if step < len(rows.fast) else len(rows.fast) - interval
+        again = gains.compute_with_losses(step, interval, arrived, gains.find_covariance(step))
+        np.testing.assert_allclose(again.fast, rows.fast[at : at + interval], rtol=1e-9)
 
 
 @pytest.mark.parametrize(("interval", "delay"), PATTERNS)
@@ -156,11 +167,9 @@ def test_errors_from_noise_are_the_sum_of_all_single_errors(interval: int, delay
     inputs[:, steps : 2 * steps] = np.tril(np.ones((steps, steps)))
     slow = np.zeros((fixes, 2 * steps + fixes))
     slow[:, 2 * steps :] = np.eye(fixes)
-    settled = LateGains(
-        fast=gains.fast[-interval:], slow=gains.slow[-1:],
-        innovation_variance=gains.innovation_variance[-1:],
-        covariance=gains.covariance[-interval:], cycle=interval, repeats=True,
-    )  # fmt: skip
+    settled = LateRows(
+        gains.fast[-interval:], gains.slow[-1:], gains.variance[-1:], gains.outputs[-interval:]
+    )
     error = run(model, settled, inputs, slow)[-interval:]
     white, walked, late = np.split(np.mean(error**2, axis=0), [steps, 2 * steps], axis=1)
     noise = (0.05, 0.02, 0.03)

@@ -1,20 +1,317 @@
-"""The compiled covariance recursion of a filter whose slow measurement reports a past output.
+"""A motion with a known spectrum, seen by a fast sensor and by a slow one that reports the past.
 
-The model is one axis of a motion that a shaping filter makes of white noise, seen by a fast sensor
-at every step and by a slow sensor every `interval` steps. The slow measurement reports the output
-of `delay` steps before its arrival. So the state keeps a copy of each output whose report is still
-to come: a copy is correlated with the state like the output itself, and the late measurement is
-applied to the copy exactly. The method is stochastic cloning (Roumeliotis and Burdick 2002).
+The model is one axis of a motion that a shaping filter makes of white noise. A fast sensor with a
+bias measures it at every step, a slow sensor every `interval` steps. The slow measurement reports
+the output of `delay` steps before its arrival. So the state keeps a copy of each output whose
+report is still to come. A copy is correlated with the state as the output itself was, and the late
+measurement is applied to the copy exactly: stochastic cloning (Roumeliotis and Burdick 2002).
 
-The state of N numbers is: the n states of the shaping filter, the bias of the fast sensor, and the
-copies, the newest first.
+The state has N numbers: the n states of the shaping filter, the bias of the fast sensor, and the
+copies, the newest first. In each step the state is predicted, the fast measurement is applied, then
+the slow one if there is one, and then the output is copied if it will be reported.
+
+The gains depend on the model, on the variances of noise and on which slow measurements arrived, not
+on measured values. So they are computed first (`LateGains`), and one kernel, `follow`, runs the
+filter on them: on one series, or on several side by side. If all slow measurements arrive, the
+gains are periodic after a transient: the period is the time from one slow measurement to the next.
 """
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from owtsweep.compiled import njit
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array, Rows, make_rows
+from owtsweep.compiled import njit, part
+from owtsweep.errors import require
+from owtsweep.estimation.windowing import schedule_row
+
+#: Largest scaled change of the covariance over an interval that still counts as settled.
+TOLERANCE = 1e-12
+#: Least number of steps whose gains are computed at a time: few enough (some ms) for an estimator
+#: on board.
+CHUNK = 8192
+
+
+class LateModel(NamedTuple):
+    """A model in discrete time with a fast measurement and a slow measurement that comes late.
+
+    Attributes
+    ----------
+    A
+        Transition matrix of the shaping filter as blocks along its diagonal, shape (n / 2, 2, 2).
+    Q
+        Covariance of the shaping filter's process noise, shape (n, n).
+    walk
+        Variance that the bias of the fast sensor gains in a step.
+    fast, slow
+        Rows (n,): the fast measurement without bias and noise, and the output that the slow
+        measurement reports.
+    r_fast, r_slow
+        Variances of the noise of the two measurements.
+    interval, delay
+        Steps from one slow measurement to the next, and age of the output that it reports, in
+        steps. Slow measurements come at steps 0, interval, 2 interval, ...
+    copies
+        Number of copies in the state: delay / interval, rounded up.
+    """
+
+    A: Array
+    Q: Array
+    walk: float
+    fast: Array
+    slow: Array
+    r_fast: float
+    r_slow: float
+    interval: int
+    delay: int
+    copies: int
+
+
+class LateRows(NamedTuple):
+    """The gains and covariances of successive steps.
+
+    Attributes
+    ----------
+    fast
+        Gains of the fast measurement, shape (rows, N), one row per step.
+    slow
+        Gains of the slow measurement, shape (fixes, N), one row per step at which one is due; 0 if
+        it has not arrived.
+    variance
+        Variance of the slow measurement's innovation, shape (fixes,); NaN if it has not arrived.
+    outputs
+        Covariance of the c chosen outputs after the measurements of a step, shape (rows, c, c).
+    """
+
+    fast: Array
+    slow: Array
+    variance: Array
+    outputs: Array
+
+
+def transition(model: LateModel) -> Array:
+    """Return the transition matrix (N, N) of a state over a step, without a new copy."""
+    n = len(model.Q)
+    F = np.eye(n + 1 + model.copies)
+    for i, block in enumerate(model.A):
+        F[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = block
+    return F
+
+
+def copying(model: LateModel) -> Array:
+    """Return the matrix (N, N) that makes the present output the newest copy of a state.
+
+    The matrix moves the other copies on by one place and drops the oldest. It is the identity if
+    the model has no copies.
+    """
+    n = len(model.Q)
+    N = n + 1 + model.copies
+    C = np.eye(N)
+    if model.copies:
+        C[n + 1 :] = 0.0
+        C[n + 1, :n] = model.slow
+        C[range(n + 2, N), range(n + 1, N - 1)] = 1.0
+    return C
+
+
+def measurement_rows(model: LateModel) -> tuple[Array, Array]:
+    """Return what the fast and the slow measurement see of a state, shape (N,) each."""
+    n = len(model.Q)
+    fast, slow = np.zeros((2, n + 1 + model.copies))
+    fast[:n], fast[n] = model.fast, 1.0
+    if model.copies:
+        slow[-1] = 1.0
+    else:
+        slow[:n] = model.slow
+    return fast, slow
+
+
+def find_first_covariance(model: LateModel, stationary: Array, bias_variance: float) -> Array:
+    """Compute the covariance (N, N) of the state one step before step 0.
+
+    Nothing is measured before step 0. But the first slow measurements report outputs of before step
+    0, so the state already has their copies. `stationary` (n, n) is the covariance of the shaping
+    filter's states; `bias_variance` is the variance of the bias one step before step 0.
+    """
+    n = len(model.Q)
+    N = n + 1 + model.copies
+    P = np.zeros((N, N))
+    P[:n, :n] = stationary
+    P[n, n] = bias_variance
+    predict, copy = transition(model), copying(model)
+    Q = np.zeros((N, N))
+    Q[:n, :n] = model.Q
+    for step in range(-model.delay, 0):
+        if step > -model.delay:
+            P = predict @ P @ predict.T + Q
+        if (step + model.delay) % model.interval == 0:
+            P = copy @ P @ copy.T
+    return 0.5 * (P + P.T)
+
+
+class LateGains:
+    """The gains of a filter for steps 0, 1, ... if every slow measurement arrives.
+
+    They are computed when they are first asked for, until they repeat.
+
+    Parameters
+    ----------
+    model
+        The model, with a state of N numbers, n of them states of the shaping filter.
+    first
+        Covariance (N, N) of the state one step before step 0.
+    outputs
+        Rows (c, n) of the outputs whose covariances are wanted.
+    """
+
+    def __init__(self, model: LateModel, first: Array, outputs: Array) -> None:
+        self.model, self.first = model, first
+        self._outputs = np.ascontiguousarray(outputs)
+        self._rows = self._make_rows(0)
+        self._covariance, self._before = first.copy(), np.full_like(first, np.nan)
+        #: Whether the last interval's rows repeat for ever; otherwise the covariance still moves.
+        self.repeats = False
+
+    def find(self, steps: int) -> LateRows:
+        """Return the gains of at least the first `steps` steps, or of fewer if they repeat.
+
+        The number of rows is a multiple of the interval between slow measurements.
+
+        Raises
+        ------
+        InputError
+            If a variance of an output becomes negative or not finite, because the numbers of the
+            model differ too much in magnitude.
+        """
+        while len(self._rows.fast) < steps and not self.repeats:
+            filled = len(self._rows.fast)
+            # as many again, so that long records need few attempts
+            count = max(CHUNK, min(filled, steps - filled))
+            more, self.repeats = self._compute(
+                filled, -(-count // self.model.interval), self._covariance, self._before, TOLERANCE
+            )
+            self._rows = LateRows(*map(np.concatenate, zip(self._rows, more, strict=True)))
+        return self._rows
+
+    def find_covariance(self, step: int) -> Array:
+        """Compute the covariance (N, N) of the state before a step, a multiple of the interval."""
+        if self.repeats and step >= len(self._rows.fast):
+            return self._covariance.copy()
+        P, never, done = self.first.copy(), np.full_like(self.first, np.nan), 0
+        while done < step:
+            fixes = min(-(-CHUNK // self.model.interval), (step - done) // self.model.interval)
+            rows, _ = self._compute(done, fixes, P, never, 0.0)
+            done += len(rows.fast)
+        return P
+
+    def compute_with_losses(
+        self, first: int, steps: int, arrived: NDArray[np.bool_], P: Array
+    ) -> LateRows:
+        """Compute the gains of some steps from `first` on, at which slow measurements may miss.
+
+        Parameters
+        ----------
+        arrived
+            Whether each slow measurement that is due at these steps has arrived, shape (fixes,).
+        P
+            Covariance (N, N) before step `first`; overwritten by that before the next step.
+        """
+        rows = self._make_rows(steps, len(arrived))
+        never = np.full_like(P, np.nan)
+        fill_rows(first, self.model, P, self._outputs, arrived, 0.0, never, rows)
+        return rows
+
+    def _compute(
+        self, first: int, fixes: int, P: Array, before: Array, tolerance: float
+    ) -> tuple[LateRows, bool]:
+        """Compute the gains of some intervals; P and `before` are overwritten."""
+        rows = self._make_rows(fixes * self.model.interval, fixes)
+        arrived = np.ones(fixes, dtype=bool)
+        filled, repeats = fill_rows(
+            first, self.model, P, self._outputs, arrived, tolerance, before, rows
+        )
+        fixes = filled // self.model.interval
+        rows = LateRows(
+            rows.fast[:filled], rows.slow[:fixes], rows.variance[:fixes], rows.outputs[:filled]
+        )
+        variances = np.diagonal(rows.outputs, axis1=1, axis2=2)
+        require(
+            bool(np.all(np.isfinite(variances) & (variances > 0.0))),
+            "skf: the filter's covariance is negative or infinite, because the variances of "
+            "motion, sensors and bias differ too much in magnitude; use less extreme values",
+        )
+        return rows, repeats
+
+    def _make_rows(self, steps: int, fixes: int = 0) -> LateRows:
+        N, c = len(self.first), len(self._outputs)
+        shapes = (steps, N), (fixes, N), (fixes,), (steps, c, c)
+        return LateRows(*(np.empty(shape) for shape in shapes))
+
+
+@njit
+def fill_rows(first, model, P, outputs, arrived, tolerance, before, filled):
+    """Compute gains and covariances step by step, until they repeat.
+
+    They repeat if no element of the covariance differs from the one `interval` steps earlier by
+    more than `tolerance`. Elements (i, j) are divided by the root of the product of the diagonal
+    elements i and j.
+
+    Parameters
+    ----------
+    first
+        The step of the first row.
+    model
+        The model, a `LateModel` with a state of N numbers.
+    P
+        Covariance of the state one step before `first`, shape (N, N); overwritten.
+    outputs
+        Rows (c, n) of the outputs whose covariances are wanted.
+    arrived
+        Whether each slow measurement that is due has arrived, shape (fixes,).
+    tolerance
+        Largest scaled difference that counts as none.
+    before
+        Covariance one interval before P, shape (N, N); overwritten. NaN if there is none.
+    filled
+        The `LateRows` to fill.
+
+    Returns
+    -------
+    int, bool
+        The number of filled rows, and whether the last `interval` rows repeat.
+    """
+    n, N, interval, steps = len(model.Q), len(P), model.interval, len(filled.fast)
+    work, q = np.empty(n), 0
+    for i in range(steps):
+        k = first + i
+        predict_covariance(model, P)
+        apply_fast(model, P, filled.fast[i])
+        if k % interval == 0:
+            if arrived[q]:
+                filled.variance[q] = apply_slow(model, P, filled.slow[q])
+            else:
+                filled.variance[q] = np.nan
+                filled.slow[q] = 0.0
+            q += 1
+        write_outputs(P, outputs, work, filled.outputs[i])
+        if is_copied(model, k):
+            copy_covariance(model, P)
+        if (k + 1) % interval == 0:
+            symmetrise(P)
+            moved = False
+            for a in range(N):
+                for b in range(N):
+                    scale = np.sqrt(P[a, a] * P[b, b])
+                    # so that NaN counts as a difference
+                    if not abs(P[a, b] - before[a, b]) <= tolerance * scale:
+                        moved = True
+                    before[a, b] = P[a, b]
+            if not moved:
+                return i + 1, True
+    return steps, False
 
 
 @njit
@@ -45,13 +342,42 @@ def predict_covariance(model, P):
 
 
 @njit
-def symmetrise(P):
-    """Replace a covariance P (N, N) by the mean of it and its transpose."""
-    for i in range(len(P)):
-        for j in range(i):
-            mean = 0.5 * (P[i, j] + P[j, i])
-            P[i, j] = mean
-            P[j, i] = mean
+def apply_fast(model, P, gain):
+    """Correct the covariance P (N, N) by the fast measurement; write its gain to `gain` (N,)."""
+    n, N, row = len(model.Q), len(P), model.fast
+    for i in range(N):
+        total = P[i, n]
+        for j in range(n):
+            total += P[i, j] * row[j]
+        gain[i] = total
+    variance = model.r_fast + gain[n]
+    for i in range(n):
+        variance += row[i] * gain[i]
+    correct_covariance(P, gain, variance)
+
+
+@njit
+def apply_slow(model, P, gain):
+    """Correct the covariance P (N, N) by a slow measurement; write its gain to `gain` (N,).
+
+    Return the variance of the measurement's innovation.
+    """
+    n, N, row = len(model.Q), len(P), model.slow
+    if model.copies > 0:
+        for i in range(N):
+            gain[i] = P[i, N - 1]
+        variance = model.r_slow + gain[N - 1]
+    else:
+        for i in range(N):
+            total = 0.0
+            for j in range(n):
+                total += P[i, j] * row[j]
+            gain[i] = total
+        variance = model.r_slow
+        for i in range(n):
+            variance += row[i] * gain[i]
+    correct_covariance(P, gain, variance)
+    return variance
 
 
 @njit
@@ -100,45 +426,6 @@ def write_outputs(P, outputs, work, result):
 
 
 @njit
-def apply_fast(model, P, gain):
-    """Correct the covariance P (N, N) by the fast measurement; write its gain to `gain` (N,)."""
-    n, N, row = len(model.Q), len(P), model.fast
-    for i in range(N):
-        total = P[i, n]
-        for j in range(n):
-            total += P[i, j] * row[j]
-        gain[i] = total
-    variance = model.r_fast + gain[n]
-    for i in range(n):
-        variance += row[i] * gain[i]
-    correct_covariance(P, gain, variance)
-
-
-@njit
-def apply_slow(model, P, gain):
-    """Correct the covariance P (N, N) by a slow measurement; write its gain to `gain` (N,).
-
-    Return the variance of the measurement's innovation.
-    """
-    n, N, row = len(model.Q), len(P), model.slow
-    if model.copies > 0:
-        for i in range(N):
-            gain[i] = P[i, N - 1]
-        variance = model.r_slow + gain[N - 1]
-    else:
-        for i in range(N):
-            total = 0.0
-            for j in range(n):
-                total += P[i, j] * row[j]
-            gain[i] = total
-        variance = model.r_slow
-        for i in range(n):
-            variance += row[i] * gain[i]
-    correct_covariance(P, gain, variance)
-    return variance
-
-
-@njit
 def is_copied(model, step):
     """Return whether a slow measurement will report the output of this step."""
     return model.copies > 0 and (step + model.delay) % model.interval == 0
@@ -170,56 +457,167 @@ def copy_covariance(model, P):
 
 
 @njit
-def late_recursion(first, stop, model, P, outputs, tolerance, before, filled):
-    """Compute gains and covariances step by step, until they repeat.
+def symmetrise(P):
+    """Replace a covariance P (N, N) by the mean of it and its transpose."""
+    for i in range(len(P)):
+        for j in range(i):
+            mean = 0.5 * (P[i, j] + P[j, i])
+            P[i, j] = mean
+            P[j, i] = mean
 
-    They repeat if no element of the covariance differs from the one `interval` steps earlier by
-    more than `tolerance`. Elements (i, j) are divided by the root of the product of the diagonal
-    elements i and j.
+
+class LateState(NamedTuple):
+    """The state of filters that run side by side, one lane each.
+
+    Attributes
+    ----------
+    x
+        N rows with the field x, one number per lane.
+    step
+        One row for the step that is being computed: r and odd, two sums that make the innovation;
+        p and v, the outputs.
+    """
+
+    x: Rows
+    step: Rows
+
+
+def start_lanes(states: int, lanes: int) -> LateState:
+    """Make the state, all zero, of filters with `states` numbers that run side by side."""
+    return LateState(make_rows(states, lanes, "x"), make_rows(1, lanes, "odd", "r", "p", "v"))
+
+
+class LateEstimates(NamedTuple):
+    """What filters that run side by side make of the measurements of some steps.
+
+    Attributes
+    ----------
+    outputs, covariance
+        The two outputs, shape (steps, 2, lanes), and the covariance of each lane's, (steps, 2, 2).
+    innovation, variance
+        Innovations of the slow measurements that are due, shape (fixes, lanes), and their variance,
+        shape (fixes,); the variance is NaN where none has arrived.
+    """
+
+    outputs: Array
+    covariance: Array
+    innovation: Array
+    variance: Array
+
+
+def prepare_estimates(steps: int, fixes: int, lanes: int) -> LateEstimates:
+    """Make the arrays for estimates of some steps, at which some slow measurements are due."""
+    return LateEstimates(
+        np.empty((steps, 2, lanes)), np.empty((steps, 2, 2)), np.full((fixes, lanes), np.nan),
+        np.empty(fixes),
+    )  # fmt: skip
+
+
+@njit
+def follow(first, base, force, fixes, column, model, outputs, rows, state, filled):
+    """Run the filter on some lanes, with gains that are computed before.
 
     Parameters
     ----------
-    first, stop
-        The first step to compute, and the step before which to stop in any case; multiples of the
-        interval between slow measurements.
-    model
-        The model, a `LateModel` with a state of N numbers.
-    P
-        Covariance of the state one step before `first`, shape (N, N); overwritten.
-    outputs
-        Rows (c, n) of the outputs whose covariances are wanted.
-    tolerance
-        Largest scaled difference that counts as none.
-    before
-        Covariance one interval before P, shape (N, N); overwritten. NaN if there is none.
+    first
+        Number of the first step.
+    base
+        The step whose gains stand in the first row. After the last row, the rows of the last
+        interval repeat.
+    force, fixes
+        Fast measurements, one row per step, and slow ones, one row for each that is due; those of
+        the first lane are in column `column`, those of the others beside it.
+    model, outputs, rows, state
+        The `LateModel`, the rows (2, n) of its two outputs, `LateRows` and `LateState`.
     filled
-        The arrays to fill, a `LateRows`.
-
-    Returns
-    -------
-    int, bool
-        The number of filled rows, and whether the last `interval` rows repeat.
+        The `LateEstimates` to fill.
     """
-    n, N, interval = len(model.Q), len(P), model.interval
-    work = np.empty(n)
-    for k in range(first, stop):
-        predict_covariance(model, P)
-        apply_fast(model, P, filled.fast[k])
-        if k % interval == 0:
-            filled.S[k // interval] = apply_slow(model, P, filled.slow[k // interval])
-        write_outputs(P, outputs, work, filled.outputs[k])
-        if is_copied(model, k):
-            copy_covariance(model, P)
-        if (k + 1) % interval == 0:
-            symmetrise(P)
-            moved = 0.0
-            for i in range(N):
-                for j in range(N):
-                    scale = np.sqrt(P[i, i] * P[j, j])
-                    # so that NaN counts as a difference
-                    if not abs(P[i, j] - before[i, j]) <= tolerance * scale:
-                        moved = 1.0
-                    before[i, j] = P[i, j]
-            if moved == 0.0:
-                return k + 1, True
-    return stop, False
+    A, h, C, copies, interval = model.A, model.fast, outputs, model.copies, model.interval
+    fast, slow, variance, covariance = rows.fast, rows.slow, rows.variance, rows.outputs
+    X, t = state.x, state.step[0]
+    n, N, count, last = len(h), len(X), len(fast), len(slow) - 1
+    since, to_copy = first % interval, (interval - (first + model.delay) % interval) % interval
+    row = schedule_row(first - base, count, interval)
+    number, q = min((row + interval - 1) // interval, last), 0
+    for k in range(len(force)):
+        clear(t)
+        for i in range(n // 2):
+            predict_pair(X[2 * i], X[2 * i + 1], A, i, h, t)
+        add_term(t.r, X[n], 1.0)
+        subtract_from(t, force, k, column)
+        for i in range(N):
+            correct(X[i], t, fast[row, i])
+        if since == 0:
+            filled.variance[q] = variance[number]
+            if not np.isnan(variance[number]):  # it has arrived
+                clear(t)
+                if copies > 0:
+                    add_term(t.r, X[N - 1], 1.0)
+                else:
+                    for i in range(n):
+                        add_term(t.r, X[i], C[0, i])
+                subtract_from(t, fixes, q, column)
+                for i in range(N):
+                    correct(X[i], t, slow[number, i])
+                for j in range(len(t.r)):
+                    filled.innovation[q, j] = t.r[j]
+            number, q = min(number + 1, last), q + 1
+        for i in range(n):
+            add_term(t.p, X[i], C[0, i])
+            add_term(t.v, X[i], C[1, i])
+        for j in range(len(t.p)):
+            filled.outputs[k, 0, j], filled.outputs[k, 1, j] = t.p[j], t.v[j]
+        for i in range(2):
+            for j in range(2):
+                filled.covariance[k, i, j] = covariance[row, i, j]
+        if to_copy == 0:
+            for i in range(N - 1, n + 1, -1):
+                X[i] = X[i - 1]
+            if copies > 0:
+                for j in range(len(t.p)):
+                    X[n + 1].x[j] = t.p[j]
+            to_copy = interval
+        to_copy -= 1
+        since = since + 1 if since + 1 < interval else 0
+        row = row + 1 if row + 1 < count else count - interval
+
+
+@part
+def clear(t):
+    """Set a step's sums to zero."""
+    for j in range(len(t.r)):
+        t.r[j] = t.odd[j] = t.p[j] = t.v[j] = 0.0
+
+
+@part
+def predict_pair(one, two, A, i, h, t):
+    """Move two states on by block i of A; add what they make of the fast measurement."""
+    a00, a01, a10, a11 = A[i, 0, 0], A[i, 0, 1], A[i, 1, 0], A[i, 1, 1]
+    h0, h1 = h[2 * i], h[2 * i + 1]
+    for j in range(len(t.r)):
+        first = a00 * one.x[j] + a01 * two.x[j]
+        second = a10 * one.x[j] + a11 * two.x[j]
+        one.x[j], two.x[j] = first, second
+        t.r[j] += h0 * first
+        t.odd[j] += h1 * second
+
+
+@part
+def add_term(total, x, c):
+    """Add a state times c to a sum."""
+    for j in range(len(total)):
+        total[j] += c * x.x[j]
+
+
+@part
+def subtract_from(t, measured, at, column):
+    """Make the innovation: r = z - (r + odd), where z stands in row `at` of the measurements."""
+    for j in range(len(t.r)):
+        t.r[j] = measured[at, column + j] - (t.r[j] + t.odd[j])
+
+
+@part
+def correct(x, t, gain):
+    """Correct a state by its gain times the innovation: x = x + K r."""
+    for j in range(len(t.r)):
+        x.x[j] += gain * t.r[j]

@@ -1,23 +1,31 @@
-"""Makes the models and gains of SKF along x and y from what is known of the motion.
+"""Makes the models of SKF: a motion along one axis, of known spectrum and variance.
 
-The shaping filters that are fitted to a spectrum are kept in memory.
+The shaping filters that are fitted to a spectrum are kept in memory and in the cache folder.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from hashlib import blake2b
 from threading import local
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.discretisation import Model, discretise
 from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
 from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
-from owtsweep.studies.hub.spectral_axis import SpectralAxis, TunedAxis, make_axis, tune_axis
 
+if TYPE_CHECKING:
+    from owtsweep.estimation.late import LateGains, LateModel
+
+#: Longest transient that is stored, in steps (2621 s at 100 Hz); then the last rows are repeated.
+LONGEST_TRANSIENT = 2**18
 #: Least share of an axis in the variance of the motion. An axis without any motion would have a
 #: covariance of zero, which cannot be inverted; so little is far below the error of an estimate.
 LEAST_SHARE = 1e-6
@@ -27,14 +35,86 @@ LEAST_SHARE = 1e-6
 FLOOR = 0.1
 
 
-class _Last(local):
-    """What a thread tuned last, which it often needs again: the gains take some 0.4 s.
+@dataclass(frozen=True, eq=False)
+class SpectralAxis:
+    """The model of SKF along one axis.
 
-    More is not kept, because the gains along x and y take 80 MB for records of 2000 s.
+    Attributes
+    ----------
+    model
+        The model in discrete time. Its fast measurement is the specific force, its slow one a fix.
+    first
+        Covariance (N, N) of the state one step before step 0.
+    outputs
+        Rows (2, n) of position and velocity.
+    """
+
+    model: LateModel
+    first: Array
+    outputs: Array
+
+    @cached_property
+    def gains(self) -> LateGains:
+        """The filter's gains; they take some 80 MB for records of 2000 s if they do not settle."""
+        from owtsweep.estimation.late import LateGains
+
+        return LateGains(self.model, self.first, self.outputs)
+
+
+def make_axis(
+    shaping: ShapingFilter, variance: float, tuning: Skf, sensors: Sensors
+) -> SpectralAxis:
+    """Make the model of one axis from the spectrum, as a shaping filter, and the variance.
+
+    The specific force along the axis is f = a - g tilt p + b + noise, with acceleration a, position
+    p and bias b, which includes gravity; see `Sensors.lean`. The IMU's white noise and the noise of
+    fixes have the sensors' own variances.
+
+    Parameters
+    ----------
+    shaping
+        The spectrum, of n states, for motion with a variance of 1 m^2.
+    variance
+        Variance of the motion along the axis, m^2.
+    tuning
+        The section `skf` of the configuration.
+    sensors
+        The properties of IMU and GNSS.
+    """
+    from scipy.linalg import solve_continuous_lyapunov
+
+    from owtsweep.estimation.late import LateModel, find_first_covariance
+
+    n, step, delay = len(shaping.A), sensors.step, sensors.delay
+    intensity = variance * np.outer(shaping.B, shaping.B)
+    discrete = discretise(Model(shaping.A, np.zeros((n, 1)), intensity), step)
+    blocks = np.array([discrete.A[i : i + 2, i : i + 2] for i in range(0, n, 2)])
+    q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
+    model = LateModel(
+        A=blocks,
+        Q=discrete.Q,
+        walk=q_b * step,
+        fast=shaping.acceleration - tuning.find_lean(sensors.lean) * shaping.position,
+        slow=shaping.position.copy(),
+        r_fast=sensors.force_sigma**2,
+        r_slow=sensors.position_sigma**2,
+        interval=sensors.fix_interval,
+        delay=delay,
+        copies=-(-delay // sensors.fix_interval),
+    )
+    stationary = solve_continuous_lyapunov(shaping.A, -intensity)
+    first = find_first_covariance(model, stationary, tuning.bias_variance)
+    return SpectralAxis(model, first, np.stack([shaping.position, shaping.velocity]))
+
+
+class _Last(local):
+    """What a thread made last, which it often needs again: the gains take some 0.4 s.
+
+    More is not kept, because the gains take much memory.
     """
 
     what: tuple[object, ...] | None = None
-    axes: tuple[TunedAxis, TunedAxis]
+    axes: tuple[SpectralAxis, SpectralAxis]
 
 
 _LAST = _Last()
@@ -48,24 +128,14 @@ def make_axes(
     The shaping filter is fitted where the motion's density is above what the sensors' noise has as
     a position. The floor is that of the axis with the larger variance.
     """
-    variance = np.maximum(known.variance, LEAST_SHARE * np.sum(known.variance))
-    floor = FLOOR * find_noise_density(sensors, known.frequency) / np.max(variance)
-    shaping = fit_or_recall(known.frequency, known.density, tuning.states, floor)
-    x, y = (make_axis(shaping, float(one), tuning, sensors) for one in variance)
-    return x, y
-
-
-def tune_axes(
-    known: KnownMotion, tuning: Skf, sensors: Sensors, steps: int
-) -> tuple[TunedAxis, TunedAxis]:
-    """Make the models along x and y with their gains, for records of up to `steps` IMU steps."""
     told = (known.frequency, known.density, known.variance)
-    what = (*(array.tobytes() for array in told), repr(tuning), sensors, steps)
+    what = (*(array.tobytes() for array in told), repr(tuning), sensors)
     if _LAST.what != what:
-        x, y = make_axes(known, tuning, sensors)
-        _LAST.what = None
-        _LAST.axes = tune_axis(x, steps), tune_axis(y, steps)
-        _LAST.what = what
+        variance = np.maximum(known.variance, LEAST_SHARE * np.sum(known.variance))
+        floor = FLOOR * find_noise_density(sensors, known.frequency) / np.max(variance)
+        shaping = fit_or_recall(known.frequency, known.density, tuning.states, floor)
+        x, y = (make_axis(shaping, float(one), tuning, sensors) for one in variance)
+        _LAST.what, _LAST.axes = what, (x, y)
     return _LAST.axes
 
 

@@ -1,4 +1,4 @@
-"""Makes the models of the candidates among which SKFA chooses, and their gains.
+"""Makes the models of the candidates among which SKFA chooses.
 
 The candidates are those of `motion.tracking`. A fitted shaping filter is kept in the cache folder,
 because there are some hundred.
@@ -12,16 +12,13 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed
-from owtsweep.errors import require
-from owtsweep.estimation.late_gains import TOLERANCE, LateRows
 from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
-from owtsweep.studies.hub.spectral_axis import LONGEST_TRANSIENT, SpectralAxis, make_axis
-from owtsweep.studies.hub.spectral_model import FLOOR, fit_or_recall
+from owtsweep.studies.hub.spectral_model import FLOOR, SpectralAxis, fit_or_recall, make_axis
 
 #: Number of states of a candidate's shaping filter. The true spectrum is not known, so a closer fit
 #: to a candidate does not lower the error.
@@ -35,7 +32,7 @@ WIDE_VARIANCE, WIDE = 10.0, 4.0
 SHARED = 3
 
 
-@lru_cache(256)
+@lru_cache(48)  # their gains take 1 MB per 9000 steps
 def make_candidate(
     candidate: Candidate | None,
     bias_variance: float,
@@ -65,12 +62,6 @@ def make_candidate(
     group = candidate.variance // SHARED
     shaping = _fit(candidate.period, candidate.bandwidth, group, sensors, band)
     return make_axis(shaping, candidate.values[2], tuning, sensors)
-
-
-@lru_cache(48)
-def find_gains(axis: SpectralAxis) -> GrowingGains:
-    """Return the gains of a model; they are shared, and take 1 MB per 9000 steps."""
-    return GrowingGains(axis)
 
 
 @lru_cache(512)
@@ -112,69 +103,3 @@ def _choose_frequencies(peak: float, half_bandwidth: float, band: tuple[float, f
     # two frequencies that nearly coincide tell nothing more, and have no width
     is_apart = np.concatenate([[True], np.diff(frequency) > 1e-3 * half_bandwidth])
     return np.asarray(frequency[is_apart])
-
-
-#: Least number of steps that are computed at a time: long enough for the minute that a new model
-#: filters again, and short enough (3 ms) for an estimator on board.
-CHUNK = 8192
-
-
-class GrowingGains:
-    """The gains of a model, which grow until they repeat.
-
-    Parameters
-    ----------
-    axis
-        The model, with a state of N numbers.
-    """
-
-    def __init__(self, axis: SpectralAxis) -> None:
-        N = len(axis.first)
-        self._axis, self._filled, self._repeats = axis, 0, False
-        self._covariance, self._before = axis.first.copy(), np.full((N, N), np.nan)
-        self._rows = LateRows(np.empty((0, N)), np.empty((0, N)), np.empty(0), np.empty((0, 2, 2)))
-
-    def find(self, steps: int) -> LateRows:
-        """Return the gains of at least the first `steps` steps, or of fewer if they repeat.
-
-        After the last row, at the latest after `LONGEST_TRANSIENT` steps, the
-        rows of the last fix interval repeat for ever.
-
-        Raises
-        ------
-        InputError
-            If a variance becomes negative or not finite, because the numbers of the model differ
-            too much in magnitude.
-        """
-        while self._filled < min(steps, LONGEST_TRANSIENT) and not self._repeats:
-            self._grow()
-        return self._rows
-
-    def _grow(self) -> None:
-        from owtsweep.estimation.late import late_recursion
-
-        axis, interval = self._axis, self._axis.model.interval
-        fixes = -(-min(CHUNK, LONGEST_TRANSIENT - self._filled) // interval)
-        more = fixes * interval, fixes, fixes, fixes * interval
-        rows = LateRows(
-            *(_lengthen(array, count) for array, count in zip(self._rows, more, strict=True))
-        )
-        first, stop = self._filled, len(rows.fast)
-        filled, self._repeats = late_recursion(
-            first, stop, axis.model, self._covariance, axis.outputs, TOLERANCE, self._before, rows
-        )
-        variances = np.diagonal(rows.outputs[first:filled], axis1=1, axis2=2)
-        require(
-            bool(np.all(np.isfinite(variances) & (variances > 0.0))),
-            "skf: the filter's covariance is negative or infinite, because the variances of "
-            "motion, sensors and bias differ too much in magnitude; use less extreme values",
-        )
-        if self._repeats:
-            kept = filled, filled // interval, filled // interval, filled
-            rows = LateRows(*(array[:n].copy() for array, n in zip(rows, kept, strict=True)))
-        self._rows, self._filled = rows, filled
-
-
-def _lengthen(array: Array, count: int) -> Array:
-    """Return a copy of an array with `count` rows more, to be filled."""
-    return np.concatenate([array, np.empty((count, *array.shape[1:]))])

@@ -27,10 +27,10 @@ from owtsweep.motion.tracking import (
     Motion,
     SpectrumTracker,
 )
-from owtsweep.studies.hub.axis_filters import AxisEstimates, AxisFilter
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.scheme_sections import Skf
-from owtsweep.studies.hub.spectral_axis import SpectralAxis
+from owtsweep.studies.hub.spectral_filter import AxisEstimates, AxisFilter
+from owtsweep.studies.hub.spectral_model import SpectralAxis
 from owtsweep.studies.hub.tracked_models import make_candidate
 
 #: Time that a new model filters again, s, and the standard deviation of the bias that it starts

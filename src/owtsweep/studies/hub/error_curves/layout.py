@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
-from owtsweep.studies.hub.kernels.layout import Rows
+from owtsweep.arrays import Array, Rows
 
 
 class Waves(NamedTuple):

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from owtsweep.arrays import Array, aligned
+from owtsweep.arrays import Array, aligned, make_mixed_rows, make_rows
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.error_curves.inputs import Probe
 from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
-from owtsweep.studies.hub.kernels.layout import Memory, filled, new_memory, rows
+from owtsweep.studies.hub.kernels.layout import Memory, new_memory
 from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
@@ -150,7 +150,7 @@ class _Pair:
             force=force,
             wave=wave,
             fixes=_fixes(probe, space) if np.any(probe.fix) else space.no_fixes,
-            errors=filled([("wave", 4 * LANES), *((one, 2 * LANES) for one in ERRORS)], 1),
+            errors=make_mixed_rows([("wave", 4 * LANES), *((one, 2 * LANES) for one in ERRORS)], 1),
             sums=aligned(2, 2, 2 * LANES),
             ring=aligned(JUDGED + 1, 2, 2 * LANES),
         )
@@ -197,7 +197,7 @@ def _waves(probe: Probe, space: Workspace) -> Waves:
     blocks = -(-space.steps // BLOCK)
     start = np.exp(1j * (angle * (BLOCK * np.arange(blocks)[:, None]) + shift))
     now, turn = (
-        rows(1, 2 * LANES, "c", "s", "turn_c", "turn_s", "force", "rate"),
+        make_rows(1, 2 * LANES, "c", "s", "turn_c", "turn_s", "force", "rate"),
         np.exp(1j * angle),
     )
     now["turn_c"], now["turn_s"] = turn.real, turn.imag

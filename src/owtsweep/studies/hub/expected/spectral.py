@@ -5,6 +5,9 @@ the motion has the true spectrum, so the difference of this error from what SKF 
 measures the fit.
 
 It is the limit of long records: the start has died away, and nothing depends on the settling time.
+The gains repeat from one fix to the next, so the errors repeat too. Those from the motion are
+computed frequency by frequency; those from the sensors' noise solve a Lyapunov equation over the
+time between two fixes.
 """
 
 from __future__ import annotations
@@ -13,16 +16,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.late_errors import find_motion_errors, find_noise_errors
+from owtsweep.errors import InputError
+from owtsweep.estimation.late import LateModel, LateRows, copying, measurement_rows, transition
 from owtsweep.studies.base.rows import Judgement, Means, make_product_rows
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known import Known
 from owtsweep.studies.hub.known_motion import find_known_motion
-from owtsweep.studies.hub.schemes.skf import SCHEME
-from owtsweep.studies.hub.spectral_axis import LONGEST_TRANSIENT
+from owtsweep.studies.hub.schemes.skf import SCHEME, find_motion
+from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, make_axes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +66,7 @@ def find_expected_errors(
     sensors = sensing.sensors(config.sensors)
     truth = find_known_motion(config, natural_period, amplitude)
     known = Known(sensors, config, natural_period, amplitude)
-    axes = SCHEME.own_kernel(known, LONGEST_TRANSIENT).axes
+    axes = make_axes(find_motion(known), config.skf, sensors)
     omega = 2.0 * np.pi * truth.frequency[truth.density > 0.0]
     power = truth.density[truth.density > 0.0] * truth.spacing
     seen = (omega, sensing.force_per_displacement(omega, sensors), sensors.step)
@@ -71,12 +76,12 @@ def find_expected_errors(
         sensors.bias_walk**2 * sensors.step,
     )
     true, stated = np.empty((2, 2)), np.empty((2, 2))
-    for number, tuned in enumerate(axes):
-        model, gains, outputs = tuned.axis.model, tuned.gains, tuned.axis.outputs
-        of_motion = find_motion_errors(model, gains, outputs, seen, sensors.fix_scale) @ power
-        of_noise = find_noise_errors(model, gains, outputs, noise)
+    for number, axis in enumerate(axes):
+        model, rows, outputs = axis.model, axis.gains.find(LONGEST_TRANSIENT), axis.outputs
+        of_motion = find_motion_errors(model, rows, outputs, seen, sensors.fix_scale) @ power
+        of_noise = find_noise_errors(model, rows, outputs, noise)
         true[number] = truth.variance[number] * of_motion + of_noise
-        settled = gains.covariance[-gains.cycle :]
+        settled = rows.outputs[-model.interval :]
         stated[number] = np.mean(np.diagonal(settled, axis1=1, axis2=2), axis=0)
     return SpectralErrors(true, stated)
 
@@ -106,3 +111,157 @@ def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> 
         cell = {"natural_period": period, "amplitude": amplitude}
         tables.append(make_product_rows(SCHEME.name, cell, [*cell], [0], judged, apart=False))
     return pd.concat(tables, ignore_index=True)
+
+
+class ClosedStep(NamedTuple):
+    """A step of a filter as a map: state after the measurements = loop state + fast u + slow z.
+
+    Attributes
+    ----------
+    loop
+        Factor of the state of the step before, after its copying, shape (N, N).
+    fast, slow
+        Factors of the fast measurement u and of the slow measurement z, shape (N,) each; `slow` is
+        zero at a step without a slow measurement.
+    copy
+        Factor of the state after the measurements that gives the state after copying, (N, N).
+    """
+
+    loop: Array
+    fast: Array
+    slow: Array
+    copy: Array
+
+
+def close_loop(model: LateModel, rows: LateRows) -> list[ClosedStep]:
+    """Return the steps of the filter's last interval, which begins with a slow measurement."""
+    N, first = rows.fast.shape[1], len(rows.fast) - model.interval
+    predict, copy, keep = transition(model), copying(model), np.eye(N)
+    fast_row, slow_row = measurement_rows(model)
+    steps = []
+    for k in range(model.interval):
+        fast, slow = rows.fast[first + k], np.zeros(N)
+        loop = predict - np.outer(fast, fast_row @ predict)
+        if k == 0:
+            slow = rows.slow[-1]
+            loop = loop - np.outer(slow, slow_row @ loop)
+            fast = fast - slow * (slow_row @ fast)
+        copied = model.copies > 0 and (k + model.delay) % model.interval == 0
+        steps.append(ClosedStep(loop, fast, slow, copy if copied else keep))
+    return steps
+
+
+def find_motion_errors(
+    model: LateModel,
+    rows: LateRows,
+    outputs: Array,
+    frequencies: tuple[Array, NDArray[np.complex128], float],
+    scale: float = 1.0,
+) -> Array:
+    """Compute the mean square errors that sinusoidal motions cause.
+
+    Parameters
+    ----------
+    model, rows
+        The filter, with a state of N numbers, n of them states of the shaping filter, and its
+        gains until they have settled.
+    outputs
+        Rows (2, n) of position and velocity.
+    frequencies
+        The angular frequencies of the motions, rad/s, shape (m,); the fast measurement per
+        displacement at each, s^-2, shape (m,); and the time of a step, s.
+    scale
+        The slow measurement per displacement, which the filter takes for 1.
+
+    Returns
+    -------
+    Array
+        Mean square errors of position and velocity per variance of the displacement, 1 and s^-2,
+        shape (2, m); means over a cycle.
+    """
+    omega, force, step = frequencies
+    steps, n = close_loop(model, rows), len(model.Q)
+    N = rows.fast.shape[1]
+    # All numbers turn with the motion: the displacement is 1 at every step.
+    back, late = np.exp(-1j * omega * step), scale * np.exp(-1j * omega * step * model.delay)
+    state, loop = np.zeros((N, len(omega)), complex), np.eye(N)
+    for each in steps:
+        state = each.copy @ _follow(each, state, back, force, late)
+        loop = each.copy @ each.loop @ loop
+    over_cycle = np.exp(-1j * omega * step * model.interval)
+    repeating = np.eye(N) - over_cycle[:, None, None] * loop
+    state = np.linalg.solve(repeating, state.T[..., None])[..., 0].T
+    truth = np.stack([np.ones(len(omega)), 1j * omega])
+    total = np.zeros((2, len(omega)))
+    for each in steps:
+        state = _follow(each, state, back, force, late)
+        total += np.abs(outputs @ state[:n] - truth) ** 2
+        state = each.copy @ state
+    return total / model.interval
+
+
+def _follow(
+    each: ClosedStep,
+    state: NDArray[np.complex128],
+    back: NDArray[np.complex128],
+    force: NDArray[np.complex128],
+    late: NDArray[np.complex128],
+) -> NDArray[np.complex128]:
+    """Return the state (N, m) after a step's measurements, in numbers that turn with the motion."""
+    result = (each.loop @ state) * back
+    result += np.outer(each.fast, force) + np.outer(each.slow, late)
+    return np.asarray(result)
+
+
+def find_noise_errors(
+    model: LateModel, rows: LateRows, outputs: Array, noise: tuple[float, float, float]
+) -> Array:
+    """Compute the mean square errors of position and velocity that the sensors' noise causes.
+
+    Parameters
+    ----------
+    model, rows, outputs
+        As for `find_motion_errors`.
+    noise
+        The true variances: of the fast and of the slow measurement's noise, and that which the bias
+        gains in a step.
+
+    Returns
+    -------
+    Array
+        Mean square errors of position (m^2) and velocity ((m/s)^2), means over a cycle, (2,).
+
+    Raises
+    ------
+    InputError
+        If the filter does not settle: its model has a bias without a walk.
+    """
+    from scipy.linalg import solve_discrete_lyapunov
+
+    if model.walk == 0.0:
+        raise InputError(
+            "skf.q_b: without a bias walk the filter never settles, so it has no settled error; "
+            "give a density above zero, e.g. skf.q_b=1e-6"
+        )
+    r_fast, r_slow, walk = noise
+    steps, n = close_loop(model, rows), len(model.Q)
+    N = rows.fast.shape[1]
+    # the bias in this state is the estimate's error, which the true bias' walk moves
+    moved = np.zeros((N, N))
+    moved[n, n] = walk
+
+    def follow(each: ClosedStep, P: Array) -> Array:
+        added = r_fast * np.outer(each.fast, each.fast) + r_slow * np.outer(each.slow, each.slow)
+        return np.asarray(each.loop @ (P + moved) @ each.loop.T + added)
+
+    added, loop = np.asarray(np.zeros((N, N))), np.eye(N)
+    for each in steps:
+        added = each.copy @ follow(each, added) @ each.copy.T
+        loop = each.copy @ each.loop @ loop
+    P: Array = solve_discrete_lyapunov(loop, added)
+    total = np.zeros(2)
+    for each in steps:
+        P = follow(each, P)
+        total += np.einsum("ci,ij,cj->c", outputs, P[:n, :n], outputs)
+        P = each.copy @ P @ each.copy.T
+    return total / model.interval

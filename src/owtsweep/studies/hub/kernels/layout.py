@@ -8,12 +8,12 @@ fields do not overlap. A chunk is a stretch of a record whose steps are computed
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array, aligned
+from owtsweep.arrays import Array, Rows, aligned, make_mixed_rows, make_rows
 
 #: Number of records that run side by side; a record has two or three lanes.
 WIDTH = 8
@@ -23,9 +23,6 @@ ALL, AVERAGED, SAMPLED = 0, 1, 2
 
 #: The fields of a state: position, velocity, acceleration, bias.
 STATE = ("p", "v", "a", "b")
-
-#: An array of records, each with one number per lane in every field.
-Rows = NDArray[np.void]
 
 
 class FilterArrays(NamedTuple):
@@ -254,27 +251,13 @@ class Memory(NamedTuple):
 def new_memory(chain: ChainArrays, lanes: int, chunk: int) -> Memory:
     """Make the memory for a run of `lanes` lanes, in chunks of at most `chunk` steps."""
     return Memory(
-        steps=rows(chain.filter.window + 1 + chunk, lanes, "r", "s", *STATE),
-        back=rows(1, lanes, *STATE),
-        inputs=rows(1, lanes, "p", "v"),
-        nodes=rows(chain.mhe.horizon + 1, lanes, "z", "ip", "iv", "p", "v", "b"),
-        now=rows(1, lanes, "gathered", "sample", "np", "nv", "nb", "p", "v"),
+        steps=make_rows(chain.filter.window + 1 + chunk, lanes, "r", "s", *STATE),
+        back=make_rows(1, lanes, *STATE),
+        inputs=make_rows(1, lanes, "p", "v"),
+        nodes=make_rows(chain.mhe.horizon + 1, lanes, "z", "ip", "iv", "p", "v", "b"),
+        now=make_rows(1, lanes, "gathered", "sample", "np", "nv", "nb", "p", "v"),
         position=aligned(1, lanes),
     )
-
-
-def rows(count: int, lanes: int, *fields: str) -> Rows:
-    """Make rows, all zero, with `lanes` numbers in each of the named fields.
-
-    Two kinds of rows should not begin with the same fields: numba would take one for the other.
-    """
-    return filled([(field, lanes) for field in fields], count)
-
-
-def filled(fields: list[tuple[str, int]], count: int) -> Rows:
-    """Make rows, all zero, whose fields are named with their numbers of lanes."""
-    kind: Any = np.dtype([(name, np.float64, (lanes,)) for name, lanes in fields])
-    return np.asarray(aligned(count, kind.itemsize // 8).view(kind)[:, 0])
 
 
 #: The sums of squared errors: of position, of velocity, in NEES and in NIS. The ending says of
@@ -293,7 +276,7 @@ def new_sums(lanes: int) -> Rows:
     the compiler knows that fields of one row do not overlap.
     """
     own = [("p", lanes), ("v", lanes), ("motion", 2 * WIDTH), ("square", WIDTH)]
-    return filled(own + [(name, WIDTH) for name in SUMS], 2)
+    return make_mixed_rows(own + [(name, WIDTH) for name in SUMS], 2)
 
 
 def products(sums: Rows, direction: Array) -> Array:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
-from owtsweep.studies.hub.kernels.layout import LeanTerms, PredictorArrays, Rows
+from owtsweep.arrays import Array, Rows
+from owtsweep.studies.hub.kernels.layout import LeanTerms, PredictorArrays
 
 #: Indices in `OnlineRegisters.counter`: present step, present row of the registers, number of links
 #: in the MHE's window, whether the window's data determine its states, fixes in a row beyond the

@@ -12,7 +12,7 @@ both are sums over the axes. `layout.new_sums` explains the row t of the sums.
 
 from __future__ import annotations
 
-from owtsweep.compiled import part
+from owtsweep.compiled import njit, part
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.filtering import next_row
 from owtsweep.studies.hub.kernels.layout import WIDTH
@@ -118,3 +118,25 @@ def sum_chunk(k0, count, settled, fed, truth, f, weights, steps, sums, squared):
         if fresh[row]:
             add_innovations(t, steps[1 + window + i], weight[row], cx, cy)
         row = next_row(row, rows, cycle)
+
+
+@njit
+def add_spectral_errors(early, found, motion, cosine, sums, squared):
+    """Add the squared errors of SKF along one axis, of which the first `early` are not settled.
+
+    `found` are `LateEstimates` of eight records. The other arguments are those of
+    `spectral_batch.AxisRun`.
+    """
+    for k in range(len(motion)):
+        total = sums[0 if k < early else 1]
+        P, V, C = found.covariance[k, 0, 0], found.covariance[k, 1, 1], found.covariance[k, 0, 1]
+        factor = 1.0 / (P * V - C * C)
+        pp, pv, vv = factor * V, -factor * C, factor * P  # the inverse
+        for j in range(WIDTH):
+            p = found.outputs[k, 0, j] - cosine * motion[k, j]
+            v = found.outputs[k, 1, j] - cosine * motion[k, WIDTH + j]
+            total[0, j] += p * p
+            total[1, j] += v * v
+            total[2, j] += pp * (p * p) + 2.0 * pv * (p * v) + vv * (v * v)
+            if len(squared) > 0:
+                squared[k, j] += p * p

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, make_rows
 from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
@@ -13,7 +13,6 @@ from owtsweep.studies.hub.chain import predictor_arrays
 from owtsweep.studies.hub.fix_rules import FIX_RULES, FixRule
 from owtsweep.studies.hub.horizon import INPUTS, Horizon, growth_over, lean_terms
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, STATE
-from owtsweep.studies.hub.kernels.layout import rows as new_rows
 from owtsweep.studies.hub.kernels.online_layout import (
     COUNTERS,
     PLAIN,
@@ -136,14 +135,14 @@ def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
         predicted=np.zeros((1, 2)),
         given=np.zeros((1, 2)),
         force=np.zeros((rows, 2)),
-        steps=new_rows(rows, 2, "r", "s", *STATE),
+        steps=make_rows(rows, 2, "r", "s", *STATE),
         K=np.zeros((rows, 4, 2)),
         C=np.zeros((rows, 4, 4)),
         Pm=np.zeros((rows, 4, 4)),
         Pf=np.zeros((rows, 4, 4)),
-        back=new_rows(1, 2, "r", "s", *STATE),
-        inputs=new_rows(1, 2, "p", "v"),
-        estimate=new_rows(1, 2, "r", "s", *STATE),
+        back=make_rows(1, 2, "r", "s", *STATE),
+        inputs=make_rows(1, 2, "p", "v"),
+        estimate=make_rows(1, 2, "r", "s", *STATE),
         smoothed=np.zeros((f.window + 1, 4, 4)),
         coupling=np.zeros((f.window + 1, 4, 3)),
         no_coupling=np.zeros((4, 3)),
@@ -154,7 +153,7 @@ def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
         effects=np.zeros((n, 3, 2)),
         states=np.zeros((n + 1, 3, 2)),
         covariances=np.zeros((n + 1, 3, 3)),
-        now=new_rows(1, 2, "gathered", "sample", "p", "v"),
+        now=make_rows(1, 2, "gathered", "sample", "p", "v"),
         prior=np.zeros((3, 3)),
         node=np.zeros((3, 2)),
         nodes=np.zeros((n + 2, 3, 2)),

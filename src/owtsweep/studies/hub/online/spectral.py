@@ -10,9 +10,9 @@ from owtsweep.errors import require
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.loop import RecordEstimator
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.axis_filters import AxisFilter
 from owtsweep.studies.hub.known import ZERO, Sensors
 from owtsweep.studies.hub.online.coordinates import check_origin, check_sample, check_samples
+from owtsweep.studies.hub.spectral_filter import AxisFilter
 
 
 class SpectralEstimator(RecordEstimator):

@@ -3,7 +3,7 @@
 The schemes of Ren et al. (2019) follow any motion. SKF takes the motion for what a linear system,
 the shaping filter, makes of white noise, so that it has the given spectrum. Each axis has a filter
 of its own, which measures IMU samples and position fixes. A fix is applied to a copy of the
-position that it reports (see `estimation.late_model`), so there is no smoother and no predictor.
+position that it reports (see `estimation.late`), so there is no smoother and no predictor.
 
 The spectrum and the variance are not data of the sensors. A sweep tells SKF those of each cell;
 elsewhere the keys skf.natural_period and skf.amplitude give them.
@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from owtsweep.errors import InputError, require
-from owtsweep.studies.hub.axis_filters import CompiledAxisFilter, KalmanAxisFilter
 from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import ZERO, Known
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
-from owtsweep.studies.hub.spectral_model import make_axes, tune_axes
-from owtsweep.studies.hub.spectral_run import SpectralKernel
+from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter
+from owtsweep.studies.hub.spectral_model import make_axes
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.spectral_batch import SpectralKernel
 
 
 class SpectralScheme(Scheme):
@@ -71,7 +71,9 @@ class SpectralScheme(Scheme):
         InputError
             If nothing has said what the motion is.
         """
-        return SpectralKernel(tune_axes(find_motion(known), known.tuning.skf, known.sensors, steps))
+        from owtsweep.studies.hub.spectral_batch import SpectralKernel
+
+        return SpectralKernel(make_axes(find_motion(known), known.tuning.skf, known.sensors))
 
     def check(self, config: HubConfig) -> None:
         """Refuse a motion without a spectrum, and a number of states that is odd."""

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from owtsweep.motion.tracking import LEAST
-from owtsweep.studies.hub.axis_filters import AxisFilter, KalmanAxisFilter, ScheduledFilter
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.known import ZERO, Known
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
-from owtsweep.studies.hub.spectral_axis import SpectralAxis
+from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
+from owtsweep.studies.hub.spectral_model import SpectralAxis
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class AdaptiveSpectralScheme(Scheme):
         InputError
             If the origin is not stated.
         """
-        return _start(known, ScheduledFilter, origin)
+        return _start(known, CompiledAxisFilter, origin)
 
     def check(self, config: HubConfig) -> None:
         """Warn of records that are too short to choose a spectrum."""
