@@ -18,11 +18,12 @@ from benchmarks.timing import REPEATS, seconds
 from owtsweep.studies import compose
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.known import Known, Sensors
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.models import FORCE, POSITION
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes.mkf import SCHEME
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
+from owtsweep.studies.hub.sensors import Sensors
 
 AGREEMENT = 1e-8
 

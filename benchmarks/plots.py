@@ -75,7 +75,7 @@ def _kernels(results: dict[str, Any]) -> Any:
 def _breakdown(results: dict[str, Any]) -> Any:
     """Draw core-milliseconds per replicate, one bar per part."""
     from owtsweep.figures.style import new_figure
-    from owtsweep.studies.hub.names import LISTED
+    from owtsweep.studies.hub.listed import LISTED
 
     rows = results["breakdown"]
     figure = new_figure(9.0, 2.9)

@@ -25,9 +25,9 @@ from experiments.command import read_words, write
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.motion.modulation import Modulation, modulate
 from owtsweep.studies import compose
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 AMPLITUDES = [0.05, 0.2, 1.0, 10.0]

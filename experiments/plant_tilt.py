@@ -29,9 +29,9 @@ from experiments.command import read_words, show, write
 from owtsweep.config import changed
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import Records, make_records_at
-from owtsweep.studies.hub.resolving import resolve
 
 #: Sea states, Hs in m and Tp in s; none of them breaks.
 SEAS = ((1.0, 4.0), (2.0, 6.0), (2.0, 8.0), (5.0, 8.0), (3.0, 10.0))

@@ -27,9 +27,9 @@ from experiments.command import read_words, show, write
 from owtsweep.figures import style
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.readings.published import published_numbers
 
 PERIOD = 8.0  # s, of tables 7 and 8

@@ -11,7 +11,7 @@ import pandas as pd
 from owtsweep.arrays import Array
 from owtsweep.results.status import OK
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.resolving import scheme_names
+from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.spectrum import BOUNDARY
 from owtsweep.studies.readings.published import BOUNDARIES
 from owtsweep.sweep.runs import Run

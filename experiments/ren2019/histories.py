@@ -23,10 +23,10 @@ from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain, bias_of
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.histories import choose_sea
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
-from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the case of section 5.2, s.

@@ -22,9 +22,9 @@ from owtsweep.config import with_values
 from owtsweep.io.tables import write_table
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.readings import score as scoring
 from owtsweep.studies.readings.searches import take_fixed_values
 

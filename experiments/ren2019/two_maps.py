@@ -26,16 +26,16 @@ import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.best_scheme_map import Crossing, draw_cells
+from owtsweep.figures.margin import Shades, add_legend
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
-from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
+from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
-from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.spectrum import BOUNDARY, CONDITIONS
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.sweep.runs import Run

@@ -14,9 +14,9 @@ from experiments.ren2019.contents import FREEDOM
 from experiments.ren2019.evidence import Cell, Evidence
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import bias_of
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import simulate_bias
 from owtsweep.studies.readings.published import published_numbers
 

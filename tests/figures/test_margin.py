@@ -15,13 +15,14 @@ from owtsweep.figures.margin import (
     EXPLANATION,
     FULL,
     PALEST,
+    Shades,
+    add_legend,
     fill_cell,
     fill_regions,
     ratio_of,
     share_of_color,
 )
 from owtsweep.figures.palette import relative_luminance, style_of, text_color_on
-from owtsweep.figures.shades import Shades, add_legend
 
 
 def test_the_share_grows_with_the_logarithm_from_a_tie_to_full():

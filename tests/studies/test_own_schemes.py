@@ -15,7 +15,7 @@ from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.base import schemes
-from owtsweep.studies.hub.resolving import SCHEMES
+from owtsweep.studies.hub.listed import SCHEMES
 from owtsweep.testing import check_scheme
 
 TINY = [

@@ -88,7 +88,7 @@ def draw(
     subtitle
         The end of the title, which says by what the schemes are judged.
     """
-    from owtsweep.figures.shades import HANDLERS, Shades
+    from owtsweep.figures.margin import HANDLERS, Shades
 
     rows, columns = len(panels), len(panels[0])
     width = min(max(2.9, 0.5 * len(plane.columns)), 5.0)

@@ -20,9 +20,9 @@ from matplotlib.patches import Patch, Rectangle
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
+from owtsweep.figures.margin import Shades, add_legend, list_in_legend
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane, Row
-from owtsweep.figures.shades import Shades, add_legend, list_in_legend
 from owtsweep.results.conditions import Condition
 
 __all__ = ["draw"]

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import HATCH
+from owtsweep.figures.margin import Shades, add_legend
 from owtsweep.figures.palette import SchemeStyle, style_of
-from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.conditions import Condition
 
 #: Contour levels: by how many per cent the runner-up's MSE is larger than the best scheme's.

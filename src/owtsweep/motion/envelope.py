@@ -18,7 +18,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion import whittle
 from owtsweep.motion.plant import Plant, compute_forces, respond
-from owtsweep.motion.transform import interleaved
+from owtsweep.motion.synthesis import interleaved
 from owtsweep.structures import Modes, Structure
 from owtsweep.waves import Sea, draw_waves
 

@@ -19,12 +19,11 @@ from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
 from owtsweep.studies.hub import batch, cache, estimates, winners
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import listing, maps_by_tuning, mse_over_amplitude
-from owtsweep.studies.hub.known import Known
-from owtsweep.studies.hub.names import BASELINES
-from owtsweep.studies.hub.resolving import resolve
+from owtsweep.studies.hub.listed import BASELINES, resolve
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.sweep.keys import block_key, run_hash
 from owtsweep.sweep.plan import make_plan

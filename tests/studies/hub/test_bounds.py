@@ -27,8 +27,8 @@ from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import efficiency
-from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
+from owtsweep.studies.hub.sensors import Sensors
 
 
 @pytest.fixture(scope="module")

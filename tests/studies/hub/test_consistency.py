@@ -21,9 +21,9 @@ from owtsweep.studies.hub import estimates, measures
 from owtsweep.studies.hub.batch import Lanes, sum_errors
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import STUDY, Records, make_records
-from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

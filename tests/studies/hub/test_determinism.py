@@ -7,9 +7,9 @@ import pytest
 from tools import configure, rows_of
 
 from owtsweep.studies.hub.batch import sum_errors
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 
 
 @pytest.mark.usefixtures("kernels")

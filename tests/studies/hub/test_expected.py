@@ -18,14 +18,14 @@ from owtsweep.studies.hub import batch, cache, estimates, peak
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves import inputs, probing
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
 from owtsweep.studies.hub.error_curves.of_schemes import expected_ratio, lines_of
 from owtsweep.studies.hub.expected import answers, engine
-from owtsweep.studies.hub.known import Known, Sensors
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.peak import peak_factors
-from owtsweep.studies.hub.resolving import resolve
-from owtsweep.studies.hub.sensors import fix_count
+from owtsweep.studies.hub.sensors import Sensors, fix_count
 from owtsweep.studies.hub.study import HubStudy
 
 pytestmark = pytest.mark.usefixtures("kernels")

@@ -17,11 +17,11 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
-from owtsweep.studies.hub.known import Known, Measured, Sensors
-from owtsweep.studies.hub.resolving import resolve, under
+from owtsweep.studies.hub.listed import resolve, under
 from owtsweep.studies.hub.schemes.hme2 import make_horizon
-from owtsweep.studies.hub.sensors import sensors
+from owtsweep.studies.hub.sensors import Measured, Sensors, sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -7,9 +7,9 @@ import pytest
 from tools import configure
 
 from owtsweep.estimation.mhe import window_map
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.horizon import horizon, transition_over
-from owtsweep.studies.hub.known import Known
-from owtsweep.studies.hub.resolving import resolve
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.sensors import sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")

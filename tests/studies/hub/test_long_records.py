@@ -10,7 +10,7 @@ import pytest
 from tools import plan_blocks, run_blocks
 
 from owtsweep.studies import compose
-from owtsweep.studies.hub import feed, records, sizes
+from owtsweep.studies.hub import feed, records
 from owtsweep.studies.hub.spectrum import SPECTRUM
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -66,9 +66,8 @@ def test_parts_change_no_bit(overrides, few, monkeypatch, at_a_time):
     assert max(at_a_time) == 5
     at_a_time.clear()
     steps = 20 * (30 if "record.duration=30" in overrides else 150)
-    for module in (records, sizes):
-        most = few * SPECTRUM.bytes_per_step * steps + 1
-        monkeypatch.setattr(module, "MEMORY_SHARE", most)
+    most = few * SPECTRUM.bytes_per_step * steps + 1
+    monkeypatch.setattr(records, "MEMORY_SHARE", most)
     pieces = _rows(overrides)
     assert max(at_a_time) == few
     assert whole.equals(pieces)

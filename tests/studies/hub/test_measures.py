@@ -11,10 +11,10 @@ from tools import Key, configure, plan_blocks, rows_of, run_batch, run_blocks, w
 
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base.rows import Means
-from owtsweep.studies.hub import batching, measures
-from owtsweep.studies.hub.batch import Sums
+from owtsweep.studies.hub import batch, measures
+from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.measures import Sums
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 
 AMPLITUDE = 0.7
 SETTLED = 100  # 5 s at 20 Hz
@@ -135,14 +135,14 @@ def test_an_estimator_without_covariance_has_no_nees() -> None:
 def test_a_record_that_is_not_finite_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     config = configure("schemes=[HME1]", "grid.replicates=3")
     ((_, whole),) = run_blocks(config, plan_blocks(config))
-    original = batching.sum_errors
+    original = batch.sum_errors
 
     def spoilt(*arguments: Any, **options: Any) -> list[Sums]:
         (sums,) = original(*arguments, **options)
         sums.products[0, 4, 1, 1] = np.inf
         return [sums]
 
-    monkeypatch.setattr(batching, "sum_errors", spoilt)
+    monkeypatch.setattr(batch, "sum_errors", spoilt)
     ((_, rows),) = run_blocks(config, plan_blocks(config))
     assert rows["replicate"].is_monotonic_increasing
     failed = rows["replicate"] == 1

@@ -12,12 +12,12 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.batch import Lanes
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves import inputs
 from owtsweep.studies.hub.error_spectrum import error_spectrum
 from owtsweep.studies.hub.feed import Feed
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -10,9 +10,9 @@ from tools import Streaming, assert_same, configure, measured
 
 from owtsweep.motion.tracking import Candidate, SpectrumTracker
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records_at
-from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter
 from owtsweep.studies.hub.tracked_models import make_candidate

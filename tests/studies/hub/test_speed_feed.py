@@ -8,9 +8,9 @@ from tools import configure, plan_blocks, run_blocks
 from user_schemes import Saturated
 
 from owtsweep.studies.hub import batch, feed
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.resolving import resolve
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 

@@ -16,9 +16,9 @@ from owtsweep.config import with_values
 from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.bounds.kalman import bound_of_axis, kalman_bound
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.noise_floor import noise_floor
-from owtsweep.studies.hub.resolving import resolve
 from owtsweep.studies.hub.study import HubStudy
 from owtsweep.studies.hub.tuning import objective, search
 from owtsweep.studies.hub.tuning.judging import errors_on_records, judge

@@ -21,8 +21,7 @@ from owtsweep.results.conditions import Condition
 from owtsweep.statistics.inference import t_quantile
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.tuning.judging import errors_on_records
-from owtsweep.studies.hub.varying.errors import Errors, compute
-from owtsweep.studies.hub.varying.notes import list_common_facts
+from owtsweep.studies.hub.varying.errors import Errors, compute, list_common_facts
 from owtsweep.studies.hub.varying.sentences import answer_each, find_best
 from owtsweep.studies.hub.varying.varied import VariedErrors
 from owtsweep.studies.hub.winners import OTHER_WINDOW

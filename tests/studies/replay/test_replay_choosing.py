@@ -11,7 +11,7 @@ from replay_tools import config_of, motion, motion_file, sensor_file, write_csv
 import owtsweep
 from owtsweep.motion.modes import find_modes
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice, baselines
 from owtsweep.studies.replay.loading import load_record

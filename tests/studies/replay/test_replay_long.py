@@ -18,7 +18,7 @@ from owtsweep.evaluation.trajectory import Trajectory, join
 from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.estimates import OnePassSeries
-from owtsweep.studies.hub.resolving import resolve
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.replay import blocks, estimating, session, states
 from owtsweep.studies.replay import record as recorded
 from owtsweep.studies.replay.estimating import estimate_pieces

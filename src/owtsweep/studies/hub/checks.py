@@ -14,8 +14,7 @@ from owtsweep.studies.hub.conditions import find_world, require_spectrum
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.expected.checks import check_expected
 from owtsweep.studies.hub.fix_rules import check_fix_rules
-from owtsweep.studies.hub.names import list_baselines
-from owtsweep.studies.hub.resolving import resolve_all
+from owtsweep.studies.hub.listed import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import GRAIN, check_fix_interval, check_grid
 
 if TYPE_CHECKING:

@@ -7,9 +7,8 @@ from owtsweep.studies.hub.conditions import find_world, get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
 from owtsweep.studies.hub.expected import answers
-from owtsweep.studies.hub.names import list_baselines
+from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.origin import list_origin
-from owtsweep.studies.hub.resolving import scheme_names
 
 
 def describe_run(run: Candidate) -> Aspects:

@@ -1,28 +1,263 @@
 """The configuration of the hub-motion study: its keys, types, bounds and meanings.
 
-Units are SI, but angles (wave direction) are in degrees. The sections are in `sections` and
+Units are SI, but angles (wave direction, yaw) are in degrees. The sections that tune schemes are in
 `scheme_sections`.
 """
 
 from __future__ import annotations
 
+import math
 import re
-from typing import ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from owtsweep.config import Config, Finite, Positive, key, require
+from pydantic import BeforeValidator, Field
+
+from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key, require
+from owtsweep.config.section import require_magnitude
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
+from owtsweep.structures.description import ANGLES
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.hub.scheme_sections import FilterTuning, Hme, Skf, Switch, Tuning
-from owtsweep.studies.hub.sections import (
-    Grid,
-    Measures,
-    MotionConfig,
-    Record,
-    SensorConfig,
-    SpectrumConfig,
-    Tune,
-)
+
+
+class Outliers(Section):
+    """Fixes with a gross error, which is added to the white noise of every fix."""
+
+    rate: float = key("share of the fixes that are outliers; 0: none", default=0.0, ge=0.0, le=0.5)
+    size: Positive = key(
+        "standard deviation of an outlier's offset along each axis",
+        unit="standard deviations of a fix",
+        default=10.0,
+    )
+    length: int = key(
+        "length of a burst, whose fixes share one offset (multipath); 1: each outlier by itself",
+        unit="fixes",
+        default=1,
+        ge=1,
+    )
+
+
+class Loss(Section):
+    """Fixes that never arrive, one by one or in outages."""
+
+    probability: float = key(
+        "probability that an outage begins at a fix; 0: no fix is lost", default=0.0, ge=0.0, lt=1.0
+    )
+    length: int = key("length of an outage", unit="fixes", default=1, ge=1)
+
+
+class Correlation(Section):
+    """Noise of low frequency on top of the white noise: a first-order Gauss-Markov process."""
+
+    sigma: NotNegative = key(
+        "standard deviation of the red noise, per axis; 0: none", unit="m", default=0.0
+    )
+    time: Positive = key("time constant of the red noise", unit="s", default=60.0)
+
+
+class Gnss(Section):
+    """The properties of the position sensor, GNSS."""
+
+    sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
+    rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
+    delay: NotNegative = key("age of a fix when it arrives; whole IMU steps", unit="s")
+    scale: Positive = key(
+        "scale error: a fix is the position times this number, plus noise; 1: none", default=1.0
+    )
+    outliers: Outliers = key("fixes with a gross error", default=Outliers())
+    loss: Loss = key("fixes that never arrive", default=Loss())
+    correlation: Correlation = key(
+        "red noise of the fixes, besides their white noise", default=Correlation()
+    )
+
+    @property
+    def loses(self) -> bool:
+        """Whether fixes may be lost."""
+        return self.loss.probability > 0.0
+
+    def list_faults(self) -> dict[str, str]:
+        """Return name -> value, in words, of outliers, outages and red noise, if there are any."""
+        told = {}
+        if self.outliers.rate > 0.0:
+            burst = f" in bursts of {self.outliers.length}" if self.outliers.length > 1 else ""
+            told["GNSS outliers"] = (
+                f"{self.outliers.rate:.3g} of {self.outliers.size:g} sigma{burst}"
+            )
+        if self.loses:
+            told["GNSS outages"] = f"of {self.loss.length} with {self.loss.probability:.3g} per fix"
+        if self.correlation.sigma > 0.0:
+            red = self.correlation
+            told["GNSS red noise"] = f"{red.sigma:g} m of {red.time:g} s"
+        return told
+
+
+#: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.
+STRUCTURE = "structure"
+
+
+def _read_tilt(value: Any) -> float | str:
+    """Return a tilt in rad/m, or the word `structure`."""
+    if value == STRUCTURE:
+        return STRUCTURE
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{value!r} is neither a number nor the word {STRUCTURE}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{number:g} rad/m must be a finite number")
+    return require_magnitude(number)
+
+
+#: A tilt in rad/m, or the word `structure`.
+Tilt = Annotated[float | str, BeforeValidator(_read_tilt)]
+
+
+class Grid(Section):
+    """The axes of the sweep: the values of each condition, and the number of replicates."""
+
+    natural_period: Axis[Positive] = key("natural periods of the turbine", unit="s")
+    amplitude: Axis[Positive] = key("largest displacement of a record (normalise: peak)", unit="m")
+    replicates: int = key("records per cell of the grid", ge=1, le=1_000_000)
+
+
+class MotionConfig(Section):
+    """Where the motion comes from: a spectrum, or a structure under waves (the plant).
+
+    All keys but `kind` and `envelope` belong to the plant; sea states and blades are null without a
+    plant.
+    """
+
+    kind: Literal["spectrum", "plant"] = key(
+        "spectrum: the spectrum of the key `spectrum`; plant: the structure of the key `structure` "
+        "under waves (choose by motion=plant)",
+        default="spectrum",
+    )
+    hs: Axis[Positive] | None = key(
+        "significant wave heights of the sea states", unit="m", default=None
+    )
+    tp: Axis[Positive] | None = key("peak periods of the sea states", unit="s", default=None)
+    blades: Axis[Annotated[int, Field(ge=0, le=3)]] | None = key("mounted blades", default=None)
+    friction_angle: Axis[Annotated[float, Field(ge=ANGLES[0], le=ANGLES[1])]] | None = key(
+        "angles of internal friction, each set in every layer of the soil; null: the structure's "
+        "own layers",
+        unit="deg",
+        default=None,
+    )
+    gamma: float = key("peak enhancement factor of the JONSWAP spectrum", default=3.3, ge=1, le=10)
+    modes: int = key("modes of the structure that answer", default=4, ge=1)
+    damping: float | None = key(
+        "damping ratio of every mode; null: the structure's own", default=None, gt=0.0, lt=1.0
+    )
+    envelope: list[list[Finite]] | None = key(
+        "pairs of time (s) and factor on the amplitude, e.g. [[0,0.1],[1000,10]]: a sea that grows "
+        "and falls (motion=spectrum only); null: none",
+        default=None,
+    )
+
+
+class Record(Section):
+    """The length of a record of motion and measurements."""
+
+    duration: Positive = key("length of a record", unit="s")
+
+
+class SpectrumConfig(Section):
+    """The spectrum of the motion."""
+
+    kind: Literal["translated", "printed"] = key(
+        "translated: one peak moved along the frequency axis; printed: Table 4 as it stands"
+    )
+    bandwidth: Positive = key(
+        "k, the squared half-bandwidth of the peak (translated only)", unit="s^-2"
+    )
+
+
+class Imu(Section):
+    """The properties of the accelerometers, the IMU."""
+
+    sigma: Positive = key("standard deviation of a sample, per axis", unit="m/s^2")
+    rate: Positive = key("samples per second", unit="Hz")
+    bias_initial: Finite = key("bias at the start of a record, per axis", unit="m/s^2")
+    bias_walk: NotNegative = key("intensity of the bias' random walk", unit="m/s^2/sqrt(s)")
+    tilt: Tilt = key(
+        "lean of the IMU per displacement; above zero: it leans the way that it moves, so the "
+        "specific force is a - g tilt d; `structure`: as the structure leans, mode by mode "
+        "(motion=plant only)",
+        unit="rad/m",
+        default=0.0,
+    )
+    high_pass: Positive | None = key(
+        "corner of an AC coupling, a first-order high-pass of what the IMU feels of the motion "
+        "(its noise and bias do not pass it); null: none",
+        unit="Hz",
+        default=None,
+    )
+
+
+class SensorConfig(Section):
+    """The sensors, GNSS and IMU, and the orientation of the IMU."""
+
+    gnss: Gnss = key("the position sensor")
+    imu: Imu = key("the accelerometers")
+    accuracy: Literal["sigma", "bound"] = key(
+        "what gnss.sigma and imu.sigma are: standard deviations (sigma) or, as the plus-minus "
+        "signs of Table 5 may mean, bounds of three standard deviations (bound)"
+    )
+    yaw: Finite = key("fixed yaw of the IMU", unit="deg")
+    gravity: list[Finite] = key(
+        "horizontal part of gravity, north and east",
+        unit="m/s^2",
+        form="two numbers, north and east, in m/s^2",
+        min_length=2,
+        max_length=2,
+    )
+
+
+class Measures(Section):
+    """The measures to compute, and the criterion by which schemes are ranked."""
+
+    settling_time: NotNegative = key("left out of the window settled", unit="s")
+    window: Literal["full", "settled"] = key("the window that the map judges")
+    criterion: Literal["position", "velocity", "x", "y"] = key(
+        "the MSE that the map judges: position is x + y, velocity is vx + vy"
+    )
+    extremes: bool = key(
+        "also the largest and the 95th percentile position error; needs evaluation=direct"
+    )
+    efficiency: bool = key(
+        "also how near the schemes come to the bounds of the settled position and velocity MSE: "
+        "columns efficiency_a and efficiency_b of summary.csv, and a figure",
+        default=False,
+    )
+
+    def find_settled(self, step: float) -> int:
+        """Return the number of the first step after the settling time; `step` in s."""
+        return round(self.settling_time / step)
+
+
+class Tune(Section):
+    """The settings of the command `tune`. No result of a run depends on them."""
+
+    amplitude: list[Positive] | None = key(
+        "smallest and largest amplitude that `tune` tunes for; null: those of the grid",
+        unit="m",
+        form="two amplitudes in m, smallest first, e.g. tune.amplitude=[0.2,3]",
+        default=None,
+        min_length=2,
+        max_length=2,
+    )
+    trials: int = key("trials of `tune` per scheme", default=100, ge=1, le=100_000)
+    seed: int = key(
+        "of the search; not the run's `seed`, with which `tune` judges what it found",
+        default=7,
+        ge=0,
+        advice="use an integer >= 0",
+    )
+    replicates: int = key(
+        "records per natural period on which `tune` judges what it found", default=8, ge=2, le=1000
+    )
+
 
 #: In a run of several tunings, these sections stand in `tunings.<name>`, not at the top.
 TUNED = tuple(Tuning.model_fields)

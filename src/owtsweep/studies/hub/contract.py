@@ -4,24 +4,42 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, NamedTuple, NoReturn
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, NamedTuple, NoReturn, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from owtsweep.arrays import Array
 from owtsweep.errors import require
+from owtsweep.evaluation.estimate import Estimate
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base import contract
-from owtsweep.studies.hub.known import ZERO, Estimator, Known, Measured
+from owtsweep.studies.base.knowledge import Knowledge
+from owtsweep.studies.hub.sensors import Measured, Sensors
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import OwnKernel
     from owtsweep.studies.hub.chain import Chain
     from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.measures import Sums
+    from owtsweep.studies.hub.records import Records
 
 __all__ = ["Estimator", "Known", "Measured", "Scheme"]
+
+
+class OwnKernel(Protocol):
+    """A scheme in a form for the batch engine that is no `Chain`: it runs itself."""
+
+    def sum_errors(
+        self, records: Records, settled: int, amplitude: float, *, keep_squared: bool = False
+    ) -> Sums:
+        """Run all replicates of some records, motion plus noise; sum the squared errors.
+
+        `settled` is the number of the first step after the settling time, `amplitude` that of the
+        motion in m. With `keep_squared`, the squared position error of each step is kept. The sums
+        are those of `sum_errors` with an amplitude.
+        """
 
 
 class Looped(NamedTuple):
@@ -35,6 +53,55 @@ class Looped(NamedTuple):
         estimator = self.scheme.start_for_runs(self.known)
         with np.errstate(over="ignore", invalid="ignore"):  # told as the reason of a failure
             return run_estimator(estimator, *measured, self.known.sensors.fix_interval)
+
+
+#: Where the coordinates of the studies begin. An origin of None stands for the first fix.
+ZERO = (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Known(Knowledge):
+    """All that a scheme may know beforehand of a case.
+
+    Attributes
+    ----------
+    sensors
+        The properties of the sensors.
+    tuning
+        The configuration of one tuning; its sections ekf, mkf, hme1, hme2, hme, ... hold the
+        numbers of the schemes.
+    natural_period, amplitude
+        Natural period of the turbine, s, and amplitude of the motion, m, for schemes that are told
+        the motion (`Scheme.told_motion`); None: nobody tells.
+    """
+
+    sensors: Sensors
+    tuning: HubConfig
+    natural_period: float | None = None
+    amplitude: float | None = None
+
+
+class Estimator(Protocol):
+    """The interface of a running estimator, whose method `update` is called once per IMU step."""
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """Take an IMU sample, and a position fix or None; return the estimate of the present.
+
+        Parameters
+        ----------
+        specific_force
+            Specific force in the IMU's frame, m/s^2, shape (2,).
+        position
+            The fix in NED, m, shape (2,): the position of `Sensors.delay` steps ago. None at steps
+            without a fix.
+
+        Returns
+        -------
+        Estimate
+            Position (m) and velocity (m/s) in NED, shape (2,) each. The estimate may have a
+            covariance (4, 4) of x, y, v_x, v_y, and the innovation of the fix, shape (2,), m.
+        """
+        ...
 
 
 class Scheme(contract.Scheme[Known, Measured, Trajectory]):
@@ -148,3 +215,28 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
 
     def _lacks(self, method: str) -> NoReturn:
         raise NotImplementedError(f"{self.name} has no {method}")
+
+
+class Stepwise(Scheme):
+    """A scheme of the package under a tuning that makes its gains depend on the measurements.
+
+    `unbatched` says what makes it so.
+    """
+
+    def __init__(self, scheme: Scheme, unbatched: str) -> None:
+        self.name, self.sections, self.unbatched = scheme.name, scheme.sections, unbatched
+        self.on_board = scheme.on_board
+        self._scheme = scheme
+
+    def start(self, known: Known) -> Estimator:
+        """Return a new estimator that runs step by step."""
+        return self._scheme.start(known)
+
+    def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> Estimator:
+        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`.
+
+        With constraints, each window of the moving horizon estimator is solved without them first.
+        If this solution breaks a constraint, the window is solved again, with constraints, by
+        CasADi.
+        """
+        return self._scheme.stream(known, origin)

@@ -23,16 +23,14 @@ from owtsweep.studies.base.declaration import (
     Stated,
 )
 from owtsweep.studies.base.rows import Means
-from owtsweep.studies.hub.batching import make_records, run_batch, uses_kernels
+from owtsweep.studies.hub.batch import make_records, run_batch, uses_kernels
 from owtsweep.studies.hub.conditions import WORLDS, find_amplitude, find_period, find_world
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.known import Known, Measured
+from owtsweep.studies.hub.contract import Known, Scheme
+from owtsweep.studies.hub.listed import SCHEMES
 from owtsweep.studies.hub.measures import from_trajectories
-from owtsweep.studies.hub.records import Records
-from owtsweep.studies.hub.resolving import SCHEMES
-from owtsweep.studies.hub.sensors import observe
-from owtsweep.studies.hub.sizes import count_records_per_block
+from owtsweep.studies.hub.records import Records, count_records_per_block
+from owtsweep.studies.hub.sensors import Measured, observe
 from owtsweep.studies.hub.world import World
 
 Cell = Mapping[str, Value]

@@ -12,7 +12,7 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.engine import DeclaredBlocks
-from owtsweep.studies.hub.batching import backend, uses_kernels
+from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.conditions import (
     criteria,
     find_world,
@@ -23,11 +23,17 @@ from owtsweep.studies.hub.conditions import (
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
-from owtsweep.studies.hub.names import REGISTERED, list_baselines, list_entries
+from owtsweep.studies.hub.listed import (
+    REGISTERED,
+    list_baselines,
+    list_entries,
+    resolve_all,
+    scheme_names,
+)
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
-from owtsweep.studies.hub.resolving import resolve_all, scheme_names
-from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK, count_table_bytes
+from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
+from owtsweep.studies.hub.sizes import count_table_bytes
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.studies.hub.world import World
 from owtsweep.sweep.study import Engine, Square

@@ -19,8 +19,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.known import Sensors
-from owtsweep.studies.hub.sensors import force_per_displacement
+from owtsweep.studies.hub.sensors import Sensors, force_per_displacement
 from owtsweep.studies.hub.settled import KEPT_CYCLES, cycle_of, limit, longest, settled
 
 Complex = NDArray[np.complex128]

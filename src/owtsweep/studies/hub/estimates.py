@@ -15,7 +15,7 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, Memory, new_memory
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.sensors import Sensors
 
 #: Number of lanes that are run together: as in a direct run of the batch engine, whose compiled
 #: kernels then serve here too.

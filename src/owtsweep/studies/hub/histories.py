@@ -14,11 +14,11 @@ from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
 from owtsweep.studies.hub.conditions import find_world, get_grid
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known import Known, Sensors
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.plant import make_plant
 from owtsweep.studies.hub.records import Records, make_records, make_records_at
-from owtsweep.studies.hub.resolving import resolve_all
-from owtsweep.studies.hub.sensors import simulate_bias
+from owtsweep.studies.hub.sensors import Sensors, simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.
 NATURAL_PERIOD = 3.8

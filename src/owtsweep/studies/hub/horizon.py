@@ -12,9 +12,9 @@ from owtsweep.estimation.gains import GainSchedule
 from owtsweep.estimation.mhe import WindowWeights, window_map, window_maps
 from owtsweep.studies.hub.fix_rules import PLAIN, FixRule
 from owtsweep.studies.hub.kernels.layout import NO_LEAN, HorizonArrays, LeanTerms
-from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
 from owtsweep.studies.hub.scheme_sections import Mhe
+from owtsweep.studies.hub.sensors import Sensors
 
 INPUTS = ("all", "averaged", "sampled")
 

@@ -13,8 +13,8 @@ from owtsweep.arrays import Array
 from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.peak import peak_factors
+from owtsweep.studies.hub.sensors import Sensors
 
 #: Greatest distance of two frequencies, Hz, and the greatest as a share of the half-bandwidth.
 SPACING, SHARE_OF_PEAK = 2e-3, 0.125

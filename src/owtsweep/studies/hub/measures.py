@@ -6,20 +6,49 @@ time.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import PLANAR_MOTION
 from owtsweep.evaluation.measures import Errors, Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base.rows import Means
-from owtsweep.studies.hub.batch import Sums
 
 #: The measures that the kernels sum, in their order.
 SUMMED = ("x", "y", "vx", "vy", "nees", "nis")
 #: Measures of the position error that need records run at their amplitude.
 EXTREMES = ("position_max", "position_p95")
 WINDOWS = ("full", "settled")
+
+
+class Sums(NamedTuple):
+    """The sums of one scheme's squared errors over each record, and the numbers of summed terms.
+
+    The error of an estimate is the error from motion plus the error from noise.
+
+    Attributes
+    ----------
+    products
+        Sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after the
+        settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
+        motion x noise, noise x noise. SI units.
+    steps, covariances, innovations
+        Number of steps, number of steps for which the scheme states the covariance of its estimate,
+        and number of innovations, before and after the settling time, shape (2,)
+        each.
+    squared
+        Squared position error of each step, m^2, shape (steps, replicates). The shape is
+        (0, replicates) if `sum_errors` was called without `keep_squared`.
+    """
+
+    products: Array
+    steps: NDArray[np.int64]
+    covariances: NDArray[np.int64]
+    innovations: NDArray[np.int64]
+    squared: Array
 
 
 def from_sums(sums: Sums) -> list[Means]:

@@ -14,8 +14,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
-from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.scheme_sections import FilterTuning, Variance
+from owtsweep.studies.hub.sensors import Sensors
 
 POSITION = np.array([1.0, 0.0, 0.0, 0.0])
 #: The specific force is R f = x3 - x4, Eq. (6b).

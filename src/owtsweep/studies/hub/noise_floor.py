@@ -17,7 +17,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.settled import cycle_of, filling, settled
 
 SOURCES = ("gnss", "imu", "bias")

@@ -10,7 +10,7 @@ from owtsweep.errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from owtsweep.studies.hub.known import Estimator
+    from owtsweep.studies.hub.contract import Estimator
 
 
 #: The sensors and the tuning of an estimator whose user names none.
@@ -50,8 +50,8 @@ def online(
     from owtsweep.studies import compose
     from owtsweep.studies.composing import require_texts
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.studies.hub.known import Known
-    from owtsweep.studies.hub.resolving import resolve
+    from owtsweep.studies.hub.contract import Known
+    from owtsweep.studies.hub.listed import resolve
     from owtsweep.studies.hub.sensors import sensors
 
     registered = resolve(scheme)

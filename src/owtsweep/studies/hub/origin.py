@@ -8,8 +8,7 @@ from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.tuning_rules import take_facts
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.studies.hub.sections import SensorConfig
+    from owtsweep.studies.hub.config import HubConfig, SensorConfig
 
 #: Value of the configuration key `normalise` -> what the amplitude of a motion measures.
 MEANING = {"peak": "largest displacement", "rms": "standard deviation"}

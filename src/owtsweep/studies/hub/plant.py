@@ -20,8 +20,8 @@ from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.structures import Structure
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.known import Sensors
-from owtsweep.studies.hub.sections import STRUCTURE
+from owtsweep.studies.hub.config import STRUCTURE
+from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.world import LAYERS, World
 from owtsweep.sweep.study import add_versions
 from owtsweep.waves import Sea

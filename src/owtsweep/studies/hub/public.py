@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import Lanes, sum_errors
-    from owtsweep.studies.hub.batching import backend
-    from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
+    from owtsweep.studies.hub.batch import Lanes, backend, sum_errors
+    from owtsweep.studies.hub.chain import Chain, Line, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.conditions import find_world
-    from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.studies.hub.contract import Scheme
+    from owtsweep.studies.hub.config import Grid, HubConfig
+    from owtsweep.studies.hub.contract import Known, Scheme
     from owtsweep.studies.hub.error_spectrum import (
         ErrorSpectrum,
         error_spectrum,
@@ -25,15 +24,17 @@ if TYPE_CHECKING:
         look_constant,
     )
     from owtsweep.studies.hub.estimates import OnePassSeries, chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.fix_lines import Line
     from owtsweep.studies.hub.kernels.layout import WIDTH
-    from owtsweep.studies.hub.known import Known, Sensors
-    from owtsweep.studies.hub.names import BASELINES, INSTEAD
+    from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.records import make_records
-    from owtsweep.studies.hub.resolving import SCHEMES, resolve, resolve_all
-    from owtsweep.studies.hub.sections import Grid
-    from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
+    from owtsweep.studies.hub.sensors import (
+        ForceNoise,
+        Sensors,
+        fix_count,
+        fix_noise,
+        simulate_bias,
+    )
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.study import HubKeys
     from owtsweep.studies.hub.tuning_rules import believe, follow_sensors
@@ -51,23 +52,18 @@ __all__ = [
 
 #: Module -> names that it provides.
 _HOMES = {
-    "batch": ["Lanes", "sum_errors"],
-    "batching": ["backend"],
-    "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
+    "batch": ["Lanes", "backend", "sum_errors"],
+    "chain": ["Chain", "Line", "bias_of", "has_acceleration", "lag_of"],
     "conditions": ["find_world"],
-    "config": ["HubConfig"],
-    "contract": ["Scheme"],
+    "config": ["Grid", "HubConfig"],
+    "contract": ["Known", "Scheme"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["OnePassSeries", "chunks", "state_chunks", "trajectories"],
-    "fix_lines": ["Line"],
     "kernels.layout": ["WIDTH"],
-    "known": ["Known", "Sensors"],
-    "names": ["BASELINES", "INSTEAD"],
+    "listed": ["BASELINES", "INSTEAD", "SCHEMES", "resolve", "resolve_all"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "records": ["make_records"],
-    "resolving": ["SCHEMES", "resolve", "resolve_all"],
-    "sections": ["Grid"],
-    "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
+    "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
     "tuning_rules": ["believe", "follow_sensors"],
     "winners": ["OTHER_WINDOW"],

@@ -20,10 +20,13 @@ from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known import Measured, Sensors
-from owtsweep.studies.hub.sizes import MEMORY_SHARE
+from owtsweep.studies.hub.sensors import Measured, Sensors
 
 STUDY = "hub"
+#: Replicates of one block: 0-7, 8-15, ... They run side by side, in eight lanes.
+REPLICATES_PER_BLOCK = 8
+#: Most bytes of motion that a worker holds at a time. Eight records of up to 6600 s at 100 Hz fit.
+MEMORY_SHARE = 128_000_000
 
 
 @dataclass(frozen=True)
@@ -163,3 +166,10 @@ def make_records_at(
 def _direction(config: HubConfig) -> Array:
     angle = np.deg2rad(config.wave_direction)
     return np.array([np.cos(angle), np.sin(angle)])
+
+
+def count_records_per_block(config: HubConfig) -> int:
+    """Return the most records of a block: fewer than `REPLICATES_PER_BLOCK` if they are long."""
+    steps = config.record.duration * config.sensors.imu.rate
+    fitting = MEMORY_SHARE // (find_world(config).bytes_per_step * steps)
+    return int(min(max(fitting, 1), REPLICATES_PER_BLOCK))

@@ -12,16 +12,13 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.conditions import find_world
-from owtsweep.studies.hub.names import list_entries
+from owtsweep.studies.hub.listed import list_entries
+from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK, count_records_per_block
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
 
 
-#: Replicates of one block: 0-7, 8-15, ... They run side by side, in eight lanes.
-REPLICATES_PER_BLOCK = 8
-#: Most bytes of motion that a worker holds at a time. Eight records of up to 6600 s at 100 Hz fit.
-MEMORY_SHARE = 128_000_000
 #: Most bytes that one part of a run may take.
 MOST_BYTES = 4_000_000_000
 #: Most blocks of a plan: each block is a file, and planning it takes 1.3 kB and 0.1 ms.
@@ -30,13 +27,6 @@ MOST_BLOCKS = 1_000_000
 MOST_STEPS_BETWEEN_FIXES = 500_000
 #: Numbers per record (error measures times time windows), and bytes per number.
 VALUES, NUMBER = 20, 8
-
-
-def count_records_per_block(config: HubConfig) -> int:
-    """Return the most records of a block: fewer than `REPLICATES_PER_BLOCK` if they are long."""
-    steps = config.record.duration * config.sensors.imu.rate
-    fitting = MEMORY_SHARE // (find_world(config).bytes_per_step * steps)
-    return int(min(max(fitting, 1), REPLICATES_PER_BLOCK))
 
 
 def check_grid(config: HubConfig) -> None:

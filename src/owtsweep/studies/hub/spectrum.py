@@ -12,7 +12,7 @@ from owtsweep.motion.source import Source
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Condition, Grid, Value
-from owtsweep.studies.hub.sections import STRUCTURE, MotionConfig
+from owtsweep.studies.hub.config import STRUCTURE, MotionConfig
 from owtsweep.studies.hub.world import World
 
 if TYPE_CHECKING:

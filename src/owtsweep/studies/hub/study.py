@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from owtsweep import estimation, evaluation, motion, sensing
 from owtsweep.config import Plain
 from owtsweep.studies.hub import kernels
-from owtsweep.studies.hub.names import describe
+from owtsweep.studies.hub.listed import describe
 from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
@@ -58,14 +58,14 @@ class HubKeys(Study):
 
     def describe_code(self, config: HubConfig) -> object:
         """Return what a run stores of its schemes, so that reading it makes no user's class."""
-        from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
+        from owtsweep.studies.hub.listed import SCHEMES, resolve_all
 
         one = next(iter(config.by_tuning().values()))
         return SCHEMES.describe_stored(resolve_all(config.schemes, one))
 
     def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
-        from owtsweep.studies.hub.resolving import SCHEMES
+        from owtsweep.studies.hub.listed import SCHEMES
 
         return {**plain, "schemes": SCHEMES.stand_in(plain.get("schemes"), described)}
 

@@ -15,9 +15,9 @@ from owtsweep.config import changed
 from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
-from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.known_motion import find_noise_density
 from owtsweep.studies.hub.scheme_sections import Skf
+from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.spectral_model import FLOOR, SpectralAxis, fit_or_recall, make_axis
 
 #: Number of states of a candidate's shaping filter. The true spectrum is not known, so a closer fit

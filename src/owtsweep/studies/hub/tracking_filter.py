@@ -27,8 +27,8 @@ from owtsweep.motion.tracking import (
     Motion,
     SpectrumTracker,
 )
-from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.scheme_sections import Skf
+from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.spectral_filter import AxisEstimates, AxisFilter
 from owtsweep.studies.hub.spectral_model import SpectralAxis
 from owtsweep.studies.hub.tracked_models import make_candidate

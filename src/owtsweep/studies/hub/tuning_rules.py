@@ -17,8 +17,7 @@ from owtsweep.config import Plain, Section, changed, typed
 from owtsweep.errors import InputError
 from owtsweep.gravity import GRAVITY
 from owtsweep.structures import Structure, compute_modes
-from owtsweep.studies.hub.config import TUNED, HubConfig
-from owtsweep.studies.hub.sections import Imu, MotionConfig, SensorConfig
+from owtsweep.studies.hub.config import TUNED, HubConfig, Imu, MotionConfig, SensorConfig
 
 logger = logging.getLogger(__name__)
 

@@ -16,7 +16,7 @@ from owtsweep.estimation.casadi_window import CasadiWindow
 from owtsweep.estimation.mhe import square_root_information
 from owtsweep.studies.hub.horizon import Horizon, transition_over
 from owtsweep.studies.hub.kernels.online_layout import LEAST_CHANGE, MOST_WEIGHINGS
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.sensors import Sensors
 
 _I = np.eye(2)
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from owtsweep.studies.hub.conditions import MEASURES, get_conditions, get_grid
-from owtsweep.studies.hub.names import INSTEAD, list_baselines
-from owtsweep.studies.hub.resolving import scheme_names
+from owtsweep.studies.hub.listed import INSTEAD, list_baselines, scheme_names
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,7 +10,7 @@ from owtsweep.config import Plain
 from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.sensors import Sensors
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

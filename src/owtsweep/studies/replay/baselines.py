@@ -1,7 +1,7 @@
 """Measure the errors of the baselines on a record: NONE, HOLD and DELTA.
 
 Between two steps at which position fixes are due, the estimate of a baseline is a straight line
-(`hub.fix_lines`). Its squared error is a polynomial in few sums over the true motion. These sums
+(`hub.lines`). Its squared error is a polynomial in few sums over the true motion. These sums
 are made once per record, so another draw of the noise costs as much time as there are fixes, not as
 there are steps. Fixes may be missing; a baseline then goes on with those that came.
 """

@@ -22,8 +22,8 @@ from owtsweep.estimation.discretisation import discretise
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.horizon import LEAST_BIAS_DENSITY
-from owtsweep.studies.hub.known import Sensors
 from owtsweep.studies.hub.models import sigma_2
+from owtsweep.studies.hub.sensors import Sensors
 
 
 def kalman_bound(config: HubConfig) -> float:

@@ -17,7 +17,7 @@ from owtsweep.estimation.discretisation import Model, discretise
 from owtsweep.estimation.periodic import find_steady_covariance, make_prediction, make_update
 from owtsweep.motion.shaping import ShapingFilter
 from owtsweep.studies.hub.horizon import LEAST_BIAS_DENSITY
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.sensors import Sensors
 
 
 def bound_of_known_spectrum(

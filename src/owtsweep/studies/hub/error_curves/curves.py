@@ -18,8 +18,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.error_curves import inputs, nodes
 from owtsweep.studies.hub.error_curves.inputs import Probe
 from owtsweep.studies.hub.error_curves.probing import Workspace
-from owtsweep.studies.hub.known import Sensors
-from owtsweep.studies.hub.sensors import fix_count
+from owtsweep.studies.hub.sensors import Sensors, fix_count
 
 #: An interval between two nodes is halved if interpolation at its middle is wrong by more than
 #: this: relative to the curve (for motion), or to the whole sum (for noise).

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.known import Sensors
-from owtsweep.studies.hub.sensors import force_per_displacement
+from owtsweep.studies.hub.sensors import Sensors, force_per_displacement
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.sensors import Sensors
 
 #: Number of first nodes per ripple, before any interval is halved.
 PER_RIPPLE = 2.5

@@ -13,11 +13,10 @@ from owtsweep.motion.synthesis import lines
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.cache import cached
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves.curves import Curves, curves
-from owtsweep.studies.hub.known import Known
-from owtsweep.studies.hub.names import list_entries
+from owtsweep.studies.hub.listed import SCHEMES, list_entries, resolve
 from owtsweep.studies.hub.peak import peak_factors
-from owtsweep.studies.hub.resolving import SCHEMES, resolve
 
 
 @dataclass(frozen=True)

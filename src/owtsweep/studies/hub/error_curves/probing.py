@@ -17,8 +17,7 @@ from owtsweep.studies.hub.error_curves.inputs import Probe
 from owtsweep.studies.hub.error_curves.layout import Buffers, Course, Waves
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
 from owtsweep.studies.hub.kernels.layout import Memory, new_memory
-from owtsweep.studies.hub.known import Sensors
-from owtsweep.studies.hub.sensors import fix_count
+from owtsweep.studies.hub.sensors import Sensors, fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 
 #: Greatest number of lanes that run together until the responses of all repeat. For long records

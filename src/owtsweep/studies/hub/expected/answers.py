@@ -159,8 +159,7 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     In grids of more than `MOST_CELLS` cells, "summary" has only the run's criterion and window.
     """
     from owtsweep.studies.hub.conditions import criteria
-    from owtsweep.studies.hub.names import list_baselines
-    from owtsweep.studies.hub.resolving import scheme_names
+    from owtsweep.studies.hub.listed import list_baselines, scheme_names
 
     window, measure = config.measures.window, config.measures.criterion
     best = best_scheme(

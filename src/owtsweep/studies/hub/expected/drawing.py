@@ -15,9 +15,8 @@ from owtsweep.studies.hub import winners
 from owtsweep.studies.hub.conditions import criteria
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.figures import listing
-from owtsweep.studies.hub.names import list_baselines
+from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.origin import MEANING, describe_origin
-from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.schemes.skf import SCHEME
 from owtsweep.studies.hub.spectrum import AMPLITUDE, NATURAL_PERIOD
 

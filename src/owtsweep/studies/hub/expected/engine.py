@@ -21,9 +21,8 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import list_content
 from owtsweep.studies.hub.error_curves.of_schemes import EXPECTED_VERSION, curves_of, motion_of
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
-from owtsweep.studies.hub.names import list_entries
+from owtsweep.studies.hub.listed import SCHEMES, list_entries, resolve_all
 from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
-from owtsweep.studies.hub.resolving import SCHEMES, resolve_all
 from owtsweep.studies.hub.schemes.skf import SpectralScheme
 from owtsweep.sweep.study import Block
 

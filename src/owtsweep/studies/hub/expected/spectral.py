@@ -24,7 +24,7 @@ from owtsweep.estimation.late import LateModel, LateRows, copying, measurement_r
 from owtsweep.studies.base.rows import Judgement, Means, make_product_rows
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.known_motion import find_known_motion
 from owtsweep.studies.hub.schemes.skf import SCHEME, find_motion
 from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, make_axes

@@ -18,8 +18,7 @@ from owtsweep.figures import style
 from owtsweep.figures.plane import Plane
 from owtsweep.studies.hub.bounds.cells import WINDOW
 from owtsweep.studies.hub.conditions import get_grid
-from owtsweep.studies.hub.names import list_baselines
-from owtsweep.studies.hub.resolving import scheme_names
+from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.spectrum import CONDITIONS
 
 if TYPE_CHECKING:

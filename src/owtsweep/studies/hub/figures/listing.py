@@ -16,9 +16,8 @@ from owtsweep.studies.hub.conditions import (
     list_maps,
     select,
 )
-from owtsweep.studies.hub.names import list_baselines
+from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.origin import describe_one_record, describe_origin
-from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 
 if TYPE_CHECKING:

@@ -18,14 +18,13 @@ from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import ONE_LINE, draw_cells
+from owtsweep.figures.margin import HANDLERS, Shades
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
-from owtsweep.figures.shades import HANDLERS, Shades
 from owtsweep.results.best_scheme import find_coinciding, tell_winners
 from owtsweep.studies.hub.conditions import CRITERIA, find_world, get_map_conditions, select
-from owtsweep.studies.hub.names import list_baselines
+from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.origin import describe_origin
-from owtsweep.studies.hub.resolving import scheme_names
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 
 if TYPE_CHECKING:

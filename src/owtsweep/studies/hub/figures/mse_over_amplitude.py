@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from owtsweep.figures import curves, style
-from owtsweep.studies.hub.names import BASELINES
+from owtsweep.studies.hub.listed import BASELINES
 from owtsweep.studies.hub.spectrum import AMPLITUDE, NATURAL_PERIOD
 
 #: The panels: measure -> label of its axis.

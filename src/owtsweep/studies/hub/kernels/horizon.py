@@ -2,12 +2,20 @@
 
 Its least squares problem is linear. So the state at the newest fix is a matrix times the window's
 data: fixes, what the inputs between them add to position and velocity, and an arrival state. The
-window (`Memory.nodes`) is registers 2 and 3 of the paper, Algorithms 4 and 5.
+window (`Memory.nodes`) is registers 2 and 3 of the paper, Algorithms 4 and 5. `take_fix` and
+`make_position` do so for many series.
+
+If fixes are missing or weighed, the window is solved anew, by a square-root information filter
+(`solve_window`). The problem is a chain of nodes, one node per fix, with links between successive
+nodes. It is factorised node by node: one QR step over each link yields a block of factors for the
+older node and a 3 x 3 factor for the newer node. Both axes share the factors.
 """
 
 from __future__ import annotations
 
-from owtsweep.compiled import part
+import numpy as np
+
+from owtsweep.compiled import njit, part
 from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED
 
 
@@ -83,3 +91,204 @@ def choose_input(now, u, inputs, tick, interval):
         for i in range(len(now.p)):
             now.sample[i] = now.gathered[i] / float(interval) if inputs == AVERAGED else u[i]
             now.gathered[i] = 0.0
+
+
+#: What is known about the oldest node: nothing, a prior, or the state itself.
+NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
+
+
+@njit
+def put(target, row, column, source):
+    """Copy the matrix `source` into a larger matrix, `target`.
+
+    The first element of `source` goes to the given row and column of `target`. (numba takes seconds
+    to compile an assignment of slices.)
+    """
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[row + i, column + j] = source[i, j]
+
+
+@njit
+def take(target, source, row, column):
+    """Fill the matrix `target` with a part of a larger matrix, `source`.
+
+    The part's first element is at the given row and column of `source`.
+    """
+    for i in range(target.shape[0]):
+        for j in range(target.shape[1]):
+            target[i, j] = source[row + i, column + j]
+
+
+@njit
+def square_root_information(P, U):
+    """Fill U (3, 3) with the inverse of the Cholesky factor of P (3, 3), so that U' U = P^-1."""
+    L = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(i + 1):
+            total = P[i, j]
+            for m in range(j):
+                total -= L[i, m] * L[j, m]
+            L[i, j] = np.sqrt(total) if i == j else total / L[j, j]
+    for j in range(3):
+        for i in range(3):
+            total = 1.0 if i == j else 0.0
+            for m in range(i):
+                total -= L[i, m] * U[m, j]
+            U[i, j] = total / L[i, i]
+
+
+@njit
+def triangularise(M, columns):
+    """Make the first `columns` columns of M zero below the diagonal, by Householder reflections.
+
+    M, shape (rows, width), is changed in place.
+    """
+    rows, width = M.shape
+    for c in range(min(columns, rows - 1)):
+        norm = 0.0
+        for i in range(c, rows):
+            norm += M[i, c] * M[i, c]
+        norm = np.sqrt(norm)
+        if norm == 0.0:
+            continue
+        alpha = -norm if M[c, c] > 0.0 else norm
+        head = M[c, c] - alpha
+        beta = -1.0 / (alpha * head)  # 2 / v'v
+        for j in range(c + 1, width):
+            total = head * M[c, j]
+            for i in range(c + 1, rows):
+                total += M[i, c] * M[i, j]
+            total *= beta
+            M[c, j] -= total * head
+            for i in range(c + 1, rows):
+                M[i, j] -= total * M[i, c]
+        M[c, c] = alpha
+        for i in range(c + 1, rows):
+            M[i, c] = 0.0
+
+
+@njit
+def solve_window(n, h, m, x0, prior, kind, first):
+    """Solve a window of n links; write the newest node's state to m.nodes[n].
+
+    A link leads from one node to the next. A state is (3, 2): position, velocity and bias of both
+    axes. For the older nodes only factors are left in m.blocks, from which `older_nodes` computes
+    their states. The data must determine the states.
+
+    Parameters
+    ----------
+    h
+        The weights of the least squares problem, `HorizonSettings`.
+    m
+        The fixes, the effects of the inputs, and memory for factors and nodes: `OnlineRegisters`.
+    x0, prior
+        The arrival state (3, 2), and the square root (3, 3) of its information matrix.
+    kind
+        What is known about the oldest node: NO_ARRIVAL (nothing), PRIOR (x0 with uncertainty) or
+        FIXED (its state is x0).
+    first
+        The fixes of nodes before number `first` are left out.
+    """
+    A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
+    z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes
+    weight = m.weight
+    R = np.zeros((3, 3))
+    r = np.zeros((3, 2))
+    step = np.empty((6, 8))
+    row = np.empty((4, 5))
+    if kind == PRIOR:
+        for i in range(3):
+            for j in range(3):
+                R[i, j] = prior[i, j]
+                for axis in range(2):
+                    r[i, axis] += prior[i, j] * x0[j, axis]
+    for node in range(n + 1):
+        if have[node] and node >= first:
+            put(row, 0, 0, R)
+            put(row, 0, 3, r)
+            root = weight[node] * inverse_sigma
+            row[3, 0] = root
+            row[3, 1] = 0.0
+            row[3, 2] = 0.0
+            row[3, 3] = root * z[node, 0]
+            row[3, 4] = root * z[node, 1]
+            triangularise(row, 3)
+            take(R, row, 0, 0)
+            take(r, row, 0, 3)
+        if node == n:
+            break
+        step[:] = 0.0
+        if kind == FIXED and node == 0:
+            for i in range(3):
+                step[i, i] = 1.0  # stands for an infinite factor: the state is met exactly
+            put(step, 0, 6, x0)
+        else:
+            put(step, 0, 0, R)
+            put(step, 0, 6, r)
+        for i in range(3):
+            for j in range(3):
+                step[3 + i, 3 + j] = U[i, j]
+                for m in range(3):
+                    step[3 + i, j] -= U[i, m] * A[m, j]
+                for axis in range(2):
+                    step[3 + i, 6 + axis] += U[i, j] * effects[node, j, axis]
+        if kind == FIXED and node == 0:
+            for i in range(3):
+                for j in range(3):
+                    for axis in range(2):
+                        step[3 + i, 6 + axis] -= step[3 + i, j] * x0[j, axis]
+        else:
+            triangularise(step, 3)
+        take(blocks[node], step, 0, 0)
+        take(R, step, 3, 3)
+        take(r, step, 3, 6)
+    put(row, 0, 0, R)
+    put(row, 0, 3, r)
+    for j in range(5):
+        row[3, j] = 0.0
+    triangularise(row, 3)
+    for axis in range(2):
+        for i in range(2, -1, -1):
+            total = row[i, 3 + axis]
+            for j in range(i + 1, 3):
+                total -= row[i, j] * nodes[n, j, axis]
+            nodes[n, i, axis] = total / row[i, i]
+
+
+@njit
+def older_nodes(n, blocks, nodes):
+    """Compute the states of the nodes n - 1 ... 0 from the state of node n, by back substitution.
+
+    A node is a time at which a fix may come. `blocks` are the factors that `solve_window` leaves,
+    shape (n or more, 3, 8). `nodes`, shape (n + 1 or more, 3, 2), holds the state of node n and
+    gets the other states.
+    """
+    for node in range(n - 1, -1, -1):
+        block = blocks[node]
+        for axis in range(2):
+            for i in range(2, -1, -1):
+                total = block[i, 6 + axis]
+                for j in range(3):
+                    total -= block[i, 3 + j] * nodes[node + 1, j, axis]
+                for j in range(i + 1, 3):
+                    total -= block[i, j] * nodes[node, j, axis]
+                nodes[node, i, axis] = total / block[i, i]
+
+
+@njit
+def violates(x, bounds, rotation, gravity):
+    """Return whether a node's state x breaks a constraint on either axis.
+
+    The state x (3, 2) is position, velocity and x4 of both axes, where x4 = -R b^b + g contains the
+    bias b^b (Eq. 6 of Ren et al. 2019). The bounds (3,) apply to the magnitudes of position and
+    velocity in NED and of the bias in the IMU's frame. `rotation` is R (2, 2), `gravity` is g (2,)
+    in NED, m/s^2.
+    """
+    for axis in range(2):
+        bias = 0.0  # b^b = R' (g - x4), Eq. (6)
+        for j in range(2):
+            bias += rotation[j, axis] * (gravity[j] - x[2, j])
+        if abs(x[0, axis]) > bounds[0] or abs(x[1, axis]) > bounds[1] or abs(bias) > bounds[2]:
+            return True
+    return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit, part
 from owtsweep.estimation.windowing import FilterRows, covariances
+from owtsweep.studies.hub.kernels.horizon import put, take
 from owtsweep.studies.hub.kernels.online_layout import PICK, ROW, STEP
 from owtsweep.studies.hub.kernels.predicting import add_input, predict
 from owtsweep.studies.hub.kernels.smoothing import (
@@ -12,7 +13,6 @@ from owtsweep.studies.hub.kernels.smoothing import (
     add_position,
     carry_back,
 )
-from owtsweep.studies.hub.kernels.window import put, take
 
 
 @njit

@@ -10,8 +10,9 @@ from owtsweep.errors import require
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.loop import RecordEstimator
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.known import ZERO, Sensors
+from owtsweep.studies.hub.contract import ZERO
 from owtsweep.studies.hub.online.coordinates import check_origin, check_sample, check_samples
+from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.spectral_filter import AxisFilter
 
 

@@ -9,8 +9,7 @@ from threading import Lock
 from typing import Literal
 
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain
-from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.known import Known
+from owtsweep.studies.hub.contract import Known, Scheme
 
 #: Greatest number of chains in the cache: four schemes under each of two tunings, and three
 #: baselines. A chain whose gains settle slowly takes up to 100 MB.
@@ -44,7 +43,7 @@ class ChainScheme(Scheme):
 
     def _share(self, known: Known, steps: int, *, for_runs: bool) -> Chain:
         sections = tuple(repr(attrgetter(section)(known.tuning)) for section in self.sections)
-        key = (type(self), known.sensors, steps, for_runs, *sections)
+        key = (type(self), self.name, known.sensors, steps, for_runs, *sections)
         with _LOCK:
             making = _MAKING.setdefault(key, Lock())
         with making:  # only threads that need the same chain wait

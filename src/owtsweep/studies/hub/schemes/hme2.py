@@ -18,17 +18,15 @@ from owtsweep.estimation.predictor import predict
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import Chain, chain
-from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
-from owtsweep.studies.hub.known import ZERO, Known, Sensors
 from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
-from owtsweep.studies.hub.online.chain import online_chain
-from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator
+from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
-from owtsweep.studies.hub.schemes.stepwise import Stepwise
+from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.sizes import check_mhe, check_window
 
 if TYPE_CHECKING:

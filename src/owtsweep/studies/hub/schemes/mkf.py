@@ -3,6 +3,13 @@
 The filter combines delayed position fixes with the undelayed IMU. There is no register that delays
 the IMU, no smoother and no predictor. The estimate is compared with the present motion. So the
 delay of the GNSS makes the estimate lag.
+
+EKF is the same filter, but with an innovation of the position that is zero between the fixes
+(section 5.3 and Eq. 6). The model, Eq. (6), is linear, so this "extended" filter is a Kalman
+filter. The paper does not say how the covariance is updated between fixes; the key
+`ekf.update_rule` decides. With the rule `every_step` the covariance is updated as if there were a
+fix at every IMU step, which agrees best with the published numbers. With the rule `proper`, EKF is
+MKF.
 """
 
 from __future__ import annotations
@@ -14,16 +21,14 @@ from numpy.typing import ArrayLike
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Chain, chain
-from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
 from owtsweep.studies.hub.fix_rules import make_fix_rule
-from owtsweep.studies.hub.known import ZERO, Known, Sensors
 from owtsweep.studies.hub.models import axis_filter
-from owtsweep.studies.hub.online.chain import online_chain
-from owtsweep.studies.hub.online.estimator import OnlineEstimator
+from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
-from owtsweep.studies.hub.schemes.stepwise import Stepwise
+from owtsweep.studies.hub.sensors import Sensors
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -85,3 +90,4 @@ class FilterScheme(ChainScheme):
 
 
 SCHEME = FilterScheme("MKF", "mkf")
+EKF = FilterScheme("EKF", "ekf")

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.conditions import require_spectrum
-from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.known import ZERO, Known
+from owtsweep.studies.hub.contract import ZERO, Known, Scheme
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from owtsweep.motion.tracking import LEAST
-from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.known import ZERO, Known
+from owtsweep.studies.hub.contract import ZERO, Known, Scheme
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
 from owtsweep.studies.hub.spectral_model import SpectralAxis

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.known import ZERO, Estimator, Known
+from owtsweep.studies.hub.contract import ZERO, Estimator, Known, Scheme
 from owtsweep.studies.hub.switching.boundary import (
     Boundary,
     check_switch,
@@ -59,7 +58,7 @@ class SupervisorySwitching(Scheme):
 
 def _choose_schemes(config: HubConfig) -> tuple[Scheme, Scheme]:
     """Return the schemes below and above the boundary."""
-    from owtsweep.studies.hub.resolving import resolve
+    from owtsweep.studies.hub.listed import resolve
 
     settings = config.switch
     below, above = resolve(settings.below), resolve(settings.above)

@@ -16,7 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.names import LISTED
+from owtsweep.studies.hub.listed import LISTED
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.scheme_sections import Switch
@@ -100,7 +100,7 @@ def compute_boundary(config: HubConfig, below: str, above: str, crest: float) ->
         If a scheme's expected errors cannot be computed: it is not linear, or has no kernel.
     """
     from owtsweep.studies.hub.error_curves.of_schemes import curves_of
-    from owtsweep.studies.hub.resolving import resolve, under
+    from owtsweep.studies.hub.listed import resolve, under
 
     measure = int(config.measures.criterion == "velocity")
     alone = changed(config, schemes=[below, above], baselines=[])

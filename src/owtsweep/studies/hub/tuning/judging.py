@@ -17,7 +17,7 @@ from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.base import blocks
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import find_declaration
-from owtsweep.studies.hub.resolving import resolve
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.tuning.objective import amplitudes, score
 from owtsweep.studies.hub.winners import make_cube
 

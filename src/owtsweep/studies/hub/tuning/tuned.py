@@ -15,8 +15,8 @@ from owtsweep.errors import require
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import TUNED, HubConfig
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.origin import describe_truth
-from owtsweep.studies.hub.resolving import resolve_all
 from owtsweep.studies.hub.tuning.judging import judge
 from owtsweep.studies.hub.tuning.objective import amplitudes
 from owtsweep.studies.hub.tuning.search import Found, find_space, search

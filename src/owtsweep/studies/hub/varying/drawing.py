@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from owtsweep.figures import curves, style
 from owtsweep.figures.palette import style_of
-from owtsweep.studies.hub.names import BASELINES
+from owtsweep.studies.hub.listed import BASELINES
 from owtsweep.studies.hub.varying.errors import Errors
 from owtsweep.studies.hub.varying.sentences import describe_error, describe_motion, find_best
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import product
+from operator import attrgetter
 
 import numpy as np
 import pandas as pd
@@ -20,14 +21,66 @@ from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.results.status import OK
+from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.answers import expected
 from owtsweep.studies.hub.expected.engine import rows
-from owtsweep.studies.hub.names import list_baselines
-from owtsweep.studies.hub.resolving import resolve_all, scheme_names
-from owtsweep.studies.hub.varying.notes import list_common_facts, list_notes
+from owtsweep.studies.hub.listed import list_baselines, resolve_all, scheme_names
+from owtsweep.studies.hub.origin import list_sensors
+from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
+from owtsweep.studies.hub.winners import OTHER_WINDOW
+
+
+def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
+    """Return the facts that hold for each configuration: tuning, sensors and truth, in this order.
+
+    A fact that differs between the configurations is left out.
+    """
+    listed = [_list_facts(config) for config in configs]
+    return tuple(fact for fact in listed[0] if all(fact in facts for facts in listed))
+
+
+def _list_facts(config: HubConfig) -> list[str]:
+    sensors = [f"{name} {value}" for name, value in list_sensors(config.sensors).items()]
+    return [
+        f"tuning {config.tuning_name}",
+        *sensors,
+        f"mean over all records of {config.record.duration:g} s, without the first "
+        f"{config.measures.settling_time:g} s",
+    ]
+
+
+BOUND = (
+    "The Kalman bound is the least error of an estimator that assumes nothing about the motion; an "
+    "estimator that does assume something may have less."
+)
+
+
+def list_notes(
+    along: Condition, configs: Mapping[Value, HubConfig], schemes: Sequence[str], mse: Array
+) -> tuple[str, ...]:
+    """Return sentences on coinciding schemes, HME2's numbers, the bound and the window.
+
+    `mse` are the MSE of `schemes`, shape (schemes, values, motions).
+    """
+    groups = group_coinciding(schemes, lambda i, j: bool(agree(mse[i], mse[j]).all()))
+    told = [f"{' and '.join(group)} have the same errors." for group in groups]
+    recorded = [value for value, config in configs.items() if _has_recorded_numbers(config)]
+    one_tuning = len({config.tuning_name for config in configs.values()}) == 1
+    if RECORDED_FOR in schemes and one_tuning and 0 < len(recorded) < len(configs):
+        places = " and ".join(along.show(value) for value in recorded)
+        told.append(
+            f"At {places}, {RECORDED_FOR} has the numbers that tuning=matched keeps for the "
+            "paper's sensors; elsewhere its numbers follow a rule (docs/tuning.md)."
+        )
+    return (*told, BOUND, OTHER_WINDOW["settled"])
+
+
+def _has_recorded_numbers(config: HubConfig) -> bool:
+    return all(attrgetter(key)(config) == number for key, number in RECORDED.items())
+
 
 #: The overrides that the command puts before the user's: a tuning whose numbers follow from the
 #: sensors, and one motion in the middle of the grid, at which an estimator is needed.

@@ -49,7 +49,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     from matplotlib.patches import Patch
 
     from owtsweep.figures.best_scheme_map import HATCH
-    from owtsweep.figures.shades import Shades, add_legend
+    from owtsweep.figures.margin import Shades, add_legend
 
     table, (first, second) = _choose_coordinates(config, records)
     measured = advised[(advised["source"] != "map") & (advised["noise"] != "estimated")]

@@ -1,8 +1,9 @@
-"""Sums the squared errors of estimates that follow straight lines between position fixes.
+"""The baselines of the hub study: estimates that follow straight lines between position fixes.
 
-Such are the estimates of the baselines. Between two fixes a line's squared error is a polynomial in
-few sums over the true motion, which all lines share. So these sums take a small part of the time
-that a run of a chain takes, and give the same numbers to rounding.
+`fix_chain` makes a baseline's chain. `sum_line_errors` sums its squared errors without a run:
+between two fixes a line's squared error is a polynomial in few sums over the true motion, which all
+lines share. So these sums take a small part of the time that a run of a chain takes, and give the
+same numbers to rounding.
 """
 
 from __future__ import annotations
@@ -12,37 +13,66 @@ from typing import NamedTuple
 
 import numpy as np
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
+from owtsweep.estimation.discretisation import Discrete
+from owtsweep.estimation.gains import GainSchedule
+from owtsweep.studies.hub.chain import NO_HORIZON, Chain, Line
 from owtsweep.studies.hub.feed import Feed
-from owtsweep.studies.hub.kernels.layout import WIDTH
-from owtsweep.studies.hub.known import Sensors
+from owtsweep.studies.hub.kernels.layout import WIDTH, FilterArrays, PredictorArrays
+from owtsweep.studies.hub.models import AxisFilter
+from owtsweep.studies.hub.sensors import Sensors
 
 
-class Line(NamedTuple):
-    """The straight line that an estimate follows from one position fix to the next.
+def fix_chain(sensors: Sensors, line: Line) -> Chain:
+    """Make the chain whose estimates follow straight lines from one position fix to the next.
 
-    Attributes
-    ----------
-    holds
-        Whether the line starts from the last fix; otherwise it is zero.
-    moves
-        Whether the line has the slope between the last two fixes, and is at the present, a delay
-        ahead of the last fix; otherwise its slope is zero.
+    The chain takes no account of the specific force, and states no covariance. Its state is that of
+    the delayed time, to which the fixes belong; the predictor takes it to the present.
     """
-
-    holds: bool
-    moves: bool
-
-    def through(self, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
-        """Return the lines' positions when a fix arrives (m) and their slopes (m/s).
-
-        Both have the shape of `fixes`, which are positions in m, shape (..., fixes). Before the
-        second fix the slope is zero.
-        """
-        slope = np.zeros_like(fixes)
-        if self.moves:
-            slope[..., 1:] = np.diff(fixes) / sensors.fix_step
-        return float(self.holds) * fixes + sensors.delay * sensors.step * slope, slope
+    gains = [[float(line.holds), 0.0]]
+    if line.moves:
+        # The state moves on with its velocity, so a fix differs from it by the change of the slope
+        # times the time between two fixes.
+        gains.append([1.0, 1.0 / sensors.fix_step])
+    ahead = sensors.delay if line.moves else 0
+    M, step = sensors.fix_interval, sensors.step
+    rows = M * len(gains)
+    K = aligned(rows, 4, 2)
+    K[::M, :2, 0] = gains
+    A = np.eye(4)
+    A[0, 1] = step
+    unknown = np.broadcast_to(np.nan, (rows, 4, 4))
+    applied = np.arange(rows) % M == 0
+    return Chain(
+        gains=GainSchedule(
+            K=K,
+            applied=applied,
+            # no innovation has a known variance, so none is judged
+            fresh=np.zeros(rows, dtype=bool),
+            innovation_variance=np.full(rows, np.nan),
+            predicted=unknown,
+            filtered=unknown,
+            cycle=M,
+        ),
+        filter=FilterArrays(
+            A=A, B=np.zeros(4), h=np.zeros(4), K=K, applied=applied, C=np.zeros((1, 4, 4)),
+            D=np.zeros((1, 4, 2)), cycle=M, input_delay=0, window=0, fix_interval=M,
+        ),
+        # with steps of no length, the predictor adds up no specific force
+        predictor=PredictorArrays(
+            steps=ahead, step=0.0, half=0.0, pv=ahead * step, pb=0.0, vb=0.0, old_p=0.0
+        ),
+        mhe=NO_HORIZON,
+        axis=AxisFilter(
+            model=Discrete(A=A, B=np.zeros((4, 1)), Q=np.full((4, 4), np.nan), step=step),
+            force_row=np.zeros(4),
+            position_variance=np.nan,
+            force_variance=np.nan,
+            initial_covariance=np.full((4, 4), np.nan),
+        ),
+        input_model=None,
+        line=line,
+    )  # fmt: skip
 
 
 class Piece(NamedTuple):
