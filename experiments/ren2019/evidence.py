@@ -12,7 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.results.status import OK
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import scheme_names
-from owtsweep.studies.hub.spectrum import BOUNDARY
+from owtsweep.studies.hub.world import BOUNDARY
 from owtsweep.studies.readings.published import BOUNDARIES
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.scores import collect_scores

@@ -36,8 +36,8 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
-from owtsweep.studies.hub.spectrum import BOUNDARY, CONDITIONS
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
+from owtsweep.studies.hub.world import BOUNDARY, CONDITIONS
 from owtsweep.sweep.runs import Run
 
 LOWER, UPPER = BOUNDARY

@@ -11,7 +11,7 @@ import pandas as pd
 
 from experiments.ren2019 import reasons
 from experiments.ren2019.evidence import AMPLITUDES, PERIODS, SCHEMES, Evidence
-from owtsweep.studies.hub.spectrum import CONDITIONS
+from owtsweep.studies.hub.world import CONDITIONS
 from owtsweep.studies.readings.published import published_numbers
 from owtsweep.verdicts.score_table import ScoreTable
 

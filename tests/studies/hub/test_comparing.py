@@ -18,7 +18,7 @@ import owtsweep
 from owtsweep.comparing.changes import compare_boundaries
 from owtsweep.errors import InputError
 from owtsweep.results.boundary import find_boundary, subtract_schemes
-from owtsweep.studies.hub.spectrum import CONDITIONS
+from owtsweep.studies.hub.world import CONDITIONS
 from owtsweep.sweep import compare as comparing
 from owtsweep.sweep import shard
 from owtsweep.sweep.compare import Compared

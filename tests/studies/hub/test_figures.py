@@ -32,7 +32,7 @@ from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.listed import StoredHubScheme
-from owtsweep.studies.hub.spectrum import CONDITIONS
+from owtsweep.studies.hub.world import CONDITIONS
 from owtsweep.studies.readings import published
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from owtsweep.errors import require
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub.plant import PLANT
-from owtsweep.studies.hub.spectrum import SPECTRUM
-from owtsweep.studies.hub.world import World
+from owtsweep.studies.hub.world import SPECTRUM, World
 
 if TYPE_CHECKING:
     import pandas as pd

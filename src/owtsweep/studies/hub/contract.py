@@ -123,6 +123,9 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     unbatched
         Why a scheme that can run as a chain does not under the tuning, as subject of a message with
         its verb, e.g. "its constraints leave"; "" if that is not so.
+    expected_in_cell
+        Whether the engine `expected` knows the settled error of the scheme in a cell, and nothing
+        else; the errors of other linear schemes follow from their chains.
     least_duration
         The shortest record, s, in which the scheme chooses a spectrum; 0 if it chooses none.
     """
@@ -133,6 +136,7 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     batched: Literal["", "chain", "own"] = ""
     on_board: bool = False
     unbatched: str = ""
+    expected_in_cell: bool = False
     least_duration: float = 0.0
 
     @abstractmethod

@@ -13,6 +13,7 @@ from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_wi
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.engine import DeclaredBlocks
 from owtsweep.studies.hub.batch import backend, uses_kernels
+from owtsweep.studies.hub.checks import count_table_bytes
 from owtsweep.studies.hub.conditions import (
     criteria,
     find_world,
@@ -33,7 +34,6 @@ from owtsweep.studies.hub.listed import (
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
-from owtsweep.studies.hub.sizes import count_table_bytes
 from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.studies.hub.world import World
 from owtsweep.sweep.study import Engine, Square

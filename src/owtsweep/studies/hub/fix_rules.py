@@ -8,15 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import require
-from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 #: Values of the key `fix_rule`; the kernels use the index.
 FIX_RULES = ("plain", "gate", "huber")
-#: Sections of the configuration whose filter takes the fixes themselves, so that a gate can judge
-#: them by the filter's covariance.
-GATED = ("ekf", "mkf", "hme1")
 
 
 @dataclass(frozen=True)
@@ -90,34 +85,3 @@ def make_fix_rule(tuning: FilterTuning) -> FixRule:
     if tuning.fix_rule == "huber":
         return FixRule("huber", tuning.huber_limit)
     return FixRule()
-
-
-def check_fix_rules(config: HubConfig) -> None:
-    """Refuse gates that would judge fixes by a covariance that is no measure for them.
-
-    HME2's is too small. That of some update rules does not grow while the gate refuses fixes, so
-    the gate would not open again once the state has drifted.
-
-    Parameters
-    ----------
-    config
-        The study's configuration, with one tuning.
-
-    Raises
-    ------
-    InputError
-        The message names the first scheme with such a gate.
-    """
-    require(
-        config.hme2.fix_rule != "gate",
-        "hme2.fix_rule: HME2's filter takes each fix several times, by way of the window, so its "
-        "covariance is too small to judge a fix by; use hme2.fix_rule=huber",
-    )
-    for section in GATED:
-        tuning: FilterTuning = getattr(config, section)
-        require(
-            tuning.fix_rule != "gate" or tuning.update_rule in ("proper", "mask_columns"),
-            f"{section}.fix_rule: a gate sticks with {section}.update_rule={tuning.update_rule}, "
-            f"which treats a refused fix as taken; use {section}.update_rule=proper, or "
-            f"{section}.fix_rule=huber",
-        )

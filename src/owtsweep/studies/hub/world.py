@@ -1,4 +1,7 @@
-"""What a world of the hub study is: one kind of truth, swept over its conditions."""
+"""What a world of the hub study is: one kind of truth, swept over its conditions.
+
+The world motion=spectrum makes its motion from the spectrum of Eq. (1) of Ren et al. (2019).
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,15 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from owtsweep.config import Plain
+from owtsweep.config import Plain, as_mapping
+from owtsweep.errors import require
+from owtsweep.motion.modulation import ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
+from owtsweep.motion.spectra import spectrum
+from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.config import STRUCTURE, MotionConfig
 from owtsweep.studies.hub.sensors import Sensors
 
 if TYPE_CHECKING:
@@ -108,3 +116,137 @@ class World(ABC):
     def list_doubts(self, config: HubConfig) -> list[str]:
         """Return sentences on what makes the motion doubtful."""
         return []
+
+
+NATURAL_PERIOD = Condition(
+    "natural_period", "natural period", "s", in_streams=True, plural="periods"
+)
+AMPLITUDE = Condition(
+    "amplitude", "motion amplitude", "m", scale="log", enters="scale", plural="amplitudes"
+)
+#: The conditions of motion=spectrum.
+CONDITIONS = (NATURAL_PERIOD, AMPLITUDE)
+#: The schemes whose boundary is reported: the first is better at amplitudes below the boundary,
+#: the second above.
+BOUNDARY = ("HME2", "HME1")
+#: Least `Spectrum.peak_margin`, Hz: below it rounding makes the peak infinite.
+LEAST_MARGIN = 1e-12
+
+
+class SpectrumWorld(World):
+    """Motion of a given spectrum, multiplied with an amplitude."""
+
+    name = "spectrum"
+    conditions = CONDITIONS
+    section = "grid"
+    has_spectrum = True
+    boundary = BOUNDARY
+    words = "natural periods, amplitudes"
+    counted = "{} natural periods x {} amplitudes"
+    #: Position, velocity and acceleration, eight bytes each.
+    bytes_per_step = 24
+    seconds_per_step = 0.0
+
+    def get_grid(self, config: HubConfig) -> Grid:
+        """Return natural periods (s) and amplitudes (m)."""
+        return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
+
+    def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
+        """Return natural period and amplitude."""
+        return self.conditions
+
+    def check(self, config: HubConfig) -> None:
+        """Raise `InputError` if spectrum, band, envelope and sensors do not fit together.
+
+        The keys that only the plant has are refused.
+        """
+        _refuse_keys_of_plant(config)
+        _check_envelope(config)
+        _check_band(config)
+        _check_spectrum(config)
+
+    def list_content(self, config: HubConfig) -> Plain:
+        """Return spectrum, band, scale and envelope."""
+        whole = as_mapping(config)
+        content = {key: whole[key] for key in ("spectrum", "normalise", "band")}
+        return content | {"envelope": config.motion.envelope}
+
+    def list_pairing(self, config: HubConfig) -> Plain:
+        """Return spectrum, band and scale."""
+        return {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
+
+    def describe(self, config: HubConfig) -> str:
+        """Return the envelope of the motion in words."""
+        points = config.motion.envelope or []
+        told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
+        return f"amplitude times {told}" if told else ""
+
+    def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
+        """Return the source of motion of an amplitude of 1 m at a natural period."""
+        low, high = config.band
+        envelope, period = config.motion.envelope, float(conditions["natural_period"])
+        shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        source: Source = SpectralSource(shape, (low, high), config.normalise)
+        return source if envelope is None else ModulatedSource(source, Modulation(envelope))
+
+
+def _refuse_keys_of_plant(config: HubConfig) -> None:
+    require(
+        config.sensors.imu.tilt != STRUCTURE,
+        "sensors.imu.tilt: `structure` needs a structure, but motion=spectrum has none; give "
+        "rad/m, or add motion=plant",
+    )
+    of_plant = [name for name in MotionConfig.model_fields if name != "envelope"]
+    for name in of_plant:
+        require(
+            getattr(config.motion, name) == getattr(MotionConfig(), name),
+            f"motion.{name}: motion=spectrum has neither waves nor structure; add motion=plant",
+        )
+    require(config.structure is None, "structure: motion=spectrum has none; add motion=plant")
+
+
+def _check_envelope(config: HubConfig) -> None:
+    """Raise InputError for an amplitude envelope that is none, or with which no engine can work."""
+    envelope = config.motion.envelope
+    if envelope is None:
+        return
+    Modulation(envelope, "motion.envelope")
+    require(
+        config.engine != "expected",
+        "motion.envelope: engine=expected needs motion that neither grows nor falls; use "
+        "engine=batch",
+    )
+
+
+def _check_band(config: HubConfig) -> None:
+    band, imu = config.band, config.sensors.imu
+    require(
+        band[0] < band[1],
+        f"band: the edges [{band[0]:g}, {band[1]:g}] Hz are reversed or equal; use "
+        f"band=[{min(band):g},{max(band) if band[0] != band[1] else 2 * band[1]:g}]",
+    )
+    require(
+        band[1] < imu.rate / 2.0,
+        f"band: {band[1]:g} Hz is not below the Nyquist frequency {imu.rate / 2.0:g} Hz of the "
+        "IMU; lower the upper edge, or raise sensors.imu.rate",
+    )
+    line_numbers((band[0], band[1]), 2.0 * config.record.duration)
+
+
+def _check_spectrum(config: HubConfig) -> None:
+    for period in config.grid.natural_period:
+        of_period = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        peak = of_period.peak_frequency
+        require(
+            of_period.peak_margin > LEAST_MARGIN,
+            f"spectrum.bandwidth: {config.spectrum.bandwidth:g} s^-2 leaves the peak at {period:g} "
+            "s no width; use e.g. 6.7e-6 (1 % damping)",
+        )
+        require(
+            config.band[0] <= peak <= config.band[1],
+            f"grid.natural_period: {period:g} s has its peak at {peak:.3g} Hz, outside band "
+            f"[{config.band[0]:g}, {config.band[1]:g}] Hz; widen band, or choose another period",
+        )
+
+
+SPECTRUM = SpectrumWorld()

@@ -18,7 +18,7 @@ from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.origin import MEANING, describe_origin
 from owtsweep.studies.hub.schemes.skf import SCHEME
-from owtsweep.studies.hub.spectrum import AMPLITUDE, NATURAL_PERIOD
+from owtsweep.studies.hub.world import AMPLITUDE, NATURAL_PERIOD
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -23,7 +23,6 @@ from owtsweep.studies.hub.error_curves.of_schemes import EXPECTED_VERSION, curve
 from owtsweep.studies.hub.expected.spectral import AXES, MEASURES, make_rows
 from owtsweep.studies.hub.listed import SCHEMES, list_entries, resolve_all
 from owtsweep.studies.hub.peak import RECORDS, factor_at, ladder
-from owtsweep.studies.hub.schemes.skf import SpectralScheme
 from owtsweep.sweep.study import Block
 
 
@@ -48,7 +47,7 @@ def plan(config: HubConfig) -> list[Block]:
             "natural_periods": periods,
         }
         anew = SCHEMES.explain_anew(scheme)
-        if isinstance(scheme, SpectralScheme):
+        if scheme.expected_in_cell:
             for amplitude in map(float, config.grid.amplitude):
                 name = f"{scheme.name}, {amplitude:g} m"
                 of_cell = {**content, "amplitude": amplitude}

@@ -19,7 +19,7 @@ from owtsweep.figures.plane import Plane
 from owtsweep.studies.hub.bounds.cells import WINDOW
 from owtsweep.studies.hub.conditions import get_grid
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
-from owtsweep.studies.hub.spectrum import CONDITIONS
+from owtsweep.studies.hub.world import CONDITIONS
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from owtsweep.figures import curves, style
 from owtsweep.studies.hub.listed import BASELINES
-from owtsweep.studies.hub.spectrum import AMPLITUDE, NATURAL_PERIOD
+from owtsweep.studies.hub.world import AMPLITUDE, NATURAL_PERIOD
 
 #: The panels: measure -> label of its axis.
 PANELS = {"position": "position MSE, x + y (m²)", "velocity": "velocity MSE, vx + vy (m²/s²)"}

@@ -18,6 +18,7 @@ from owtsweep.estimation.predictor import predict, prediction_noise
 from owtsweep.estimation.smoother import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Chain, chain
+from owtsweep.studies.hub.checks import check_window
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter, axis_filter, input_model
@@ -26,7 +27,6 @@ from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
-from owtsweep.studies.hub.sizes import check_window
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

@@ -18,6 +18,7 @@ from owtsweep.estimation.predictor import predict
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import Chain, chain
+from owtsweep.studies.hub.checks import check_mhe, check_window
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
@@ -27,7 +28,6 @@ from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.sensors import Sensors
-from owtsweep.studies.hub.sizes import check_mhe, check_window
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig

@@ -36,6 +36,7 @@ class SpectralScheme(Scheme):
     linear = True
     sections = ("skf", "spectrum", "normalise", "band", "wave_direction")
     told_motion = True
+    expected_in_cell = True
     batched = "own"
     on_board = True
 
