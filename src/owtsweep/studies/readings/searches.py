@@ -1,4 +1,4 @@
-"""Search with Optuna for the best parameters; all trials of a search use the same records.
+"""Search for the best parameters; all trials of a search use the same records.
 
 A target says what to search: the parameters, the schemes and the kind of score. A trial is one set
 of values of the parameters. For the kind "published" a trial is a reading of the paper, i.e. a
@@ -32,7 +32,8 @@ COLUMNS = (
 #: Folder of tunings as they were when searches were recorded.
 FROZEN = Path(__file__).parent / "tunings"
 
-KINDS = ("published", "settled")
+#: Kind of a target -> what judges its trials.
+JUDGES = {"published": score_published, "settled": score_settled}
 
 #: Keys that do not belong to a search's content: they change no number, or the target sets them.
 _NOT_SHARED = ReadingsConfig.inert - {"study", "config_version"} | {"calibration", "schemes"}
@@ -60,8 +61,8 @@ def plan(config: ReadingsConfig) -> list[Block]:
     for name, target in calibration.targets.items():
         kind = str(target.get("kind"))
         require(
-            kind in KINDS,
-            f"calibration.targets.{name}.kind: {kind!r} is none of {', '.join(KINDS)}",
+            kind in JUDGES,
+            f"calibration.targets.{name}.kind: {kind!r} is none of {', '.join(JUDGES)}",
         )
         values = take_fixed_values(target, config.tuning_name)
         truths = _choose_truths(name, target, calibration.truths)
@@ -87,14 +88,8 @@ def plan(config: ReadingsConfig) -> list[Block]:
 def _choose_truths(name: str, target: Plain, truths: Mapping[str, Plain]) -> Mapping[str, Plain]:
     """Return a target's truths: name -> overrides under which the target is searched.
 
-    Parameters
-    ----------
-    name, target
-        Name of the target, and the target: an entry of the key `calibration.targets`. A target of
-        kind "settled" has a single truth, called "own". Another target may list names of truths in
-        `truths`; without such a list it has all truths.
-    truths
-        All truths: the value of the key `calibration.truths`.
+    A target of kind "settled" has a single truth, called "own". Another target may list names of
+    `truths`; without such a list it has all of them.
 
     Raises
     ------
@@ -172,9 +167,7 @@ def _search(config: ReadingsConfig, block: Block) -> pd.DataFrame:
     target = content["target"]
     base = with_values(config, {**target["values"], **content["truth"]})
     replicates = range(content["replicates"])  # every trial is judged on the same records
-    settled = target["kind"] == "settled"
-    judge = score_settled if settled else score_published
-    periods = base.grid.natural_period if settled else PERIODS
+    periods = PERIODS if target["kind"] == "published" else base.grid.natural_period
     lanes = make_lanes(base, replicates, periods)
 
     def objective(chosen: Plain) -> tuple[float, Plain]:
@@ -182,7 +175,7 @@ def _search(config: ReadingsConfig, block: Block) -> pd.DataFrame:
         tried = with_values(base, values)
         anew = tried.sensors != base.sensors  # what the sensors are is a parameter
         records = make_lanes(tried, replicates, periods) if anew else lanes
-        return judge(tried, target["schemes"], records)
+        return JUDGES[target["kind"]](tried, target["schemes"], records)
 
     trials = search(
         target["parameters"], objective,

@@ -51,7 +51,7 @@ def find_space(config: HubConfig, scheme: str) -> Space:
             "hme2.r_gnss.scale": [*SCALE, "log"],
             "hme.mhe.smoother_window": window,
             "hme.mhe.horizon": [1, LONGEST_HORIZON, "int"],
-            "hme.mhe.interval": {"options": list_intervals(imu.rate, gnss.rate)},
+            "hme.mhe.interval": {"options": _list_intervals(imu.rate, gnss.rate)},
             "hme.mhe.arrival": {"options": ["mkf", "fixed", "none"]},
             "hme.mhe.inputs": {"options": ["all", "averaged", "sampled"]},
             "hme.mhe.weights": {"options": ["full", "diagonal"]},
@@ -60,7 +60,7 @@ def find_space(config: HubConfig, scheme: str) -> Space:
     return spaces.get(scheme, {})
 
 
-def list_intervals(imu_rate: float, gnss_rate: float) -> list[float]:
+def _list_intervals(imu_rate: float, gnss_rate: float) -> list[float]:
     """Return the longest allowed values of T_m, s: whole IMU steps that divide the GNSS interval.
 
     The rates are in Hz.
