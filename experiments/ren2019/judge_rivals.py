@@ -63,21 +63,20 @@ def average(results):
 def judge(results):
     """Return the numbers by which a reading is judged, as a dict: one row of the table."""
     products = average(results)
+    score, details = scoring.score(products)
     table = scoring.compare(products)
     logs = table.log2.abs()
     row = {
-        "score": logs.mean(),
-        "median_log2": logs.median(),
-        "p80_log2": logs.quantile(0.8),
+        "score": score,
+        "median_log2": details["median_log2"],
+        "p80_log2": details["p80_log2"],
         "missed_by_2": int((logs > 1.0).sum()),
         "numbers": len(logs),
     }
     for number, part in logs.groupby(table.table):
         row[f"table_{number}"] = part.mean()
     if "HME1" in products:
-        penalties = scoring.score(products)
-        row["score"] += penalties.penalties
-        row["winners"] = " ".join(penalties.winners)
+        row["winners"] = details["winners"]
         generator = np.random.default_rng(SEED)
         for period in (4.0, 6.0, 8.0):
             pair = [results[name][period] for name in ("HME2", "HME1")]
@@ -87,7 +86,7 @@ def judge(results):
                 for chosen in generator.integers(0, count, (BOOTSTRAPS, count))
             ]
             low, high = np.nanquantile(samples, [0.025, 0.975])
-            row[f"boundary_{period:g}s"] = penalties.boundaries[period]
+            row[f"boundary_{period:g}s"] = details[f"boundary_{period:g}s"]
             row[f"interval_{period:g}s"] = f"[{low:.3g}, {high:.3g}]"
     return row
 

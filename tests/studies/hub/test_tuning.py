@@ -20,10 +20,10 @@ from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.study import HubStudy
-from owtsweep.studies.hub.tuning import objective, search
-from owtsweep.studies.hub.tuning.judging import errors_on_records, judge
+from owtsweep.studies.hub.tuning import search
+from owtsweep.studies.hub.tuning.errors import errors_on_records, expected_errors, score
 from owtsweep.studies.hub.tuning.search import find_space
-from owtsweep.studies.hub.tuning.tuned import list_tunable, tune
+from owtsweep.studies.hub.tuning.tuned import judge, list_tunable, tune
 from owtsweep.sweep.keys import question_hash, run_hash
 
 #: Searches of a second: MKF, whose error has one free number, on short records.
@@ -55,7 +55,7 @@ def test_a_filter_that_assumes_nearly_nothing_meets_the_bound() -> None:
 
 def test_the_objective_is_what_records_show() -> None:
     config = compose([*QUICK, "record.duration=150", "measures.settling_time=50"])
-    expected = objective.expected_errors(config, resolve("MKF"))
+    expected = expected_errors(config, resolve("MKF"))
     (errors,) = errors_on_records(config, ["MKF"], 4)
     assert errors.shape == (*expected.shape, 4)
     assert errors.mean(axis=-1) == pytest.approx(expected, rel=0.1)
@@ -85,10 +85,10 @@ def test_an_interrupt_keeps_the_best_so_far(
 ) -> None:
     judged = [1.0, 1.0, 0.5]
 
-    def interrupted(*_: object) -> float:
+    def interrupted(*_: object) -> tuple[float, dict[str, object]]:
         if not judged:
             raise KeyboardInterrupt
-        return judged.pop(0)
+        return judged.pop(0), {}
 
     monkeypatch.setattr(search, "_judge", interrupted)
     path = tmp_path / "mine.yaml"
@@ -168,5 +168,5 @@ def test_a_wrong_sensor_is_named_before_any_rule() -> None:
 
 
 def test_the_score_weighs_ratios() -> None:
-    assert objective.score(np.array([[1.0, 100.0]])) == pytest.approx(10.0)
-    assert objective.score(np.array([[1.0, np.nan]])) == float("inf")
+    assert score(np.array([[1.0, 100.0]])) == pytest.approx(10.0)
+    assert score(np.array([[1.0, np.nan]])) == float("inf")

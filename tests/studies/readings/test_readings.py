@@ -53,7 +53,7 @@ def test_the_settled_judge_is_the_geometric_mean_over_the_grid():
     config = small(1, ONE)
     base = with_values(config, searches.read_tuning("matched"))
     lanes = scoring.make_lanes(base, range(1), [4.0, 8.0])
-    judged = searches._score_settled(base, ["HME1"], lanes)[0]
+    judged = scoring.score_settled(base, ["HME1"], lanes)[0]
     settled = with_values(base, {"measures.window": "settled"})
     products = scoring.scheme_products(settled, "HME1", lanes)
     values = [
@@ -81,7 +81,7 @@ def test_a_diverging_trial_is_kept_and_counts_as_bad(monkeypatch):
         raise InputError("update_rule: makes the covariance negative")
 
     config = small(1, ONE)
-    monkeypatch.setattr(searches, "scheme_products", diverge)
+    monkeypatch.setattr(scoring, "scheme_products", diverge)
     ((_, rows),) = searches.run(config, searches.plan(config))
     assert rows.score[0] == searches.DIVERGED
     assert rows.status[0] == "failed"

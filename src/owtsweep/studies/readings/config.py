@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from owtsweep.config import Config, Section, key, require
+from owtsweep.config import Config, Plain, Section, key, require
 from owtsweep.studies.hub.public import HubConfig
-
-#: A target or a truth as YAML has it; `searches.plan` checks its keys and values.
-Plain = dict[str, Any]
 
 
 class Calibration(Section):
-    """The section `calibration`: what to search, with how many trials, on how many records."""
+    """The section `calibration`: what to search, with how many trials, on how many records.
+
+    Targets and truths are as YAML has them; `searches.plan` checks their keys and values.
+    """
 
     #: A parameter is a key, or keys joined by "+" that share one value.
     targets: dict[str, Plain] = key(

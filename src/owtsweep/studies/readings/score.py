@@ -12,12 +12,12 @@ of |log2(reproduced / published)| over both boundaries.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from owtsweep.arrays import Array
+from owtsweep.config import Plain, with_values
 from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub.public import HubConfig, Known, Lanes, make_records, resolve, sum_errors
 from owtsweep.studies.readings.published import BOUNDARIES, published_numbers
@@ -114,29 +114,6 @@ def boundary(lower: Array, upper: Array) -> float:
     return float((-c + np.sqrt(c * c - a * f)) / a)
 
 
-@dataclass(frozen=True)
-class Score:
-    """Two parts of the distance from the published results: wrong winners, and wrong boundaries.
-
-    A third part, the mean distance of the published numbers, is not included.
-
-    Attributes
-    ----------
-    penalties
-        The sum of the two parts; less is better.
-    winners
-        The scheme of least position MSE at the condition of each of the tables 6, 7, 8 and 9 of
-        Ren et al. (2019).
-    boundaries
-        Natural period (s) -> amplitude (m) at which HME1 and HME2 are equally good; NaN if there is
-        no such amplitude.
-    """
-
-    penalties: float
-    winners: tuple[str, ...]
-    boundaries: dict[float, float]
-
-
 def compare(products: Products) -> pd.DataFrame:
     """Compare the published numbers of some schemes with the numbers that a run reproduces.
 
@@ -162,24 +139,61 @@ def compare(products: Products) -> pd.DataFrame:
     return table.reset_index(drop=True)
 
 
-def score(products: Products) -> Score:
-    """Compute the parts of the score on winners and boundaries, for EKF, MKF, HME1 and HME2.
+def score(products: Products) -> tuple[float, Plain]:
+    """Compute the score of a reading from the products of its schemes; return it and its details.
 
-    `products` maps each of these schemes to what `scheme_products` returns. The third part of the
-    score, the mean distance of the published numbers, is not included; `compare` gives these
-    distances.
+    Without HME1 and HME2, the score is its first part alone.
+
+    Returns
+    -------
+    score
+        The score, less is better.
+    details
+        `median_log2` and `p80_log2`, quantiles of |log2(reproduced / published)|. With HME1 and
+        HME2 also `winners`, the schemes of least position MSE in the tables 6, 7, 8 and 9, and
+        `boundary_4s`, `boundary_6s` and `boundary_8s`, m (NaN if there is none).
     """
     table = compare(products)
+    logs = table.log2.abs()
+    details: Plain = {"median_log2": float(logs.median()), "p80_log2": float(logs.quantile(0.8))}
+    if not {*BOUNDED} <= {*products}:
+        return float(logs.mean()), details
     position = table[table.measure.isin(["x", "y"])]
     sums = position.groupby(["table", "scheme"])[["published", "reproduced"]].sum().reset_index()
-
-    def winners(column: str) -> tuple[str, ...]:
-        return tuple(sums.scheme[sums.groupby("table")[column].idxmin()])
-
-    wrong = sum(a != b for a, b in zip(winners("published"), winners("reproduced"), strict=True))
+    published, winners = (
+        list(sums.scheme[sums.groupby("table")[column].idxmin()])
+        for column in ("published", "reproduced")
+    )
+    wrong = sum(a != b for a, b in zip(published, winners, strict=True))
     below, above = (products[scheme] for scheme in BOUNDED)
-    limits = {p: boundary(below[p], above[p]) for p in PERIODS}
+    limits = {period: boundary(below[period], above[period]) for period in (4.0, 6.0, 8.0)}
     parts = np.array([np.log2(limits[period] / target) for period, target in BOUNDARIES.items()])
     apart = float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))
     penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * apart
-    return Score(penalties, winners("reproduced"), limits)
+    details["winners"] = " ".join(winners)
+    details |= {f"boundary_{period:g}s": limit for period, limit in limits.items()}
+    return float(logs.mean()) + penalties, details
+
+
+def score_published(
+    config: HubConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
+) -> tuple[float, Plain]:
+    """Run the schemes on the records; return the score of the reading and its details."""
+    return score({scheme: scheme_products(config, scheme, lanes) for scheme in schemes})
+
+
+def score_settled(
+    config: HubConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
+) -> tuple[float, Plain]:
+    """Run the schemes on the records; return their settled position MSE, m^2, without details.
+
+    It is the geometric mean over schemes, natural periods and the amplitudes of the grid.
+    """
+    settled = with_values(config, {"measures.window": "settled"})
+    logs = [
+        np.log(at_amplitude(products[:2].sum(axis=0), amplitude))
+        for scheme in schemes
+        for products in scheme_products(settled, scheme, lanes).values()
+        for amplitude in config.grid.amplitude
+    ]
+    return float(np.exp(np.mean(logs))), {}

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
 import yaml
 
 from owtsweep._version import __version__
-from owtsweep.config import as_mapping, with_values
+from owtsweep.arrays import Array
+from owtsweep.config import Plain, as_mapping, with_values
 from owtsweep.errors import require
+from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import TUNED, HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.origin import describe_truth
-from owtsweep.studies.hub.tuning.judging import judge
-from owtsweep.studies.hub.tuning.objective import amplitudes
-from owtsweep.studies.hub.tuning.search import Found, find_space, search
+from owtsweep.studies.hub.tuning.errors import amplitudes, errors_on_records, score
+from owtsweep.studies.hub.tuning.search import find_space, search
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -51,13 +52,22 @@ def tune(config: HubConfig, advance: Callable[[str], None]) -> TunedSchemes:
 
     If the user stops the search, the best numbers so far are returned.
     """
-    found: dict[str, Found] = {}
-    stopped = False
-    for scheme in list_tunable(config):
-        found[scheme.name], stopped = search(config, scheme, partial(advance, scheme.name))
-        if stopped:
-            break
-    return TunedSchemes(config, found, stopped)
+    schemes = list_tunable(config)
+    best: dict[str, Plain] = {}
+    made, stopped = 0, False
+    try:
+        for scheme in schemes:
+            best[scheme.name] = {}
+            trials = search(config, scheme)
+            least = next(trials).score
+            for trial in trials:
+                made += 1
+                if trial.score < least:
+                    least, best[scheme.name] = trial.score, trial.values
+                advance(scheme.name)
+    except KeyboardInterrupt:
+        stopped = True
+    return TunedSchemes(config, best, made, stopped)
 
 
 @dataclass(frozen=True)
@@ -68,25 +78,23 @@ class TunedSchemes:
     ----------
     before
         The configuration with the tuning that the search began with.
-    found
-        Scheme -> the numbers found.
+    best
+        Scheme -> the best values by key; empty if no trial was better than that tuning.
+    trials
+        Number of trials made, of all schemes together.
     stopped
         Whether the user stopped the search.
     """
 
     before: HubConfig
-    found: Mapping[str, Found]
+    best: Mapping[str, Plain]
+    trials: int
     stopped: bool
-
-    @property
-    def trials(self) -> int:
-        """Number of trials made, of all schemes together."""
-        return sum(found.trials for found in self.found.values())
 
     @property
     def after(self) -> HubConfig:
         """The configuration with the best numbers."""
-        values = {key: v for found in self.found.values() for key, v in found.values.items()}
+        values = {key: v for found in self.best.values() for key, v in found.items()}
         return with_values(self.before, values)
 
     def text(self, name: str) -> str:
@@ -104,7 +112,7 @@ class TunedSchemes:
             f"GNSS: {sensors.gnss.sigma:g} m, {sensors.gnss.rate:g} Hz, delay "
             f"{sensors.gnss.delay:g} s; IMU: {sensors.imu.sigma:g} m/s^2, {sensors.imu.rate:g} Hz.",
             f"Truth: {describe_truth(config)}; amplitudes {_range(config)}.",
-            f"{each} trials for each of {', '.join(self.found)}, seed {config.tune.seed}"
+            f"{each} trials for each of {', '.join(self.best)}, seed {config.tune.seed}"
             + (f"; stopped after {self.trials} trials." if self.stopped else "."),
         ]
 
@@ -116,7 +124,7 @@ class TunedSchemes:
         from rich.text import Text
 
         config = self.before
-        gains = judge(config, self.after, list(self.found))
+        gains = judge(config, self.after, list(self.best))
         bound, unit = kalman_bound(config), self._unit()
         table = Table(
             title=Text(
@@ -150,3 +158,43 @@ class TunedSchemes:
 def _range(config: HubConfig) -> str:
     judged = amplitudes(config)
     return f"{judged[0]:g} to {judged[-1]:g} m"
+
+
+@dataclass(frozen=True)
+class Gain:
+    """The change of a scheme's error from one tuning to another, on the same records.
+
+    Attributes
+    ----------
+    before, after
+        Geometric mean over natural periods and amplitudes of the settled MSE, m^2 or (m/s)^2.
+    change
+        Geometric mean of after / before over records, natural periods and amplitudes, minus 1.
+    low, high
+        The 95 % interval of `change`, from the differences between the two, record by record.
+    """
+
+    before: float
+    after: float
+    change: float
+    low: float
+    high: float
+
+
+def judge(before: HubConfig, after: HubConfig, schemes: Sequence[str]) -> dict[str, Gain]:
+    """Run schemes with two tunings on the same records; return what each has gained.
+
+    Records have the seed `seed` and the length `record.duration` of the configurations; there are
+    `tune.replicates` of them per natural period.
+    """
+    count = before.tune.replicates
+    errors = [errors_on_records(config, schemes, count) for config in (before, after)]
+    return {name: _compare(*parts) for name, *parts in zip(schemes, *errors, strict=True)}
+
+
+def _compare(before: Array, after: Array) -> Gain:
+    """Compare the errors of one scheme, shape (periods, amplitudes, replicates) each."""
+    ratios = np.mean(np.log(after / before), axis=(0, 1))
+    logs = gap(ratios)
+    changes = (float(np.expm1(value)) for value in (logs.value, logs.low, logs.high))
+    return Gain(score(before.mean(axis=-1)), score(after.mean(axis=-1)), *changes)

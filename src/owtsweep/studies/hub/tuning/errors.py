@@ -1,25 +1,38 @@
-"""Computes what a tuning is judged by: a scheme's settled errors over periods and amplitudes.
+"""Computes what tunings are judged by: schemes' settled errors over periods and amplitudes.
 
-The errors are expected ones (`studies.hub.expected`): no record is run, so no random number decides
-between two tunings.
+Expected errors (`studies.hub.expected`) need no record, so no random number decides between two
+tunings. Other errors are those on records, the same ones for all tunings.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import groupby
+from operator import attrgetter
+
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
+from owtsweep.config import changed
+from owtsweep.errors import InputError
 from owtsweep.results.superposition import superpose
+from owtsweep.studies.base import blocks
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
+from owtsweep.studies.hub.declaration import find_declaration
 from owtsweep.studies.hub.error_curves.curves import curves
 from owtsweep.studies.hub.error_curves.of_schemes import motion_of
+from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.winners import make_cube
 
 #: Length of the records of whose settled part the errors are the mean, and the part left out, s. A
 #: tuning is judged by how an estimator runs on, not by how it starts: the bias takes up to 100 s.
 DURATION = 300.0
 SETTLING = 100.0
+#: Name of that part in the rows of a run.
+WINDOW = "settled"
 #: Number of amplitudes between the ends of the range that is tuned for.
 AMPLITUDES = 7
 
@@ -71,6 +84,36 @@ def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
     criterion = config.measures.criterion
     shares = {"x": (x, None), "y": (None, y)}.get(criterion, (x, y))
     return int(criterion == "velocity"), shares
+
+
+def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int) -> Array:
+    """Run schemes on records; return their settled MSE by `measures.criterion`.
+
+    Returns
+    -------
+    array
+        Shape (schemes, periods, amplitudes, replicates), m^2 or (m/s)^2.
+
+    Raises
+    ------
+    InputError
+        If a case fails.
+    """
+    entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
+    grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)
+    part = changed(config, engine="batch", grid=grid, schemes=entries, baselines=[])
+    declaration, rows = find_declaration(part), []
+    for _, group in groupby(blocks.plan(declaration, part), attrgetter("group")):
+        rows += [table for _, table in blocks.run(declaration, part, list(group))]
+    cube = make_cube(part, pd.concat(rows, ignore_index=True))
+    place = (cube.measures.index(part.measures.criterion), cube.windows.index(WINDOW))
+    numbers = [cube.schemes.index(name) for name in schemes]
+    errors = np.array(
+        [[cube.values(i, outer)[:, *place] for outer in cube.outer_places()] for i in numbers]
+    )
+    if not np.all(np.isfinite(errors)):
+        raise InputError("tuning: a scheme's estimates on the records are not finite; try another")
+    return errors
 
 
 def score(errors: Array) -> float:

@@ -1,0 +1,143 @@
+"""Searches the best values of parameters with Optuna: asks for values, and tells their score."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.config import Plain
+from owtsweep.errors import InputError, as_text
+
+if TYPE_CHECKING:
+    import optuna
+
+#: Parameter -> [low, high, scale] with the scale "linear", "log" or "int", or a mapping whose key
+#: `options` lists the values to choose from.
+Space = Mapping[str, Any]
+
+#: Computes the score of some values (parameter -> value), and details that the trial keeps. It may
+#: raise ArithmeticError or ValueError (so `InputError` and LinAlgError), if there is no score.
+Objective = Callable[[Plain], tuple[float, Plain]]
+
+#: Initial standard deviation of the optimizer CMA-ES, as a fraction of each parameter's range.
+SPREAD = 0.03
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Values that were tried.
+
+    Attributes
+    ----------
+    values
+        Parameter -> value.
+    score
+        The score, less is better; infinite if there is none.
+    details
+        The details that the objective returned.
+    reason
+        Why the objective could not be computed; else empty.
+    """
+
+    values: Plain
+    score: float
+    details: Plain = field(default_factory=dict)
+    reason: str = ""
+
+
+def attempt(objective: Objective, values: Plain) -> Trial:
+    """Compute the score of some values; a score that is not finite counts as infinite."""
+    try:
+        score, details = objective(values)
+    except (ArithmeticError, ValueError) as error:
+        return Trial(values, float("inf"), reason=as_text(error))
+    return Trial(values, score if np.isfinite(score) else float("inf"), details)
+
+
+def search(
+    space: Space,
+    objective: Objective,
+    *,
+    trials: int,
+    seed: int,
+    starts: Sequence[Plain] = (),
+    near_start: bool = False,
+) -> Iterator[Trial]:
+    """Search for the values with the least score; yield each trial as soon as it has been made.
+
+    The same arguments give the same trials. If the objective is interrupted, so is the iteration;
+    the trials until then are already with the caller.
+
+    Parameters
+    ----------
+    space
+        What to search.
+    objective
+        What to minimise.
+    trials
+        Number of trials.
+    seed
+        Seed of the sampler.
+    starts
+        Values of the first trials. A value that is missing or out of bounds is sampled.
+    near_start
+        Whether to sample around the first of `starts`, by CMA-ES. It finds better scores if the
+        start is good, but works with numbers only: a space with options is sampled by TPE, as all
+        others are.
+    """
+    import optuna
+
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    numeric = not any(isinstance(bounds, Mapping) for bounds in space.values())
+    study = optuna.create_study(
+        sampler=_make_cmaes(starts[0], seed)
+        if near_start and numeric
+        else optuna.samplers.TPESampler(seed=seed, multivariate=True)
+    )
+    for start in starts:
+        within = {key: start[key] for key in space if _is_within(start.get(key), space[key])}
+        study.enqueue_trial(within, skip_if_exists=True)
+    for _ in range(trials):
+        asked = study.ask()
+        values = {key: _suggest(asked, key, bounds) for key, bounds in space.items()}
+        trial = attempt(objective, values)
+        study.tell(asked, trial.score)
+        yield trial
+
+
+def require_cmaes() -> None:
+    """Raise `InputError` if the package for `near_start` is not installed."""
+    try:
+        import cmaes  # noqa: F401  (Optuna's CMA-ES sampler needs it)
+    except ImportError as error:
+        raise InputError(
+            f"this search needs {error.name}, which is missing; install owtsweep[calibrate]"
+        ) from error
+
+
+def _make_cmaes(start: Plain, seed: int) -> optuna.samplers.CmaEsSampler:
+    import optuna
+
+    with warnings.catch_warnings():
+        # Optuna 6 drops x0 and sigma0, hence the upper bound in pyproject.toml.
+        warnings.simplefilter("ignore", FutureWarning)
+        return optuna.samplers.CmaEsSampler(x0=dict(start), sigma0=SPREAD, seed=seed)
+
+
+def _is_within(value: Any, bounds: Any) -> bool:
+    if isinstance(bounds, Mapping):
+        return value in bounds["options"]
+    return value is not None and bool(bounds[0] <= value <= bounds[1])
+
+
+def _suggest(trial: optuna.Trial, key: str, bounds: Any) -> Any:
+    if isinstance(bounds, Mapping):
+        return trial.suggest_categorical(key, list(bounds["options"]))
+    low, high, scale = bounds
+    if scale == "int":
+        return trial.suggest_int(key, low, high)
+    return trial.suggest_float(key, low, high, log=scale == "log")
