@@ -35,9 +35,9 @@ from owtsweep.studies.hub.bounds.cells import (
     find_shape,
 )
 from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
+from owtsweep.studies.hub.describe import describe_origin
 from owtsweep.studies.hub.figures import efficiency
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
-from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.studies.hub.sensors import Sensors
 
 CELL = ["natural_period", "amplitude", "measure"]

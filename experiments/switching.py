@@ -26,8 +26,8 @@ from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.statistics.contrasts import gap
 from owtsweep.studies import compose
+from owtsweep.studies.hub.describe import make_cube
 from owtsweep.studies.hub.switching.boundary import compute_boundary
-from owtsweep.studies.hub.winners import make_cube
 
 BASE = [
     "baselines=[]", "sensors=strong_bias", "seed=7", "record.duration=2000",

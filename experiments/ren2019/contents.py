@@ -15,7 +15,7 @@ from experiments.ren2019.numbers import lies_within_records
 from experiments.ren2019.reasons import reason
 from owtsweep.figures.style import describe_window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.origin import describe_in_a_line
+from owtsweep.studies.hub.describe import describe_in_a_line
 from owtsweep.verdicts.inference import JudgedStatement, explain
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
 from owtsweep.verdicts.report import count_verdicts, statement_section

@@ -32,7 +32,7 @@ from owtsweep.errors import InputError
 from owtsweep.io.steps import show_steps, tell_step
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.origin import describe_in_a_line
+from owtsweep.studies.hub.describe import describe_in_a_line
 from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import report
 from owtsweep.verdicts.claims_file import Statement, read_claims

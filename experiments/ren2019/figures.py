@@ -20,9 +20,8 @@ from experiments.command import open_run
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.describe import describe_origin, make_cube
 from owtsweep.studies.hub.figures.listing import over_amplitude, save_each
-from owtsweep.studies.hub.origin import describe_origin
-from owtsweep.studies.hub.winners import make_cube
 from owtsweep.studies.readings.published import mse_tables
 from owtsweep.sweep.runs import Run
 

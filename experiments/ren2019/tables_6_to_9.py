@@ -18,7 +18,7 @@ from experiments.ren2019.sections import format_ratio
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import write_table
-from owtsweep.studies.hub.origin import describe_in_a_line
+from owtsweep.studies.hub.describe import describe_in_a_line
 from owtsweep.studies.readings.published import mse_tables
 
 COLUMNS = (

@@ -33,10 +33,15 @@ from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.describe import (
+    OTHER_WINDOW,
+    describe_draws,
+    describe_truth,
+    find_winners,
+    make_cube,
+)
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.listed import scheme_names
-from owtsweep.studies.hub.origin import describe_draws, describe_truth
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.studies.hub.world import BOUNDARY, CONDITIONS
 from owtsweep.sweep.runs import Run
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from owtsweep.estimation.discretisation import Model, discretise
-from owtsweep.estimation.predictor import powers, predict, prediction_noise
+from owtsweep.estimation.discretisation import Model, discretise, powers, predict, prediction_noise
 
 STEP = 0.01
 #: Sigma_2 on one axis: position, velocity, b = x4; input u = R f.

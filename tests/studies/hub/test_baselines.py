@@ -18,7 +18,7 @@ import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
-from owtsweep.studies.hub import batch, cache, estimates, winners
+from owtsweep.studies.hub import batch, cache, describe, estimates
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
@@ -207,7 +207,7 @@ def crowned(tmp_path: Path):
 def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
     run, tables = crowned(tmp_path)
     config, best = run.config, tables["best_scheme"]
-    table, names, notes = winners.find_winners(config, best, "position", "full")
+    table, names, notes = describe.find_winners(config, best, "position", "full")
     assert names == ["MKF", "HME1", "NONE"]
     (note,) = notes
     assert note.startswith("NONE: an estimate of zero beats every scheme: no estimator needed")
@@ -233,14 +233,14 @@ def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
 def test_a_baseline_of_less_error_is_named_and_hatched(tmp_path: Path) -> None:
     run, tables = crowned(tmp_path)
     best = tables["best_scheme"].assign(baseline_wins=False)
-    table, names, notes = winners.find_winners(run.config, best, "position", "full")
+    table, names, notes = describe.find_winners(run.config, best, "position", "full")
     small = table[table["amplitude"] == 0.05].iloc[0]
     before = best[(best["amplitude"] == 0.05) & (best["criterion"] == "position")].iloc[0]
     assert (small["best"], small["runner_up"]) == ("NONE", before["best"])
     assert small["mse_best"] == before["mse_baseline"] < small["mse_runner_up"]
     assert not small["distinguishable"]
     assert names == ["MKF", "HME1", "NONE"]
-    assert notes == [f"NONE: an estimate of zero {winners.UNDECIDED}."]
+    assert notes == [f"NONE: an estimate of zero {describe.UNDECIDED}."]
     assert best_scheme_map._describe_runner_up(small.to_dict()).startswith(f"{before['best']} +")
     shown = render(run, tables | {"best_scheme": best})
     assert re.search(r"0\.05 m +NONE +~", shown)
@@ -254,7 +254,7 @@ def test_a_baseline_of_less_error_is_named_and_hatched(tmp_path: Path) -> None:
 
 def test_an_answer_names_its_window_and_the_other(tmp_path: Path) -> None:
     run, tables = crowned(tmp_path)
-    told = winners.OTHER_WINDOW["full"]
+    told = describe.OTHER_WINDOW["full"]
     assert told in " ".join(render(run, tables).split())
     figure = listing.draw_cells(run.config, tables, run.cases(), "position", [])
     texts = " ".join(text.get_text() for text in figure.findobj(Text))

@@ -14,7 +14,7 @@ import owtsweep
 from experiments.ren2019 import two_maps
 from owtsweep.config import changed
 from owtsweep.errors import InputError
-from owtsweep.estimation.predictor import predict
+from owtsweep.estimation.discretisation import predict
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
 from owtsweep.studies.hub import batch, estimates

@@ -20,11 +20,11 @@ from owtsweep.config import conf_directory, with_values
 from owtsweep.results.conditions import Condition
 from owtsweep.statistics.inference import t_quantile
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
+from owtsweep.studies.hub.describe import OTHER_WINDOW
 from owtsweep.studies.hub.tuning.errors import errors_on_records
 from owtsweep.studies.hub.varying.errors import Errors, compute, list_common_facts
 from owtsweep.studies.hub.varying.sentences import answer_each, find_best
 from owtsweep.studies.hub.varying.varied import VariedErrors
-from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 RATE = Condition("value", "sensors.gnss.rate", "Hz", "log")
 #: Two schemes and a baseline on short records, at one motion.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.studies.base import contract
-from owtsweep.studies.base.knowledge import Knowledge
+from owtsweep.studies.base.contract import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.tuning import Tuning

@@ -14,9 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.estimation.discretisation import Discrete
+from owtsweep.estimation.discretisation import Discrete, powers, prediction_noise
 from owtsweep.estimation.gains import GainSchedule, schedule
-from owtsweep.estimation.predictor import powers, prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.horizon import Horizon

@@ -5,10 +5,10 @@ from __future__ import annotations
 from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.studies.hub.conditions import find_world, get_conditions, get_grid
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.describe import list_origin
 from owtsweep.studies.hub.engines import ENGINES
 from owtsweep.studies.hub.expected import answers
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
-from owtsweep.studies.hub.origin import list_origin
 
 
 def describe_run(run: Candidate) -> Aspects:

@@ -16,7 +16,7 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base import contract
-from owtsweep.studies.base.knowledge import Knowledge
+from owtsweep.studies.base.contract import Knowledge
 from owtsweep.studies.hub.sensors import Measured, Sensors
 
 if TYPE_CHECKING:

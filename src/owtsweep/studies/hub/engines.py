@@ -22,6 +22,13 @@ from owtsweep.studies.hub.conditions import (
     list_maps,
 )
 from owtsweep.studies.hub.declaration import DECLARATIONS
+from owtsweep.studies.hub.describe import (
+    OTHER_WINDOW,
+    describe_draws,
+    describe_truth,
+    find_winners,
+    make_cube,
+)
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import (
@@ -31,10 +38,8 @@ from owtsweep.studies.hub.listed import (
     resolve_all,
     scheme_names,
 )
-from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 from owtsweep.studies.hub.world import World
 from owtsweep.sweep.study import Engine, Square
 

@@ -12,7 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.motion.envelope import compute_points, list_seas
 from owtsweep.streams import stream
-from owtsweep.studies.hub.winners import find_winners
+from owtsweep.studies.hub.describe import find_winners
 
 if TYPE_CHECKING:
     import pandas as pd

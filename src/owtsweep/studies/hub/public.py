@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.conditions import find_world
     from owtsweep.studies.hub.config import Grid, HubConfig
     from owtsweep.studies.hub.contract import Known, Scheme
+    from owtsweep.studies.hub.describe import OTHER_WINDOW
     from owtsweep.studies.hub.error_spectrum import (
         ErrorSpectrum,
         error_spectrum,
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.study import HubKeys
     from owtsweep.studies.hub.tuning_rules import believe, follow_sensors
-    from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
@@ -66,7 +66,7 @@ _HOMES = {
     "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
     "tuning_rules": ["believe", "follow_sensors"],
-    "winners": ["OTHER_WINDOW"],
+    "describe": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.
 _OTHER_NAMES = {"make_sensors": "sensors"}

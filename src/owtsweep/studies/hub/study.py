@@ -52,7 +52,7 @@ class HubKeys(Study):
 
     def describe_origin(self, config: HubConfig) -> str:
         """Return in a line the tuning, the truth, and the number of records with their seed."""
-        from owtsweep.studies.hub.origin import describe_in_a_line
+        from owtsweep.studies.hub.describe import describe_in_a_line
 
         return describe_in_a_line(config)
 

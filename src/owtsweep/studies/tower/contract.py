@@ -9,7 +9,7 @@ from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
 from owtsweep.studies.base import contract
-from owtsweep.studies.base.knowledge import Knowledge
+from owtsweep.studies.base.contract import Knowledge
 
 if TYPE_CHECKING:
     from owtsweep.studies.tower.tuning import Tuning

@@ -22,7 +22,7 @@ from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
 from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.hub.conditions import get_grid
-from owtsweep.studies.hub.winners import make_cube
+from owtsweep.studies.hub.describe import make_cube
 from owtsweep.studies.hub.world import CONDITIONS
 
 if TYPE_CHECKING:

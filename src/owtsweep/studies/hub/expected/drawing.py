@@ -11,12 +11,12 @@ import numpy as np
 
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
-from owtsweep.studies.hub import winners
+from owtsweep.studies.hub import describe
 from owtsweep.studies.hub.conditions import criteria
+from owtsweep.studies.hub.describe import MEANING, describe_origin
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
-from owtsweep.studies.hub.origin import MEANING, describe_origin
 from owtsweep.studies.hub.schemes.skf import SCHEME
 from owtsweep.studies.hub.world import AMPLITUDE, NATURAL_PERIOD
 
@@ -125,5 +125,5 @@ def draw_map(
         "noise without any record.",
         coinciding=same,
         baselines=beside.schemes,
-        notes=[*winners.explain(won), winners.OTHER_WINDOW[window]],
+        notes=[*describe.explain(won), describe.OTHER_WINDOW[window]],
     )

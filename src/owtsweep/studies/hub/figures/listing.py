@@ -16,9 +16,14 @@ from owtsweep.studies.hub.conditions import (
     list_maps,
     select,
 )
+from owtsweep.studies.hub.describe import (
+    OTHER_WINDOW,
+    describe_one_record,
+    describe_origin,
+    find_winners,
+    make_cube,
+)
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
-from owtsweep.studies.hub.origin import describe_one_record, describe_origin
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -23,9 +23,8 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_coinciding, tell_winners
 from owtsweep.studies.hub.conditions import CRITERIA, find_world, get_map_conditions, select
+from owtsweep.studies.hub.describe import OTHER_WINDOW, describe_origin, find_winners, make_cube
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
-from owtsweep.studies.hub.origin import describe_origin
-from owtsweep.studies.hub.winners import OTHER_WINDOW, find_winners, make_cube
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -19,8 +19,8 @@ from owtsweep.figures.lines import decimate
 from owtsweep.motion.spectra import Spectrum, spectrum, translated
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.describe import MEANING
 from owtsweep.studies.hub.histories import choose_sea, natural_period_of
-from owtsweep.studies.hub.origin import MEANING
 from owtsweep.studies.hub.plant import PLANT, make_plant
 from owtsweep.studies.hub.records import make_records, make_records_at
 

@@ -20,10 +20,10 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.io.tables import write_table
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.describe import describe_truth
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.figures.error_spectra import UNITS, SchemeErrors
 from owtsweep.studies.hub.noise_floor import SOURCES
-from owtsweep.studies.hub.origin import describe_truth
 
 
 def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:

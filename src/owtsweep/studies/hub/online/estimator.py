@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array, make_rows
-from owtsweep.estimation.discretisation import Discrete
+from owtsweep.estimation.discretisation import Discrete, prediction_noise
 from owtsweep.estimation.gains import RULES
 from owtsweep.estimation.mhe import square_root_information
-from owtsweep.estimation.predictor import prediction_noise
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.loop import RecordEstimator
 from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.discretisation import Discrete
-from owtsweep.estimation.predictor import predict, prediction_noise
+from owtsweep.estimation.discretisation import Discrete, predict, prediction_noise
 from owtsweep.estimation.smoother import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Chain, chain

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.discretisation import discretise
-from owtsweep.estimation.predictor import predict
+from owtsweep.estimation.discretisation import discretise, predict
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import Chain, chain

@@ -22,10 +22,10 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.declaration import find_declaration
+from owtsweep.studies.hub.describe import make_cube
 from owtsweep.studies.hub.error_curves.curves import curves
 from owtsweep.studies.hub.error_curves.of_schemes import motion_of
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.winners import make_cube
 
 #: Length of the records of whose settled part the errors are the mean, and the part left out, s. A
 #: tuning is judged by how an estimator runs on, not by how it starts: the bias takes up to 100 s.

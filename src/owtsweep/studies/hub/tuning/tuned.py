@@ -17,8 +17,8 @@ from owtsweep.statistics.contrasts import gap
 from owtsweep.studies.hub.bounds.kalman import kalman_bound
 from owtsweep.studies.hub.config import TUNED, HubConfig
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.describe import describe_truth
 from owtsweep.studies.hub.listed import resolve_all
-from owtsweep.studies.hub.origin import describe_truth
 from owtsweep.studies.hub.tuning.errors import amplitudes, errors_on_records, score
 from owtsweep.studies.hub.tuning.search import find_space, search
 

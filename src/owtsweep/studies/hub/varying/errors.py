@@ -25,12 +25,11 @@ from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.describe import OTHER_WINDOW, list_sensors
 from owtsweep.studies.hub.expected.answers import expected
 from owtsweep.studies.hub.expected.engine import rows
 from owtsweep.studies.hub.listed import list_baselines, resolve_all, scheme_names
-from owtsweep.studies.hub.origin import list_sensors
 from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
-from owtsweep.studies.hub.winners import OTHER_WINDOW
 
 
 def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
