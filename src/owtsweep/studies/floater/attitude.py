@@ -1,4 +1,4 @@
-"""Between Euler angles and what sensors fixed to the body feel, in both directions.
+"""Between accelerations of the basin's frame and what accelerometers fixed to the body feel.
 
 Angles are roll, pitch, yaw, turned in the order yaw, pitch, roll (Mehammer et al. 2018, section
 2.2). The frame is NED: its third axis points down, so a body at rest feels (0, 0, -g).
@@ -11,37 +11,13 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.inertial.angles import make_rotation
 from owtsweep.gravity import GRAVITY
 
 #: Angles to first order, or the full equations.
 Kinematics = Literal["small", "exact"]
 #: Pitch in rad beyond which rates of Euler angles lose their meaning (89 degrees).
 STEEPEST = np.deg2rad(89.0)
-
-
-def find_body_rates(angles: Array, rates: Array, kinematics: Kinematics) -> Array:
-    """Return angular velocities in the body's frame, rad/s, shape (steps, 3).
-
-    This is Eq. (2) the other way round.
-
-    Parameters
-    ----------
-    angles, rates
-        Euler angles in rad and their derivatives in rad/s, shape (steps, 3).
-    kinematics
-        With "small", both rates are the same.
-    """
-    if kinematics == "small":
-        return rates.copy()
-    phi, theta, _ = angles.T
-    roll, pitch, yaw = rates.T
-    return np.column_stack(
-        [
-            roll - np.sin(theta) * yaw,
-            np.cos(phi) * pitch + np.sin(phi) * np.cos(theta) * yaw,
-            -np.sin(phi) * pitch + np.cos(phi) * np.cos(theta) * yaw,
-        ]
-    )
 
 
 def find_specific_force(angles: Array, acceleration: Array, kinematics: Kinematics) -> Array:
@@ -62,10 +38,7 @@ def find_specific_force(angles: Array, acceleration: Array, kinematics: Kinemati
         felt[:, 0] += GRAVITY * angles[:, 1]
         felt[:, 1] -= GRAVITY * angles[:, 0]
         return felt
-    from scipy.spatial.transform import Rotation
-
-    turned = Rotation.from_euler("ZYX", angles[:, ::-1]).inv().apply(felt)
-    return np.asarray(turned)
+    return np.asarray(np.einsum("nji,nj->ni", make_rotation(angles), felt))
 
 
 def hold(reported: Array) -> Array:
@@ -96,21 +69,6 @@ def level(force: Array, angles: Array, how: Literal["level", "small", "reported"
         found[:, 0] -= GRAVITY * angles[:, 1]
         found[:, 1] += GRAVITY * angles[:, 0]
     elif how == "reported":
-        from scipy.spatial.transform import Rotation
-
-        found = Rotation.from_euler("ZYX", angles[:, ::-1]).apply(found)
+        found = np.einsum("nij,nj->ni", make_rotation(angles), found)
     found[:, 2] += GRAVITY
     return found
-
-
-def turn_rates(rate: Array, angles: Array) -> Array:
-    """Return rates of Euler angles in rad/s, of those in the body's frame, shape (steps, 3).
-
-    This is Eq. (2) of Mehammer et al. (2018); angles are in rad.
-    """
-    phi, theta, _ = angles.T
-    p, q, r = rate.T
-    turned = np.sin(phi) * q + np.cos(phi) * r
-    return np.column_stack(
-        [p + np.tan(theta) * turned, np.cos(phi) * q - np.sin(phi) * r, turned / np.cos(theta)]
-    )

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.inertial.angles import find_angle_rates
 from owtsweep.estimation.kinematic import Noise
 from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, smooth_all, snap
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.floater.attitude import hold, level, turn_rates
+from owtsweep.studies.floater.attitude import hold, level
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 
 #: The degrees of freedom whose rates are measured: the angles (Eq. 5, matrix C).
@@ -125,7 +126,7 @@ def read_inputs(setting: Setting, measured: Measured) -> Inputs:
         acceleration = np.zeros(reported.shape)
         acceleration[:, :3] = level(measured.specific_force, angles, how)
         if how == "reported":
-            rate = turn_rates(rate, angles)
+            rate = find_angle_rates(angles, rate)
     assert acceleration is not None
     return Inputs(
         np.ascontiguousarray(reported.T),

@@ -1,6 +1,6 @@
 """The compiled multiplicative Kalman filter of inertial navigation, corrected by GNSS fixes.
 
-Errors are those of `inertial`, with the attitude's error in the body's frame (Markley 2003,
+Errors are those of `strapdown`, with the attitude's error in the body's frame (Markley 2003,
 Attitude error representations for Kalman filtering). Behind them may stand further states:
 
 - the clock's offset tau: a fix with the time stamp t shows the antenna at t - tau, so a delay of
@@ -17,34 +17,19 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.estimation.error_state import learn, rotate
-from owtsweep.estimation.inertial import (
-    ERRORS,
-    STATES,
+from owtsweep.estimation.inertial.attitude import lean, rotate
+from owtsweep.estimation.inertial.strapdown import (
+    GYROSCOPES,
     add_noise,
-    carry,
     correct,
-    lean,
-    linearise,
-    move,
+    learn,
     place,
+    predict,
 )
 from owtsweep.gravity import GRAVITY
 
 #: Number of states of the swing: m, its velocity, and c, three each.
 SWING = 9
-
-
-@njit
-def predict(s, P, d, force, rate, next_force, next_rate, noise):
-    """Predict s (16 or more,) and P by d seconds, in place; further states stay as they are."""
-    M, R, back = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    before = s[:STATES].copy()
-    move(s[:STATES], d, force, rate, next_force, next_rate)
-    linearise(before, s[:STATES], d, force, next_force, M, R, back)
-    carry(P, d, M, R, back)
-    carry(P.T, d, M, R, back)
-    add_noise(P, d, noise)
 
 
 @njit
@@ -136,35 +121,13 @@ def learn_swing(s, P, dx, lever, at, variance):
 
 
 @njit
-def put_in(s, dx):
-    """Put all errors dx into the state, in place."""
-    correct(s[:STATES], dx)
-    for i in range(ERRORS, len(dx)):
-        s[i + 1] += dx[i]
-
-
-@njit
-def filter_fixes(
-    fixes, levers, variance, due, force, rate, step, noise, start, offset, astray, swinging, found
-):
+def filter_fixes(record, start, offset, astray, swinging, found):
     """Filter a record.
 
     Parameters
     ----------
-    fixes
-        Positions of antennas at samples, shape (steps, antennas, 3), NaN where none is.
-    levers
-        Where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
-    variance
-        Of the noise of a fix at each sample, shape (steps, 3).
-    due
-        Whether a fix is due at a sample, lost or not, shape (steps,).
-    force, rate
-        Specific force and angular velocity of the body, shape (steps, 3) each.
-    step
-        Sampling interval in s.
-    noise
-        As of `inertial.add_noise`, shape (4,).
+    record
+        A `strapdown.Record`.
     start
         State and covariance before the first fix; both are overwritten.
     offset
@@ -178,13 +141,16 @@ def filter_fixes(
         States (steps, n + 1), covariances (steps, n, n) and squared innovations over their variance
         (steps,), of which those without a fix stay as they are; filled.
     """
+    fixes, levers, variance, due, force, rate, step, noise = record
     s, P = start
     states, covariances, nis = found
     at, hook, transition, shaking, agreement = swinging
     dx = np.zeros(len(P))
     for k in range(len(force)):
         if k > 0:
-            predict(s, P, step, force[k - 1], rate[k - 1], force[k], rate[k], noise)
+            mean = 0.5 * (rate[k - 1] + rate[k])
+            predict(s, P, step, force[k - 1], force[k], mean, GYROSCOPES)
+            add_noise(P, step, noise)
             if at >= 0:
                 swing(s, P, at, transition, shaking)
         if due[k]:
@@ -197,9 +163,9 @@ def filter_fixes(
                         s, P, dx, fixes[k, antenna], levers[antenna], variance[k], offset,
                         astray if antenna == 0 else -1, force[k], rate[k],
                     )  # fmt: skip
-            put_in(s, dx)
+            correct(s, dx)
             if at >= 0:
                 dx[:] = 0.0
                 learn_swing(s, P, dx, hook, at, agreement)
-                put_in(s, dx)
+                correct(s, dx)
         states[k], covariances[k] = s, P
