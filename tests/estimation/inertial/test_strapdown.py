@@ -137,6 +137,7 @@ def test_errors_move_as_states_do(step, model):
     expected = F @ P @ F.T
     predict(s.copy(), P, step, *force, rate, model)
     assert pytest.approx(expected, abs=1e-12 * np.abs(expected).max()) == P
+    assert np.array_equal(P, P.T)
 
 
 def test_errors_in_the_bodys_frame_move_as_states_do():

@@ -54,6 +54,15 @@ def test_reports_of_angles_correct_the_attitude_also_over_a_whole_turn():
     assert np.abs(left).max() < 1e-5
 
 
+def test_rounding_does_not_grow_with_the_record():
+    """A change of the last digit is one at the end of ten minutes, too."""
+    _, setting, measured, _ = make_case("grid.roll=[20]", "grid.delay=[3.5]", steps=12000)
+    other = replace(measured, specific_force=measured.specific_force * (1.0 + 4e-16))
+    scheme = SCHEMES.resolve("ERROR_STATE").prepare(setting)
+    found, moved = scheme.run(measured).position, scheme.run(other).position
+    assert np.abs(found - moved).max() < 1e-12
+
+
 def test_noiseless_records_come_back():
     truth, setting, measured, settled = make_case("grid.roll=[20]", "grid.snr=[90]")
     estimates = SCHEMES.resolve("ERROR_STATE").prepare(setting).run(measured)

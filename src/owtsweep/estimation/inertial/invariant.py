@@ -19,6 +19,7 @@ from owtsweep.estimation.inertial.strapdown import (
     add_noise,
     carry,
     learn,
+    mirror,
     move,
     place,
 )
@@ -80,6 +81,7 @@ def filter_invariant(record, start, found):
             felt, back = 0.5 * (force[k - 1] + force[k]) - s[10:13], new.T @ old
             carry_body(P, step, felt, back)
             carry_body(P.T, step, felt, back)
+            mirror(P)
             add_noise(P, step, noise)
         if due[k]:
             dx[:] = 0.0

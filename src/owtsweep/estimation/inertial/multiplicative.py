@@ -23,6 +23,7 @@ from owtsweep.estimation.inertial.strapdown import (
     add_noise,
     correct,
     learn,
+    mirror,
     place,
     predict,
 )
@@ -61,6 +62,7 @@ def swing(s, P, at, transition, noise):
         P[second, first] += noise[i, 1, 0]
         P[second, second] += noise[i, 1, 1]
         P[at + 6 + i, at + 6 + i] += noise[i, 2, 2]
+    mirror(P)
 
 
 @njit

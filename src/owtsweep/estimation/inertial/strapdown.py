@@ -157,6 +157,19 @@ def predict(s, P, d, force, next_force, rate, model):
     linearise(s, force, next_force, old, new, M, R, back)
     carry(P, d, M, R, back, model)
     carry(P.T, d, M, R, back, model)
+    mirror(P)
+
+
+@njit
+def mirror(P):
+    """Make P symmetric again, in place, by its upper half.
+
+    What rounding adds to its skew part no measurement takes away again, and F carries it on: in an
+    hour it would outgrow P.
+    """
+    for i in range(len(P)):
+        for j in range(i):
+            P[i, j] = P[j, i]
 
 
 @njit
@@ -212,12 +225,15 @@ def learn(P, dx, row, e, variance):
                 column[i] += P[i, j] * row[j]
     for j in range(n):
         S += row[j] * column[j]
+    root = np.sqrt(S)
+    e /= root
     for i in range(n):
-        gain = column[i] / S
-        dx[i] += gain * e
+        column[i] /= root
+        dx[i] += column[i] * e
+    for i in range(n):
         for j in range(n):
-            P[i, j] -= gain * column[j]
-    return e * e / S
+            P[i, j] -= column[i] * column[j]
+    return e * e
 
 
 @njit
