@@ -89,8 +89,6 @@ def filter_invariant(record, start, found):
             for antenna in range(fixes.shape[1]):
                 if np.isnan(fixes[k, antenna, 0]):
                     continue
-                if np.isnan(nis[k]):
-                    nis[k] = 0.0
                 place(s, new, levers[antenna], at)
                 lean(new, levers[antenna], H)
                 for i in range(3):

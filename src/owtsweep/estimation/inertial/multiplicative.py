@@ -42,12 +42,8 @@ def swing(s, P, at, transition, noise):
     """
     x = at + 1  # a quaternion has one element more than its error
     for i in range(3):
-        a, b, c, e = (
-            transition[i, 0, 0],
-            transition[i, 0, 1],
-            transition[i, 1, 0],
-            transition[i, 1, 1],
-        )
+        a, b = transition[i, 0]
+        c, e = transition[i, 1]
         m, v = s[x + i], s[x + 3 + i]
         s[x + i], s[x + 3 + i] = a * m + b * v, c * m + e * v
         first, second = at + i, at + 3 + i
@@ -140,8 +136,8 @@ def filter_fixes(record, start, offset, astray, swinging, found):
         Place of the swing's first error, or -1; lever of the point on which the hook acts, shape
         (3,); transition (3, 2, 2) and noise (3, 3, 3) of a sample; variance with which both agree.
     found
-        States (steps, n + 1), covariances (steps, n, n) and squared innovations over their variance
-        (steps,), of which those without a fix stay as they are; filled.
+        States (steps, n + 1) and covariances (steps, n, n), filled; squared innovations over their
+        variance (steps,), to which those of a sample are added.
     """
     fixes, levers, variance, due, force, rate, step, noise = record
     s, P = start
@@ -159,8 +155,6 @@ def filter_fixes(record, start, offset, astray, swinging, found):
             dx[:] = 0.0
             for antenna in range(fixes.shape[1]):
                 if not np.isnan(fixes[k, antenna, 0]):
-                    if np.isnan(nis[k]):
-                        nis[k] = 0.0
                     nis[k] += learn_fix(
                         s, P, dx, fixes[k, antenna], levers[antenna], variance[k], offset,
                         astray if antenna == 0 else -1, force[k], rate[k],

@@ -100,8 +100,6 @@ def filter_unscented(record, start, found):
         if due[k]:
             for antenna in range(fixes.shape[1]):
                 if not np.isnan(fixes[k, antenna, 0]):
-                    if np.isnan(nis[k]):
-                        nis[k] = 0.0
                     nis[k] += learn_unscented(
                         s, P, points, errors, fixes[k, antenna], levers[antenna], variance[k]
                     )

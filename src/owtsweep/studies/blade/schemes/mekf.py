@@ -16,7 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.multiplicative import SWING, filter_fixes
 from owtsweep.estimation.inertial.smoother import link, smooth_lag
 from owtsweep.estimation.inertial.strapdown import ERRORS
-from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Scheme, Setting
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     Found,
     begin,
@@ -127,28 +127,18 @@ class Smoother:
         return report(setting, measured, Found(*out, nis), wait=wait * measured.step)
 
 
-@dataclass(frozen=True)
-class NavigatorScheme(Scheme):
-    """The multiplicative filter with what it is given besides: attributes of `Navigator`."""
-
-    name: str
-    antennas: int = 1
-    offset: bool = False
-    lever: bool = False
-    swing: bool = False
-
-    def prepare(self, setting: Setting) -> Navigator:
-        """Make the filter ready for a setting; `Unable` if it has too few antennas."""
-        require_antennas(setting, self.antennas)
-        return Navigator(setting, self.antennas, self.offset, self.lever, self.swing)
+def prepare_heading(setting: Setting) -> Navigator:
+    """Make the filter of two antennas ready for a setting; `Unable` if it has one alone."""
+    require_antennas(setting, 2)
+    return Navigator(setting, antennas=2)
 
 
-SCHEME = NavigatorScheme("MEKF")
+SCHEME = Direct("MEKF", Navigator)
 #: A second antenna 20 m along the blade shows the heading.
-MEKF_HEADING = NavigatorScheme("MEKF_HEADING", antennas=2)
-MEKF_OFFSET = NavigatorScheme("MEKF_OFFSET", offset=True)
-MEKF_LEVER = NavigatorScheme("MEKF_LEVER", lever=True)
+MEKF_HEADING = Direct("MEKF_HEADING", prepare_heading)
+MEKF_OFFSET = Direct("MEKF_OFFSET", partial(Navigator, offset=True))
+MEKF_LEVER = Direct("MEKF_LEVER", partial(Navigator, lever=True))
 #: While the hook moves, e.g. hoists, it is wrong without knowing it (docs/blade.md, section 4).
-PENDULUM = NavigatorScheme("PENDULUM", swing=True)
+PENDULUM = Direct("PENDULUM", partial(Navigator, swing=True))
 SMOOTHER = Direct("SMOOTHER", partial(Smoother, whole=True))
 FIXED_LAG = Direct("FIXED_LAG", partial(Smoother, whole=False))

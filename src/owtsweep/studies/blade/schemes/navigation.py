@@ -63,9 +63,7 @@ def find_noise(setting: Setting) -> Array:
 def make_room(measured: Measured, more: int = 0) -> Found:
     """Return room for what a filter finds."""
     steps, errors = len(measured.rate), ERRORS + more
-    return Found(
-        np.empty((steps, errors + 1)), np.empty((steps, errors, errors)), np.full(steps, np.nan)
-    )
+    return Found(np.empty((steps, errors + 1)), np.empty((steps, errors, errors)), np.zeros(steps))
 
 
 def require_antennas(setting: Setting, count: int) -> None:
@@ -96,12 +94,13 @@ def report(
     rows = np.concatenate([np.broadcast_to(np.eye(3), lean.shape), lean], axis=2)
     both = np.concatenate([np.arange(3), np.arange(6, 9)])
     P = found.covariances[:, both[:, None], both]
+    seen = np.isfinite(measured.fixes[:, :antennas, 0]).any(axis=1) & measured.due
     return Estimates(
         root=root,
         root_velocity=velocity,
         rotation=rotation,
         root_covariance=rows @ P @ rows.transpose(0, 2, 1),
         attitude_covariance=P[:, 3:, 3:],
-        nis=found.nis / (AXES * antennas),
+        nis=np.where(seen, found.nis, np.nan) / (AXES * antennas),
         wait=wait,
     )
