@@ -114,7 +114,7 @@ def move(s, d, force, next_force, rate, model, old, new):
 
 @njit
 def linearise(s, force, next_force, old, new, M, R, back):
-    """Write by what errors change over a step of `move`, which see.
+    """Write by what errors change over a step; arguments are those of `move`.
 
     `M`, `R` and `back` are results (3, 3): change of the acceleration with da, the mean attitude,
     and the turn of the body back by its own rotation.
