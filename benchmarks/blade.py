@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.timing import seconds, timed
 from experiments.maes2018.scenarios import make_record
-from owtsweep.estimation.inertial import ERRORS, add_noise, move
+from owtsweep.estimation.inertial.strapdown import ERRORS, GYROSCOPES, add_noise, move
 from owtsweep.studies.blade.contract import PLAN, Measured, Setting
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.schemes.navigation import begin, find_noise
@@ -46,7 +46,8 @@ def filter_by_peer(setting: Setting, measured: Measured) -> tuple[np.ndarray, fl
     def carry(x, dt, k):
         s = unfold(x)
         force, rate = measured.specific_force, measured.rate
-        move(s, dt, force[k - 1], rate[k - 1], force[k], rate[k])
+        mean = 0.5 * (rate[k - 1] + rate[k])
+        move(s, dt, force[k - 1], force[k], mean, GYROSCOPES, *np.empty((2, 3, 3)))
         return fold(s)
 
     def see(x):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.blade_angles import find_angles, require_rotations
+from owtsweep.estimation.inertial.angles import find_angles, require_rotations, to_heading
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Truth
 
@@ -67,7 +67,7 @@ def resample(times: Array, values: Array, wanted: Array) -> Array:
 def _describe(root: Array, rotation: Array) -> Array:
     """Return the motion of a root and an attitude: Eqs. 1 and 2."""
     cog = carry_point(root, rotation, COG - ROOT)
-    return np.concatenate([root, cog, find_angles(rotation)], axis=1)
+    return np.concatenate([root, cog, to_heading(find_angles(rotation))], axis=1)
 
 
 def find_angles_as_printed(rotations: Array) -> Array:

@@ -22,8 +22,13 @@ from experiments.maes2018.processing import (
 )
 from experiments.maes2018.scenarios import COASTING, REFERENCE, Record, compose_cell, simulate
 from owtsweep.arrays import Array
-from owtsweep.estimation.blade_angles import find_angles, make_rotation
 from owtsweep.estimation.double_integration import RATE, pass_high
+from owtsweep.estimation.inertial.angles import (
+    find_angles,
+    from_heading,
+    make_rotation,
+    to_heading,
+)
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.blade.boom import ENDS, estimate_boom, find_boom_error
 from owtsweep.studies.blade.contract import PRISMS, ROOT, UNIT
@@ -119,7 +124,8 @@ def score_geometry(replicate: int) -> dict[str, float]:
     found, turned = find_pose(PRISMS, seen, about="first")
     mirrored = find_pose(PRISMS, (PRISMS * [1.0, 1.0, -1.0])[None])[1]
     angles = draw.uniform(0.01, 0.6, (100, 3)) * draw.choice([-1.0, 1.0], (100, 3))
-    small = make_rotation(angles)
+    small = make_rotation(from_heading(angles))
+    safe = to_heading(find_angles(small))
     wrong = np.array([0.1, 0.0, 0.0])  # the unit is believed to be elsewhere on the blade
     unit = carry_point(origin, rotation, UNIT)
     cog = carry_point(unit, rotation, -(UNIT + wrong)) - origin
@@ -127,7 +133,7 @@ def score_geometry(replicate: int) -> dict[str, float]:
     return {
         "pose": float(max(np.abs(found - origin).max(), np.abs(turned - rotation).max())),
         "reflection": float(np.abs(np.linalg.det(mirrored) - 1.0).max()),
-        "printed_angles": float(np.abs(find_angles_as_printed(small) - find_angles(small)).max()),
+        "printed_angles": float(np.abs(find_angles_as_printed(small) - safe).max()),
         "cog_over_lever": float(np.linalg.norm(cog, axis=1).mean() / np.linalg.norm(wrong)),
         "root_over_lever": float(np.linalg.norm(root, axis=1).max() / np.linalg.norm(wrong)),
     }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hanging import QUIET, make, mean_square, run, score
 
-from owtsweep.estimation.inertial_filter import learn_fix
+from owtsweep.estimation.inertial.multiplicative import learn_fix
 from owtsweep.streams import stream
 from owtsweep.studies.blade.measuring import draw_errors, draw_states
 from owtsweep.studies.blade.schemes.mekf import Navigator

@@ -1,18 +1,16 @@
-"""The error-state filter: its kernels against rotation matrices, the filter against a dense one."""
+"""The error-state filter of reports: without noise, at any angle, over long records."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from linear_records import make, tune
-from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from owtsweep.estimation import error_state as kernels
-from owtsweep.gravity import GRAVITY
+from owtsweep.estimation.inertial.reports import learn_report
+from owtsweep.estimation.inertial.strapdown import ERRORS, STATES, correct, subtract
 from owtsweep.studies import compose
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.attitude import find_body_rates
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measures import compare
@@ -21,14 +19,6 @@ from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
 
 STEP = 0.05
-
-
-def cross(v):
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
-
-
-def as_rotation(q):
-    return Rotation.from_quat(np.roll(q, -1))
 
 
 def make_case(*words, replicate=0, steps=1200):
@@ -52,105 +42,25 @@ def judge(scheme, case):
     return compare(truth, estimates, setting.position_sigma, settled)
 
 
-def test_quaternions_are_those_of_rotation_matrices():
-    rng = np.random.default_rng(1)
-    for _ in range(5):
-        angles = rng.uniform([-3.0, -1.4, -3.0], [3.0, 1.4, 3.0])
-        q, R, found = np.empty(4), np.empty((3, 3)), np.empty(3)
-        kernels.find_quaternion(angles, q)
-        kernels.rotate(q, R)
-        assert np.allclose(R, Rotation.from_euler("ZYX", angles[::-1]).as_matrix(), atol=1e-14)
-        kernels.find_angles(q, found)
-        assert np.allclose(found, angles, atol=1e-12)
-        v = rng.normal(size=3)
-        kernels.turn(q, *v)
-        kernels.rotate(q, found_R := np.empty((3, 3)))
-        assert np.allclose(found_R, R @ expm(cross(v)), atol=1e-13)
-        rates, T = rng.normal(size=(1, 3)), np.empty((3, 3))
-        kernels.map_rates(angles, T)
-        body = find_body_rates(angles[None], rates, "exact")[0]
-        assert np.allclose(T @ body, rates[0], atol=1e-10)
-
-
-def change(s, dx):
-    """Return a state with errors put in, by matrices."""
-    moved = s.copy()
-    moved[:6] += dx[:6]
-    turned = (as_rotation(s[6:10]) * Rotation.from_rotvec(dx[6:9])).as_quat()
-    moved[6:10] = np.roll(turned, 1)
-    moved[10:] += dx[9:]
-    return moved
-
-
-def difference(s, other):
-    """Return the errors that turn the state `other` into s."""
-    turned = (as_rotation(other[6:10]).inv() * as_rotation(s[6:10])).as_rotvec()
-    return np.concatenate([s[:6] - other[:6], turned, s[10:] - other[10:]])
-
-
-def random_state(rng):
-    s = rng.normal(size=16)
-    s[6:10] /= np.linalg.norm(s[6:10])
-    return s
-
-
-def test_the_covariance_is_carried_as_errors_are():
-    """F P F' + Q with F by finite differences of the prediction, Q by its closed form."""
-    rng = np.random.default_rng(2)
-    s, d = random_state(rng), 0.002
-    first, last = rng.normal(size=(2, 3)) - np.array([0.0, 0.0, GRAVITY])
-    noise = rng.uniform(0.5, 1.0, (3, 3))
-    root = rng.normal(size=(15, 15))
-    P = root @ root.T
-
-    def predict(state):
-        moved = state.copy()
-        kernels.push(moved, np.zeros((15, 15)), d, first, last, noise)
-        return moved
-
-    middle, eps = predict(s), 1e-6
-    F = np.stack(
-        [
-            (difference(predict(change(s, eps * e)), middle)
-             - difference(predict(change(s, -eps * e)), middle)) / (2.0 * eps)
-            for e in np.eye(15)
-        ],
-        axis=1,
-    )  # fmt: skip
-    Q = np.zeros((15, 15))
-    for i in range(3):
-        for k, q in ((i, noise[0, i]), (6 + i, noise[1, i])):
-            Q[k, k], Q[k + 3, k + 3] = q * d**3 / 3.0, q * d
-            Q[k, k + 3] = Q[k + 3, k] = q * d**2 / 2.0
-        Q[12 + i, 12 + i] = noise[2, i] * d
-    found = P.copy()
-    kernels.push(s.copy(), found, d, first, last, noise)
-    # Errors of rates move positions in the second order of d only, which the filter leaves out.
-    assert np.allclose(found - P, F @ P @ F.T + Q - P, atol=2e-3 * np.abs(F @ P @ F.T - P).max())
-    assert np.allclose(found, found.T, atol=1e-9)
-
-
-def test_corrections_are_those_of_a_dense_kalman_filter():
-    """Two measurements, one after the other, against both at once."""
-    rng = np.random.default_rng(3)
-    root = rng.normal(size=(15, 15))
-    P, H, e, R = root @ root.T, rng.normal(size=(2, 15)), rng.normal(size=2), np.array([0.3, 0.7])
-    found, dx = P.copy(), np.zeros(15)
-    nis = sum(kernels.learn(found, dx, H[i], e[i], R[i]) for i in range(2))
-    S = H @ P @ H.T + np.diag(R)
-    gain = P @ H.T @ np.linalg.inv(S)
-    assert np.allclose(dx, gain @ e)
-    assert np.allclose(found, P - gain @ S @ gain.T)
-    assert nis == pytest.approx(e @ np.linalg.solve(S, e))
-
-
 def test_reports_of_angles_correct_the_attitude_also_over_a_whole_turn():
-    s, P = random_state(np.random.default_rng(4)), 1e-6 * np.eye(15)
-    wanted = change(s, np.concatenate([np.zeros(6), [1e-3, -2e-3, 1e-3], np.zeros(6)]))
-    angles = as_rotation(wanted[6:10]).as_euler("ZYX")[::-1]
+    s, P = np.random.default_rng(4).normal(size=STATES), 1e-6 * np.eye(ERRORS)
+    s[6:10] /= np.linalg.norm(s[6:10])
+    wanted, left = s.copy(), np.empty(ERRORS)
+    correct(wanted, np.concatenate([np.zeros(6), [1e-3, -2e-3, 1e-3], np.zeros(6)]))
+    angles = Rotation.from_quat(wanted[6:10], scalar_first=True).as_euler("ZYX")[::-1]
     reported = np.concatenate([s[:3], angles + 2.0 * np.pi * np.array([1.0, 0.0, -1.0])])
-    kernels.learn_report(s, P, reported, 0.0, np.full(6, 1e-14), np.empty(6))
-    assert np.abs(difference(s, wanted)).max() < 1e-5
+    learn_report(s, P, reported, 0.0, np.full(6, 1e-14), np.empty(6))
+    subtract(s, wanted, left)
+    assert np.abs(left).max() < 1e-5
+
+
+def test_rounding_does_not_grow_with_the_record():
+    """A change of the last digit is one at the end of ten minutes, too."""
+    _, setting, measured, _ = make_case("grid.roll=[20]", "grid.delay=[3.5]", steps=12000)
+    other = replace(measured, specific_force=measured.specific_force * (1.0 + 4e-16))
+    scheme = SCHEMES.resolve("ERROR_STATE").prepare(setting)
+    found, moved = scheme.run(measured).position, scheme.run(other).position
+    assert np.abs(found - moved).max() < 1e-12
 
 
 def test_noiseless_records_come_back():

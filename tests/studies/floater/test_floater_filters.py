@@ -10,7 +10,7 @@ from linear_records import STEP, errors, make, rms, run, tune
 from scipy.signal import butter, lfilter
 from sine_records import find_lag, report
 
-from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
+from owtsweep.estimation.inertial.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.schemes.complementary import find_crossover

@@ -11,14 +11,14 @@ from linear_records import move
 from scipy.signal import freqs
 from scipy.spatial.transform import Rotation
 
+from owtsweep.estimation.inertial.angles import find_body_rates
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Span
 from owtsweep.streams import stream
 from owtsweep.studies import compose
-from owtsweep.studies.floater.attitude import find_body_rates, find_specific_force
 from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.motion_synthetic import draw_motion
-from owtsweep.studies.floater.truth import MARGIN, Motion, make_truth
+from owtsweep.studies.floater.truth import MARGIN, Motion, find_specific_force, make_truth
 
 SHORT = ["study=floater", "record.duration=100", "record.rate=10", "record.settling=10"]
 
@@ -167,19 +167,19 @@ def test_body_rates_are_those_of_the_turning_body() -> None:
 
     h = 1e-4
     turned = (attitude(times - h).inv() * attitude(times + h)).as_rotvec() / (2.0 * h)
-    assert find_body_rates(angles(times), rates, "exact") == pytest.approx(turned, abs=1e-7)
+    assert find_body_rates(angles(times), rates) == pytest.approx(turned, abs=1e-7)
 
 
 def test_specific_force_is_the_acceleration_without_gravity_in_the_body() -> None:
     times, angles, _, acceleration = large_angles(1.0)
-    felt = find_specific_force(angles(times), acceleration, "exact")
+    felt = find_specific_force(angles(times), acceleration, small=False)
     for (roll, pitch, yaw), a, f in zip(angles(times), acceleration, felt, strict=True):
         about_x = [[1, 0, 0], [0, np.cos(roll), np.sin(roll)], [0, -np.sin(roll), np.cos(roll)]]
         about_y = [[np.cos(pitch), 0, -np.sin(pitch)], [0, 1, 0], [np.sin(pitch), 0, np.cos(pitch)]]
         about_z = [[np.cos(yaw), np.sin(yaw), 0], [-np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]]
         to_body = np.array(about_x) @ about_y @ about_z
         assert f == pytest.approx(to_body @ (a - [0.0, 0.0, GRAVITY]), abs=1e-12)
-    rest = find_specific_force(np.zeros((1, 3)), np.zeros((1, 3)), "exact")
+    rest = find_specific_force(np.zeros((1, 3)), np.zeros((1, 3)), small=False)
     assert rest[0] == pytest.approx([0.0, 0.0, -GRAVITY])
 
 
@@ -189,9 +189,8 @@ def test_small_angles_are_the_limit_of_exact_ones() -> None:
     for size in (1e-2, 1e-3):
         times, angles, turning, acceleration = large_angles(size)
         a = size * acceleration  # turned accelerations are of the same order as turned gravity's
-        exact, small = (find_body_rates(angles(times), turning, k) for k in ("exact", "small"))
-        rates.append(np.abs(exact - small).max())
-        exact, small = (find_specific_force(angles(times), a, k) for k in ("exact", "small"))
+        rates.append(np.abs(find_body_rates(angles(times), turning) - turning).max())
+        exact, small = (find_specific_force(angles(times), a, small=k) for k in (False, True))
         forces.append(np.abs(exact - small).max())
         assert forces[-1] < 0.02 * np.abs(small[:, :2]).max()
     assert rates[0] / rates[1] == pytest.approx(100.0, rel=0.1)
@@ -202,8 +201,9 @@ def test_a_record_has_the_rates_and_forces_of_its_own_motion() -> None:
     for kind in ("small", "exact"):
         truth = make_truth(configure(f"motion.attitude={kind}"), 2, 10.0).truth
         angles, speed = truth.position[:, 3:], truth.velocity[:, 3:]
-        assert truth.rate == pytest.approx(find_body_rates(angles, speed, kind))
-        felt = find_specific_force(angles, truth.acceleration[:, :3], kind)
+        rate = speed if kind == "small" else find_body_rates(angles, speed)
+        assert truth.rate == pytest.approx(rate)
+        felt = find_specific_force(angles, truth.acceleration[:, :3], small=kind == "small")
         assert truth.specific_force == pytest.approx(felt)
 
 

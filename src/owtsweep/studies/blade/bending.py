@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.blade_angles import make_rotation
+from owtsweep.estimation.inertial.angles import from_heading, make_rotation
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, find_frequencies, respond, sample, scale_to_one
 from owtsweep.streams import stream
@@ -71,7 +71,7 @@ def make_bending(
     if bending.sag == 0.0 and bending.vibration == 0.0:
         return None
     felt = series.acceleration[:, :3] + np.array([0.0, 0.0, GRAVITY])
-    rotation = make_rotation(series.position[:, 3:])
+    rotation = make_rotation(from_heading(series.position[:, 3:]))
     deflection = -bending.sag / GRAVITY * np.einsum("nji,nj->ni", rotation, felt)[:, 1:]
     frequency = find_frequencies(steps, step)
     draws = partial(stream, config.seed, config.study, (), replicate)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.blade_angles import find_angles
+from owtsweep.estimation.inertial.angles import find_angles
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.blade.boom import find_boom_error
@@ -69,7 +69,7 @@ def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, flo
     }
     angles = find_angles(estimates.rotation[cut]) - find_angles(truth.rotation[cut])
     angles -= 2.0 * np.pi * np.round(angles / (2.0 * np.pi))
-    for i, name in enumerate(("heading", "pitch", "roll")):
+    for i, name in enumerate(("roll", "pitch", "heading")):
         found[name] = np.rad2deg(_rms(angles[:, i, None]))
     for i, name in enumerate("xyz"):
         found[f"root_{name}"] = _rms(error[cut, i, None])
@@ -93,7 +93,7 @@ def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, flo
 def find_turn(true: Array, estimated: Array) -> Array:
     """Return the rotation vectors that turn estimated attitudes (n, 3, 3) into true ones, (n, 3).
 
-    In the body's frame, rad; the errors of attitude in `estimation.inertial`.
+    In the body's frame, rad; the errors of attitude in `estimation.inertial.strapdown`.
     """
     from scipy.spatial.transform import Rotation
 

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.blade_angles import (
+from owtsweep.estimation.inertial.angles import (
     find_body_acceleration,
     find_body_rates,
+    from_heading,
     make_rotation,
 )
 from owtsweep.gravity import GRAVITY
@@ -70,7 +71,7 @@ class Motion:
     def locate(self, points: Array, times: Array) -> Array:
         """Return where points of the body (k, 3) are at times in s, shape (n, k, 3)."""
         place = interpolate(self.series, self.truth.step, self.lead, times)
-        rotation = make_rotation(place[:, 3:])
+        rotation = make_rotation(from_heading(place[:, 3:]))
         located = place[:, None, :3] + np.einsum("nij,kj->nki", rotation, points)
         if self.bending is not None:
             located += np.einsum("nij,nkj->nki", rotation, self.bending.shift(points, times))
@@ -86,9 +87,10 @@ def make_truth(config: BladeConfig, replicate: int, cell: Cell) -> Motion:
     lines = _draw_lines(config, replicate, cell, find_frequencies(steps, step))
     series = sample(lines, steps, step, lead)
     x, v, a = (part[lead:] for part in series)
-    rotation = make_rotation(x[:, 3:])
-    rate = find_body_rates(x[:, 3:], v[:, 3:])
-    turning = find_body_acceleration(x[:, 3:], v[:, 3:], a[:, 3:])
+    angles = [from_heading(part[:, 3:]) for part in (x, v, a)]
+    rotation = make_rotation(angles[0])
+    rate = find_body_rates(*angles[:2])
+    turning = find_body_acceleration(*angles)
 
     def carry(point: Array) -> tuple[Array, Array, Array]:
         """Return position, velocity and acceleration of a point of the body, (steps, 3) each."""

@@ -20,7 +20,6 @@ from owtsweep.motion.recorded.columns import name_signals
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.units import find_factor_to
-from owtsweep.studies.floater.attitude import STEEPEST
 from owtsweep.studies.floater.config import Motion as MotionSection
 from owtsweep.studies.floater.contract import DOF
 
@@ -30,6 +29,8 @@ SIGNALS = (*DOF, *VELOCITIES, *ACCELERATIONS)
 #: A row may be off its time by this part of a step, because times are rounded; the mean step may
 #: differ from the record's by the second one.
 UNEVEN, OTHER_STEP = 0.05, 1e-3
+#: Pitch in rad beyond which rates of Euler angles lose their meaning (89 degrees).
+STEEPEST = np.deg2rad(89.0)
 
 
 def read_motion(

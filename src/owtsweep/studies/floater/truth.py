@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.inertial.angles import find_body_rates, make_rotation
+from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, Span, interpolate
 from owtsweep.streams import stream
-from owtsweep.studies.floater.attitude import find_body_rates, find_specific_force
 from owtsweep.studies.floater.contract import Truth
 from owtsweep.studies.floater.worlds import WORLDS
 
@@ -68,13 +69,37 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
     draws = partial(stream, config.seed, config.study, (), replicate)
     series = WORLDS[motion.kind].draw(motion, draws, Span(steps, step, lead), roll)
     position, velocity, acceleration = (part[lead:] for part in series)
-    angles = position[:, 3:]
+    angles, rates = position[:, 3:], velocity[:, 3:]
+    small = motion.attitude == "small"
     truth = Truth(
         step=step,
         position=position,
         velocity=velocity,
         acceleration=acceleration,
-        rate=find_body_rates(angles, velocity[:, 3:], motion.attitude),
-        specific_force=find_specific_force(angles, acceleration[:, :3], motion.attitude),
+        rate=rates.copy() if small else find_body_rates(angles, rates),
+        specific_force=find_specific_force(angles, acceleration[:, :3], small=small),
     )
     return Motion(truth, series, lead)
+
+
+def find_specific_force(angles: Array, acceleration: Array, *, small: bool) -> Array:
+    """Return what ideal accelerometers fixed to the body read, m/s^2, shape (steps, 3).
+
+    The third axis points down, so a body at rest feels (0, 0, -g).
+
+    Parameters
+    ----------
+    angles
+        Euler angles in rad, shape (steps, 3).
+    acceleration
+        Acceleration of the body's origin in the basin's frame, m/s^2, shape (steps, 3).
+    small
+        Whether only gravity is turned, by angles to first order.
+    """
+    felt = acceleration.copy()
+    felt[:, 2] -= GRAVITY
+    if small:
+        felt[:, 0] += GRAVITY * angles[:, 1]
+        felt[:, 1] -= GRAVITY * angles[:, 0]
+        return felt
+    return np.asarray(np.einsum("nji,nj->ni", make_rotation(angles), felt))

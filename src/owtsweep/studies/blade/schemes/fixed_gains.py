@@ -14,16 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.complementary import blend_fixes, place_poles
 from owtsweep.estimation.double_integration import PADDING, integrate_twice, pass_high
+from owtsweep.estimation.inertial.complementary import blend_fixes, place_poles
 from owtsweep.gravity import GRAVITY
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.boom import estimate_boom
 from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
-from owtsweep.studies.blade.schemes.navigation import begin
+from owtsweep.studies.blade.schemes.navigation import begin, locate_root, make_record
 
 
 @dataclass(frozen=True)
@@ -40,18 +39,8 @@ class Complementary:
         alpha, beta = place_poles(find_crossover(setting, interval), interval)
         states = np.empty((len(measured.rate), len(s)))
         gains = (float(alpha), float(beta), 1.0 / setting.tuning.levelling)
-        blend_fixes(
-            measured.fixes[:, 0].copy(), setting.geometry.levers[0], measured.due,
-            measured.specific_force, measured.rate, measured.step, gains, s, states,
-        )  # fmt: skip
-        rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
-        to_root = setting.geometry.to_root
-        whirl = np.cross(measured.rate, to_root)
-        return Estimates(
-            root=states[:, :3] + rotation @ to_root,
-            root_velocity=states[:, 3:6] + np.einsum("nij,nj->ni", rotation, whirl),
-            rotation=rotation,
-        )
+        blend_fixes(make_record(setting, measured), gains, s, states)
+        return Estimates(*locate_root(setting, measured, states))
 
 
 def find_crossover(setting: Setting, interval: float) -> float:

@@ -7,20 +7,20 @@ SMOOTHER passes back over the whole record, as post-processing does, FIXED_LAG o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.linalg import expm
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.inertial import ERRORS
-from owtsweep.estimation.inertial_filter import SWING, filter_fixes
-from owtsweep.estimation.inertial_smoother import link, smooth_all, smooth_lag
-from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Scheme, Setting
+from owtsweep.estimation.inertial.multiplicative import SWING, filter_fixes
+from owtsweep.estimation.inertial.smoother import link, smooth_lag
+from owtsweep.estimation.inertial.strapdown import ERRORS
+from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
 from owtsweep.studies.blade.schemes.navigation import (
     Found,
     begin,
-    find_noise,
-    find_variance,
+    make_record,
     make_room,
     report,
     require_antennas,
@@ -73,13 +73,9 @@ class Navigator:
             at = ERRORS + self.offset + 3 * self.lever
             transition, shaking = describe_swing(setting, s, P, at)
         found = make_room(measured, more)
-        fixes = np.ascontiguousarray(measured.fixes[:, : self.antennas])
-        filter_fixes(
-            fixes, geometry.levers[: self.antennas], find_variance(setting, measured), measured.due,
-            measured.specific_force, measured.rate, measured.step, find_noise(setting), (s, P),
-            offset, astray, (at, -geometry.unit, transition, shaking, setting.tuning.agreement**2),
-            tuple(found),
-        )  # fmt: skip
+        swinging = (at, -geometry.unit, transition, shaking, setting.tuning.agreement**2)
+        record = make_record(setting, measured, self.antennas)
+        filter_fixes(record, (s, P), offset, astray, swinging, tuple(found))
         return found
 
 
@@ -111,73 +107,38 @@ def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array
 
 @dataclass(frozen=True)
 class Smoother:
-    """The smoother, made ready for a setting."""
+    """The smoother, made ready for a setting: of the whole record, or with a fixed lag."""
 
     setting: Setting
+    whole: bool
 
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
-        (states, covariances, nis), links, out = _filter_and_link(self.setting, measured)
-        smooth_all(states, covariances, links, out)
-        return report(self.setting, measured, Found(*out, nis), wait=len(nis) * measured.step)
-
-
-@dataclass(frozen=True)
-class FixedLag:
-    """The smoother with a fixed lag, made ready for a setting."""
-
-    setting: Setting
-
-    def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record."""
-        (states, covariances, nis), links, out = _filter_and_link(self.setting, measured)
-        lag = round(self.setting.tuning.lag / measured.step)
+        setting = self.setting
+        states, covariances, nis = Navigator(setting).filter(measured)
+        links = (np.empty_like(states), np.empty_like(covariances), np.empty_like(covariances))
+        link(states, covariances, make_record(setting, measured), links)
+        wait = lag = len(nis)
+        if not self.whole:
+            lag = round(setting.tuning.lag / measured.step)
+            wait = lag + np.diff(np.flatnonzero(measured.due)).max(initial=1) - 1
+        out = (np.empty_like(states), np.empty_like(covariances))
         smooth_lag(states, covariances, links, measured.due, lag, out)
-        between = np.diff(np.flatnonzero(measured.due)).max(initial=1) - 1
-        return report(
-            self.setting, measured, Found(*out, nis), wait=(lag + between) * measured.step
-        )
+        return report(setting, measured, Found(*out, nis), wait=wait * measured.step)
 
 
-def _filter_and_link(
-    setting: Setting, measured: Measured
-) -> tuple[Found, tuple[Array, Array, Array], tuple[Array, Array]]:
-    """Filter a record; return it with how samples follow from later ones, and room for the result.
-
-    How they follow is as of `inertial_smoother.link`.
-    """
-    found = Navigator(setting).filter(measured)
-    states, covariances, _ = found
-    links = (np.empty_like(states), np.empty_like(covariances), np.empty_like(covariances))
-    link(
-        states, covariances, measured.specific_force, measured.rate, measured.step,
-        find_noise(setting), links,
-    )  # fmt: skip
-    return found, links, (np.empty_like(states), np.empty_like(covariances))
+def prepare_heading(setting: Setting) -> Navigator:
+    """Make the filter of two antennas ready for a setting; `Unable` if it has one alone."""
+    require_antennas(setting, 2)
+    return Navigator(setting, antennas=2)
 
 
-@dataclass(frozen=True)
-class NavigatorScheme(Scheme):
-    """The multiplicative filter with what it is given besides: attributes of `Navigator`."""
-
-    name: str
-    antennas: int = 1
-    offset: bool = False
-    lever: bool = False
-    swing: bool = False
-
-    def prepare(self, setting: Setting) -> Navigator:
-        """Make the filter ready for a setting; `Unable` if it has too few antennas."""
-        require_antennas(setting, self.antennas)
-        return Navigator(setting, self.antennas, self.offset, self.lever, self.swing)
-
-
-SCHEME = NavigatorScheme("MEKF")
+SCHEME = Direct("MEKF", Navigator)
 #: A second antenna 20 m along the blade shows the heading.
-MEKF_HEADING = NavigatorScheme("MEKF_HEADING", antennas=2)
-MEKF_OFFSET = NavigatorScheme("MEKF_OFFSET", offset=True)
-MEKF_LEVER = NavigatorScheme("MEKF_LEVER", lever=True)
+MEKF_HEADING = Direct("MEKF_HEADING", prepare_heading)
+MEKF_OFFSET = Direct("MEKF_OFFSET", partial(Navigator, offset=True))
+MEKF_LEVER = Direct("MEKF_LEVER", partial(Navigator, lever=True))
 #: While the hook moves, e.g. hoists, it is wrong without knowing it (docs/blade.md, section 4).
-PENDULUM = NavigatorScheme("PENDULUM", swing=True)
-SMOOTHER = Direct("SMOOTHER", Smoother)
-FIXED_LAG = Direct("FIXED_LAG", FixedLag)
+PENDULUM = Direct("PENDULUM", partial(Navigator, swing=True))
+SMOOTHER = Direct("SMOOTHER", partial(Smoother, whole=True))
+FIXED_LAG = Direct("FIXED_LAG", partial(Smoother, whole=False))

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.inertial import ERRORS, STATES
+from owtsweep.estimation.inertial.strapdown import ERRORS, STATES, Record
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.blade.contract import Estimates, Measured, Setting
 
@@ -38,26 +38,32 @@ def begin(setting: Setting, more: int = 0) -> tuple[Array, Array]:
     return s, np.diag(np.square(sigma))
 
 
+def make_record(setting: Setting, measured: Measured, antennas: int = 1) -> Record:
+    """Return what filters get: measurements, with the noise that the setting believes."""
+    return Record(
+        np.ascontiguousarray(measured.fixes[:, :antennas]),
+        setting.geometry.levers[:antennas],
+        np.where(measured.floating[:, None], setting.float_sigma, setting.fix_sigma) ** 2,
+        measured.due,
+        measured.specific_force,
+        measured.rate,
+        measured.step,
+        find_noise(setting),
+    )
+
+
 def find_noise(setting: Setting) -> Array:
-    """Return intensities of the noise, as of `inertial.add_noise`."""
+    """Return intensities of the noise, as of `strapdown.add_noise`."""
     return np.array([
         setting.force_sigma**2 * setting.step, setting.rate_sigma**2 * setting.step,
         setting.force_walk**2, setting.rate_walk**2,
     ])  # fmt: skip
 
 
-def find_variance(setting: Setting, measured: Measured) -> Array:
-    """Return the believed variance of a fix at each sample, m^2, shape (steps, 3)."""
-    floating = measured.floating[:, None]
-    return np.where(floating, setting.float_sigma, setting.fix_sigma) ** 2
-
-
 def make_room(measured: Measured, more: int = 0) -> Found:
     """Return room for what a filter finds."""
     steps, errors = len(measured.rate), ERRORS + more
-    return Found(
-        np.empty((steps, errors + 1)), np.empty((steps, errors, errors)), np.full(steps, np.nan)
-    )
+    return Found(np.empty((steps, errors + 1)), np.empty((steps, errors, errors)), np.zeros(steps))
 
 
 def require_antennas(setting: Setting, count: int) -> None:
@@ -67,6 +73,15 @@ def require_antennas(setting: Setting, count: int) -> None:
         raise Unable(f"needs {count} antennas, and the record has {there}")
 
 
+def locate_root(setting: Setting, measured: Measured, states: Array) -> tuple[Array, Array, Array]:
+    """Return position and velocity of the root, (steps, 3) each, and the attitude, of states."""
+    to_root = setting.geometry.to_root
+    rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
+    whirl = np.cross(measured.rate - states[:, 13:16], to_root)
+    velocity = states[:, 3:6] + np.einsum("nij,nj->ni", rotation, whirl)
+    return states[:, :3] + rotation @ to_root, velocity, rotation
+
+
 def report(
     setting: Setting, measured: Measured, found: Found, *, antennas: int = 1, wait: float = 0.0
 ) -> Estimates:
@@ -74,24 +89,18 @@ def report(
 
     The error of the root is dp - R [r]x da, with r from unit to root.
     """
-    states, P, to_root = found.states, found.covariances, setting.geometry.to_root
-    rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
-    whirl = np.cross(measured.rate - states[:, 13:16], to_root)
-    lean = -rotation @ _cross_matrix(to_root)
+    root, velocity, rotation = locate_root(setting, measured, found.states)
+    lean = np.cross(setting.geometry.to_root, rotation)  # -R [r]x, row by row
     rows = np.concatenate([np.broadcast_to(np.eye(3), lean.shape), lean], axis=2)
     both = np.concatenate([np.arange(3), np.arange(6, 9)])
-    P = P[:, both[:, None], both]
+    P = found.covariances[:, both[:, None], both]
+    seen = np.isfinite(measured.fixes[:, :antennas, 0]).any(axis=1) & measured.due
     return Estimates(
-        root=states[:, :3] + rotation @ to_root,
-        root_velocity=states[:, 3:6] + np.einsum("nij,nj->ni", rotation, whirl),
+        root=root,
+        root_velocity=velocity,
         rotation=rotation,
         root_covariance=rows @ P @ rows.transpose(0, 2, 1),
         attitude_covariance=P[:, 3:, 3:],
-        nis=found.nis / (AXES * antennas),
+        nis=np.where(seen, found.nis, np.nan) / (AXES * antennas),
         wait=wait,
     )
-
-
-def _cross_matrix(a: Array) -> Array:
-    """Return the matrix of the cross product with a (3,)."""
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])

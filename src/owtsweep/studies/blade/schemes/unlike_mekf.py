@@ -13,18 +13,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.inertial import ERRORS
-from owtsweep.estimation.inertial_invariant import filter_invariant
-from owtsweep.estimation.inertial_unscented import filter_unscented
+from owtsweep.estimation.inertial.invariant import filter_invariant
+from owtsweep.estimation.inertial.strapdown import ERRORS
+from owtsweep.estimation.inertial.unscented import filter_unscented
 from owtsweep.studies.blade.contract import Direct, Estimates, Measured, Setting
-from owtsweep.studies.blade.schemes.navigation import (
-    Found,
-    begin,
-    find_noise,
-    find_variance,
-    make_room,
-    report,
-)
+from owtsweep.studies.blade.schemes.navigation import Found, begin, make_record, make_room, report
 
 
 @dataclass(frozen=True)
@@ -60,16 +53,12 @@ def _filter(
 ) -> Found:
     """Run a filter of `estimation` on the fixes of the first antenna."""
     found = make_room(measured)
-    run(
-        measured.fixes[:, :1].copy(), setting.geometry.levers[:1], find_variance(setting, measured),
-        measured.due, measured.specific_force, measured.rate, measured.step, find_noise(setting),
-        start, tuple(found),
-    )  # fmt: skip
+    run(make_record(setting, measured), start, tuple(found))
     return found
 
 
 def _turn_errors(states: Array) -> Array:
-    """Return by what errors in the body's frame become those of `inertial`, (steps, 15, 15)."""
+    """Return by what errors in the body's frame become those of `strapdown`, (steps, 15, 15)."""
     turn = np.tile(np.eye(ERRORS), (len(states), 1, 1))
     rotation = Rotation.from_quat(states[:, 6:10], scalar_first=True).as_matrix()
     turn[:, :3, :3] = turn[:, 3:6, 3:6] = rotation

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.complementary import blend_acceleration, blend_rate, place_poles
+from owtsweep.estimation.inertial.complementary import blend_acceleration, blend_rate, place_poles
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 from owtsweep.studies.floater.schemes.linear import (

@@ -10,9 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.error_state import ERRORS, STATES, filter_body, find_quaternion
+from owtsweep.estimation.inertial.reports import filter_body
+from owtsweep.estimation.inertial.strapdown import STATES
 from owtsweep.estimation.kinematic_filter import snap
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
@@ -60,14 +62,13 @@ class ErrorState:
         setting = self.setting
         state = np.zeros(STATES)
         state[:3] = report[:3]
-        find_quaternion(report[3:], state[6:10])
+        state[6:10] = Rotation.from_euler("ZYX", report[:2:-1]).as_quat(scalar_first=True)
         sigma = np.concatenate(
             [
                 setting.position_sigma[:3], setting.motion_sigma[1, :3],
-                setting.position_sigma[3:], setting.motion_sigma[1, 3:], bias[:3],
+                setting.position_sigma[3:], bias[:3], setting.motion_sigma[1, 3:],
             ]
         )  # fmt: skip
-        assert len(sigma) == ERRORS
         return state, np.diag(sigma**2)
 
 

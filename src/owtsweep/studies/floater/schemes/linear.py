@@ -10,15 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.estimation.inertial.angles import find_angle_rates, make_rotation
 from owtsweep.estimation.kinematic import Noise
 from owtsweep.estimation.kinematic_filter import Found, Record, filter_all, smooth_all, snap
 from owtsweep.gravity import GRAVITY
-from owtsweep.studies.floater.attitude import hold, level, turn_rates
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
 
 #: The degrees of freedom whose rates are measured: the angles (Eq. 5, matrix C).
@@ -125,13 +125,46 @@ def read_inputs(setting: Setting, measured: Measured) -> Inputs:
         acceleration = np.zeros(reported.shape)
         acceleration[:, :3] = level(measured.specific_force, angles, how)
         if how == "reported":
-            rate = turn_rates(rate, angles)
+            rate = find_angle_rates(angles, rate)
     assert acceleration is not None
     return Inputs(
         np.ascontiguousarray(reported.T),
         np.ascontiguousarray(acceleration.T),
         [_NONE] * 3 + [np.ascontiguousarray(column) for column in rate.T],
     )
+
+
+def hold(reported: Array) -> Array:
+    """Return the last report of each sample, shape (steps, columns); zeros before the first.
+
+    A sample with a NaN has no report.
+    """
+    there = np.isfinite(reported).all(axis=1)
+    last = np.maximum.accumulate(np.where(there, np.arange(len(reported)), -1))
+    return np.where(last[:, None] >= 0, reported[last], 0.0)
+
+
+def level(force: Array, angles: Array, how: Literal["level", "small", "reported"]) -> Array:
+    """Return accelerations of the translations in m/s^2, shape (steps, 3).
+
+    Parameters
+    ----------
+    force
+        Specific force in the body's frame, m/s^2, shape (steps, 3).
+    angles
+        Euler angles in rad, shape (steps, 3).
+    how
+        "reported": it is turned by the angles. "small": only gravity is, to first order. "level":
+        it counts as the acceleration without gravity.
+    """
+    found = force.copy()
+    if how == "small":
+        found[:, 0] -= GRAVITY * angles[:, 1]
+        found[:, 1] += GRAVITY * angles[:, 0]
+    elif how == "reported":
+        found = np.einsum("nij,nj->ni", make_rotation(angles), found)
+    found[:, 2] += GRAVITY
+    return found
 
 
 def find_bias(setting: Setting) -> tuple[Array, Array]:

@@ -22,9 +22,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.passive_observer import choose_gains, find_growth, observe
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.floater.attitude import hold
 from owtsweep.studies.floater.contract import DOF, Direct, Estimates, Measured, Setting
-from owtsweep.studies.floater.schemes.linear import keep_reports
+from owtsweep.studies.floater.schemes.linear import hold, keep_reports
 from owtsweep.studies.floater.schemes.printed import find_start
 
 #: The cut-off of LOWPASS is at most this part of the sampling frequency: a digital filter ends at

@@ -1,9 +1,9 @@
 """The compiled unscented Kalman filter of inertial navigation, corrected by GNSS fixes.
 
-Its 15 errors are those of `inertial`, its sigma points are errors put into the state (Crassidis and
-Markley 2003, Unscented filtering for spacecraft attitude estimation; Brossard, Barrau and Bonnabel
-2020, A code for unscented Kalman filtering on manifolds). The weights are those of kappa = 0: two
-points per error, root of 15 standard deviations out, and none in the middle.
+Its 15 errors are those of `strapdown`, its sigma points are errors put into the state (Crassidis
+and Markley 2003, Unscented filtering for spacecraft attitude estimation; Brossard, Barrau and
+Bonnabel 2020, A code for unscented Kalman filtering on manifolds). The weights are those of
+kappa = 0: two points per error, root of 15 standard deviations out, and none in the middle.
 """
 
 from __future__ import annotations
@@ -11,8 +11,17 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.estimation.error_state import rotate
-from owtsweep.estimation.inertial import ERRORS, STATES, add_noise, correct, move, place, subtract
+from owtsweep.estimation.inertial.attitude import rotate
+from owtsweep.estimation.inertial.strapdown import (
+    ERRORS,
+    GYROSCOPES,
+    STATES,
+    add_noise,
+    correct,
+    move,
+    place,
+    subtract,
+)
 
 #: Number of sigma points.
 POINTS = 2 * ERRORS
@@ -72,24 +81,25 @@ def learn_unscented(s, P, points, errors, fix, lever, variance):
 
 
 @njit
-def filter_unscented(fixes, levers, variance, due, force, rate, step, noise, start, found):
-    """Filter a record; parameters are those of `inertial_filter.filter_fixes`."""
+def filter_unscented(record, start, found):
+    """Filter a record; parameters are those of `multiplicative.filter_fixes`."""
+    fixes, levers, variance, due, force, rate, step, noise = record
     s, P = start
     states, covariances, nis = found
+    old, new = np.empty((3, 3)), np.empty((3, 3))
     points, errors = np.empty((POINTS, STATES)), np.empty((POINTS, ERRORS))
     for k in range(len(force)):
         if k > 0:
             spread(s, P, points)
+            mean = 0.5 * (rate[k - 1] + rate[k])
             for i in range(POINTS):
-                move(points[i], step, force[k - 1], rate[k - 1], force[k], rate[k])
-            move(s, step, force[k - 1], rate[k - 1], force[k], rate[k])
+                move(points[i], step, force[k - 1], force[k], mean, GYROSCOPES, old, new)
+            move(s, step, force[k - 1], force[k], mean, GYROSCOPES, old, new)
             average(points, s, P, errors)
             add_noise(P, step, noise)
         if due[k]:
             for antenna in range(fixes.shape[1]):
                 if not np.isnan(fixes[k, antenna, 0]):
-                    if np.isnan(nis[k]):
-                        nis[k] = 0.0
                     nis[k] += learn_unscented(
                         s, P, points, errors, fixes[k, antenna], levers[antenna], variance[k]
                     )

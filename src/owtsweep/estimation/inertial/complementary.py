@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.estimation.error_state import rotate
-from owtsweep.estimation.inertial import move, place
+from owtsweep.estimation.inertial.attitude import rotate
+from owtsweep.estimation.inertial.strapdown import GYROSCOPES, move, place
 
 
 def place_poles(crossover: float, step: float) -> tuple[float, float]:
@@ -80,21 +80,13 @@ def blend_rate(position, rate, step, gain, start, estimate):
 
 
 @njit
-def blend_fixes(fixes, lever, due, force, rate, step, gains, s, states):
-    """Filter a record.
+def blend_fixes(record, gains, s, states):
+    """Filter a record by the fixes of the first antenna.
 
     Parameters
     ----------
-    fixes
-        Positions of one antenna at samples, shape (steps, 3), NaN where none is.
-    lever
-        Where it is from the inertial unit, shape (3,).
-    due
-        Whether a fix is due at a sample, shape (steps,).
-    force, rate
-        Specific force and angular velocity of the body, shape (steps, 3) each.
-    step
-        Sampling interval in s.
+    record
+        A `strapdown.Record`.
     gains
         Of position and velocity per fix, and of the levelling per second.
     s
@@ -102,26 +94,25 @@ def blend_fixes(fixes, lever, due, force, rate, step, gains, s, states):
     states
         Filled, shape (steps, 16).
     """
-    R, at = np.empty((3, 3)), np.empty(3)
+    fixes, levers, _, due, force, rate, step, _ = record
+    R, new, at = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     alpha, beta, level = gains
     for k in range(len(force)):
         if k > 0:
             rotate(s[6:10], R)
             # what a body at rest would feel is g R' e_z: turn the body until it does
             f = force[k - 1]
-            size = np.sqrt(f[0] ** 2 + f[1] ** 2 + f[2] ** 2)
-            for i in range(3):
-                s[13 + i] = 0.0
-            s[13] = -level * (f[1] * R[2, 2] - f[2] * R[2, 1]) / size
-            s[14] = -level * (f[2] * R[2, 0] - f[0] * R[2, 2]) / size
-            s[15] = -level * (f[0] * R[2, 1] - f[1] * R[2, 0]) / size
-            move(s, step, f, rate[k - 1], force[k], rate[k])
-        if due[k] and not np.isnan(fixes[k, 0]):
+            slow = -level / np.sqrt(f[0] ** 2 + f[1] ** 2 + f[2] ** 2)
+            s[13] = slow * (f[1] * R[2, 2] - f[2] * R[2, 1])
+            s[14] = slow * (f[2] * R[2, 0] - f[0] * R[2, 2])
+            s[15] = slow * (f[0] * R[2, 1] - f[1] * R[2, 0])
+            mean = 0.5 * (rate[k - 1] + rate[k])
+            move(s, step, f, force[k], mean, GYROSCOPES, R, new)
+        if due[k] and not np.isnan(fixes[k, 0, 0]):
             rotate(s[6:10], R)
-            place(s, R, lever, at)
+            place(s, R, levers[0], at)
             for i in range(3):
-                s[i] += alpha * (fixes[k, i] - at[i])
-                s[3 + i] += beta * (fixes[k, i] - at[i])
+                s[i] += alpha * (fixes[k, 0, i] - at[i])
+                s[3 + i] += beta * (fixes[k, 0, i] - at[i])
+        s[13:16] = 0.0  # what levels is no bias
         states[k] = s
-        for i in range(3):  # what levels is no bias
-            states[k, 13 + i] = 0.0

@@ -1,7 +1,7 @@
-"""Compiled smoothers behind the multiplicative filter of inertial navigation.
+"""The compiled smoother behind the multiplicative filter of inertial navigation.
 
-Both carry what later fixes say back through the linear model of the errors (Rauch, Tung and
-Striebel 1965), with the difference of two states as of `inertial.subtract`.
+It carries what later fixes say back through the linear model of the errors (Rauch, Tung and
+Striebel 1965), with the difference of two states as of `strapdown.subtract`.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.estimation.inertial import (
+from owtsweep.estimation.inertial.strapdown import (
     ERRORS,
+    GYROSCOPES,
     add_noise,
     carry,
     correct,
@@ -21,30 +22,33 @@ from owtsweep.estimation.inertial import (
 
 
 @njit
-def link(states, covariances, force, rate, step, noise, links):
+def link(states, covariances, record, links):
     """Compute how each sample follows from what later ones say.
 
     Parameters
     ----------
     states, covariances
         Of the filter, shapes (steps, 16) and (steps, 15, 15).
-    force, rate, step, noise
-        As of `inertial_filter.filter_fixes`.
+    record
+        A `strapdown.Record`.
     links
         Filled for all samples but the last: the states that the filter predicts from a sample for
         the next one (steps, 16), their covariances (steps, 15, 15), and the smoother's gains, in
         the same shape.
     """
+    _, _, _, _, force, rate, step, noise = record
     predicted, predicted_P, gains = links
+    old, new = np.empty((3, 3)), np.empty((3, 3))
     M, R, back = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for k in range(len(states) - 1):
         moved = states[k].copy()
-        move(moved, step, force[k], rate[k], force[k + 1], rate[k + 1])
-        linearise(states[k], moved, step, force[k], force[k + 1], M, R, back)
+        mean = 0.5 * (rate[k] + rate[k + 1])
+        move(moved, step, force[k], force[k + 1], mean, GYROSCOPES, old, new)
+        linearise(moved, force[k], force[k + 1], old, new, M, R, back)
         across = covariances[k].copy()
-        carry(across, step, M, R, back)
+        carry(across, step, M, R, back, GYROSCOPES)
         P = across.copy()
-        carry(P.T, step, M, R, back)
+        carry(P.T, step, M, R, back, GYROSCOPES)
         add_noise(P, step, noise)
         predicted[k], predicted_P[k] = moved, P
         gains[k] = np.linalg.solve(P, across).T
@@ -67,24 +71,12 @@ def carry_back(s, P, state, covariance, predicted, predicted_P, gain):
 
 
 @njit
-def smooth_all(states, covariances, links, out):
-    """Smooth a record by all its fixes; `out` gets states and covariances."""
-    predicted, predicted_P, gains = links
-    smoothed, smoothed_P = out
-    last = len(states) - 1
-    s, P = states[last].copy(), covariances[last].copy()
-    smoothed[last], smoothed_P[last] = s, P
-    for k in range(last - 1, -1, -1):
-        carry_back(s, P, states[k], covariances[k], predicted[k], predicted_P[k], gains[k])
-        smoothed[k], smoothed_P[k] = s, P
-
-
-@njit
 def smooth_lag(states, covariances, links, due, lag, out):
     """Smooth each sample by the fixes up to `lag` samples after it, or a little more.
 
     A pass back begins at each due time of a fix, so a sample waits until the first one that is
-    `lag` samples or more after it. What is left at the end has fewer. See `smooth_all`.
+    `lag` samples or more after it. What is left at the end has fewer: with a lag as long as the
+    record, each sample is smoothed by all fixes. `out` gets states and covariances.
     """
     predicted, predicted_P, gains = links
     smoothed, smoothed_P = out

@@ -1,6 +1,6 @@
 """The compiled multiplicative Kalman filter of inertial navigation, corrected by GNSS fixes.
 
-Errors are those of `inertial`, with the attitude's error in the body's frame (Markley 2003,
+Errors are those of `strapdown`, with the attitude's error in the body's frame (Markley 2003,
 Attitude error representations for Kalman filtering). Behind them may stand further states:
 
 - the clock's offset tau: a fix with the time stamp t shows the antenna at t - tau, so a delay of
@@ -17,34 +17,20 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.estimation.error_state import learn, rotate
-from owtsweep.estimation.inertial import (
-    ERRORS,
-    STATES,
+from owtsweep.estimation.inertial.attitude import lean, rotate
+from owtsweep.estimation.inertial.strapdown import (
+    GYROSCOPES,
     add_noise,
-    carry,
     correct,
-    lean,
-    linearise,
-    move,
+    learn,
+    mirror,
     place,
+    predict,
 )
 from owtsweep.gravity import GRAVITY
 
 #: Number of states of the swing: m, its velocity, and c, three each.
 SWING = 9
-
-
-@njit
-def predict(s, P, d, force, rate, next_force, next_rate, noise):
-    """Predict s (16 or more,) and P by d seconds, in place; further states stay as they are."""
-    M, R, back = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    before = s[:STATES].copy()
-    move(s[:STATES], d, force, rate, next_force, next_rate)
-    linearise(before, s[:STATES], d, force, next_force, M, R, back)
-    carry(P, d, M, R, back)
-    carry(P.T, d, M, R, back)
-    add_noise(P, d, noise)
 
 
 @njit
@@ -56,12 +42,8 @@ def swing(s, P, at, transition, noise):
     """
     x = at + 1  # a quaternion has one element more than its error
     for i in range(3):
-        a, b, c, e = (
-            transition[i, 0, 0],
-            transition[i, 0, 1],
-            transition[i, 1, 0],
-            transition[i, 1, 1],
-        )
+        a, b = transition[i, 0]
+        c, e = transition[i, 1]
         m, v = s[x + i], s[x + 3 + i]
         s[x + i], s[x + 3 + i] = a * m + b * v, c * m + e * v
         first, second = at + i, at + 3 + i
@@ -76,6 +58,7 @@ def swing(s, P, at, transition, noise):
         P[second, first] += noise[i, 1, 0]
         P[second, second] += noise[i, 1, 1]
         P[at + 6 + i, at + 6 + i] += noise[i, 2, 2]
+    mirror(P)
 
 
 @njit
@@ -136,35 +119,13 @@ def learn_swing(s, P, dx, lever, at, variance):
 
 
 @njit
-def put_in(s, dx):
-    """Put all errors dx into the state, in place."""
-    correct(s[:STATES], dx)
-    for i in range(ERRORS, len(dx)):
-        s[i + 1] += dx[i]
-
-
-@njit
-def filter_fixes(
-    fixes, levers, variance, due, force, rate, step, noise, start, offset, astray, swinging, found
-):
+def filter_fixes(record, start, offset, astray, swinging, found):
     """Filter a record.
 
     Parameters
     ----------
-    fixes
-        Positions of antennas at samples, shape (steps, antennas, 3), NaN where none is.
-    levers
-        Where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
-    variance
-        Of the noise of a fix at each sample, shape (steps, 3).
-    due
-        Whether a fix is due at a sample, lost or not, shape (steps,).
-    force, rate
-        Specific force and angular velocity of the body, shape (steps, 3) each.
-    step
-        Sampling interval in s.
-    noise
-        As of `inertial.add_noise`, shape (4,).
+    record
+        A `strapdown.Record`.
     start
         State and covariance before the first fix; both are overwritten.
     offset
@@ -175,31 +136,32 @@ def filter_fixes(
         Place of the swing's first error, or -1; lever of the point on which the hook acts, shape
         (3,); transition (3, 2, 2) and noise (3, 3, 3) of a sample; variance with which both agree.
     found
-        States (steps, n + 1), covariances (steps, n, n) and squared innovations over their variance
-        (steps,), of which those without a fix stay as they are; filled.
+        States (steps, n + 1) and covariances (steps, n, n), filled; squared innovations over their
+        variance (steps,), to which those of a sample are added.
     """
+    fixes, levers, variance, due, force, rate, step, noise = record
     s, P = start
     states, covariances, nis = found
     at, hook, transition, shaking, agreement = swinging
     dx = np.zeros(len(P))
     for k in range(len(force)):
         if k > 0:
-            predict(s, P, step, force[k - 1], rate[k - 1], force[k], rate[k], noise)
+            mean = 0.5 * (rate[k - 1] + rate[k])
+            predict(s, P, step, force[k - 1], force[k], mean, GYROSCOPES)
+            add_noise(P, step, noise)
             if at >= 0:
                 swing(s, P, at, transition, shaking)
         if due[k]:
             dx[:] = 0.0
             for antenna in range(fixes.shape[1]):
                 if not np.isnan(fixes[k, antenna, 0]):
-                    if np.isnan(nis[k]):
-                        nis[k] = 0.0
                     nis[k] += learn_fix(
                         s, P, dx, fixes[k, antenna], levers[antenna], variance[k], offset,
                         astray if antenna == 0 else -1, force[k], rate[k],
                     )  # fmt: skip
-            put_in(s, dx)
+            correct(s, dx)
             if at >= 0:
                 dx[:] = 0.0
                 learn_swing(s, P, dx, hook, at, agreement)
-                put_in(s, dx)
+                correct(s, dx)
         states[k], covariances[k] = s, P
