@@ -20,9 +20,9 @@ from owtsweep.sweep.study import add_versions
         ("readings", 5),
         ("replay", 5),
         ("tower", 3),
-        ("floater", 1),
-        ("blade", 1),
-        ("mating", 7),
+        ("floater", 2),
+        ("blade", 2),
+        ("mating", 8),
     ],
 )
 def test_our_studies_stand_where_their_rooms_do(name: str, version: int) -> None:

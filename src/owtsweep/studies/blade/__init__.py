@@ -16,4 +16,4 @@ class BladeStudy(DeclaredStudy):
     """The study of a hoisted blade."""
 
     name = "blade"
-    numerics_version = add_versions(1, motion, estimation)
+    numerics_version = add_versions(2, motion, estimation)

@@ -16,4 +16,4 @@ class FloaterStudy(DeclaredStudy):
     """The study of a floating structure in a basin."""
 
     name = "floater"
-    numerics_version = add_versions(1, waves, sensing, motion, estimation, evaluation)
+    numerics_version = add_versions(2, waves, sensing, motion, estimation, evaluation)
