@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -25,3 +26,12 @@ def test_the_page_lists_the_files_of_one_case() -> None:
     assert sorted(listed) == sorted(make_table(done.stdout.split()).splitlines()), (
         "run python -m benchmarks.files_run --page"
     )
+
+
+def test_what_leads_from_algorithm_1_to_its_kernel_is_on_the_way() -> None:
+    text, _, table = PAGE.read_text("utf-8").partition("<!-- files of one case: begin -->")
+    *python, kernel = re.findall(r"src/owtsweep/(studies/hub/[\w/]+\.py)", text)
+    assert python == ["studies/hub/schemes/hme1.py", "studies/hub/chain.py"]
+    assert all(f"`{file}`" in table for file in python)
+    chain = (ROOT / "src" / "owtsweep" / "studies" / "hub" / "batch.py").read_text("utf-8")
+    assert Path(kernel).stem in re.findall(r"hub\.kernels import (\w+)", chain)
