@@ -228,6 +228,8 @@ def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
     )  # fmt: skip
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert legend[-2:] == ["NONE", "HOLD"]
+    texts = " ".join(" ".join(text.get_text() for text in figure.findobj(Text)).split())
+    assert "HOLD, the last fix, zero velocity" in texts
 
 
 def test_a_baseline_of_less_error_is_named_and_hatched(tmp_path: Path) -> None:

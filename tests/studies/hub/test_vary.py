@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from matplotlib.text import Text
 from rich.console import Console
 from tools import SMALL
 
@@ -22,6 +23,7 @@ from owtsweep.statistics.inference import t_quantile
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.describe import OTHER_WINDOW
 from owtsweep.studies.hub.tuning.errors import errors_on_records
+from owtsweep.studies.hub.varying.drawing import draw
 from owtsweep.studies.hub.varying.errors import Errors, compute, list_common_facts
 from owtsweep.studies.hub.varying.sentences import answer_each, find_best
 from owtsweep.studies.hub.varying.varied import VariedErrors
@@ -144,6 +146,8 @@ def test_a_terminal_of_80_columns_cuts_no_number() -> None:
         mse={"position": mse}, bounds={"position": np.full(3, 0.00123)}, facts=("tuning x",),
         notes=(),
     )  # fmt: skip
+    texts = " ".join(" ".join(text.get_text() for text in draw(errors).findobj(Text)).split())
+    assert "Thin: baselines (NONE, no estimator: zero position, zero velocity; HOLD" in texts
     console = Console(width=80, record=True, file=io.StringIO())
     console.print(VariedErrors(errors).answer())
     told = console.export_text()

@@ -86,7 +86,7 @@ def _explain_baselines(baselines: Sequence[str]) -> list[str]:
     """Write a sentence for the footnote on the baselines that are drawn."""
     if not baselines:
         return []
-    told = "; ".join(f"{name}, {BASELINES[name]}" for name in baselines)
+    told = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in baselines)
     return [f"Thin: baselines ({told}). The axes have the range of the schemes."]
 
 
