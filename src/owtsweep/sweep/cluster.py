@@ -69,18 +69,13 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
             f"compute.scheduler: no scheduler answers at {address} ({type(error).__name__}); "
             "start one with `dask scheduler`, or use compute.backend=auto"
         ) from error
-    loud = _loggers()
     try:
         _check_workers(client, address, study, metadata)
         yield client
     finally:
-        _hush()
-        try:
+        with _hushed():
             # The scheduler then drops those tasks of this client that no worker has begun.
             client.close(timeout=1.0)
-        finally:
-            for logger in loud:
-                logger.disabled = False
 
 
 def _greet(address: str) -> None:
@@ -118,16 +113,21 @@ def _require_certificates(address: str) -> None:
         )
 
 
-def _loggers() -> list[logging.Logger]:
-    """Return the loggers of dask and of its network library (tornado) that are not disabled."""
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """Silence dask and its network library inside the context.
+
+    Closing a client that looks for a lost scheduler would show a traceback.
+    """
     names = [n for n in logging.root.manager.loggerDict if n.split(".")[0] in _NETWORK]
-    return [logger for name in names if not (logger := logging.getLogger(name)).disabled]
-
-
-def _hush() -> None:
-    """Silence dask's loggers: closing a connection that is in use would show a traceback."""
-    for logger in _loggers():
+    loud = [logger for name in names if not (logger := logging.getLogger(name)).disabled]
+    for logger in loud:
         logger.disabled = True
+    try:
+        yield
+    finally:
+        for logger in loud:
+            logger.disabled = False
 
 
 def _check_workers(client: Client, address: str, study: Study, metadata: Mapping[str, str]) -> None:
