@@ -159,11 +159,14 @@ def _end_workers() -> None:
     """
     if "joblib" in sys.modules:
         from multiprocessing import active_children
+        from multiprocessing.process import BaseProcess
 
-        from joblib.externals.loky.backend.utils import kill_process_tree
-
+        try:
+            from joblib.externals.loky.backend.utils import kill_process_tree as kill
+        except ImportError:  # another joblib; then what the workers have started goes on
+            kill = BaseProcess.kill
         for child in active_children():
-            kill_process_tree(child)
+            kill(child)
 
 
 if __name__ == "__main__":

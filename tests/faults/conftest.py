@@ -53,12 +53,21 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespac
         processes.append(process)
         return process
 
+    def start_scheduler(port: str) -> subprocess.Popen[bytes]:
+        return start(
+            "dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard", "--no-show",
+            "--scheduler-file", str(address_file),
+        )  # fmt: skip
+
     address_file = folder / "scheduler.json"
-    start(
-        "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show",
-        "--scheduler-file", str(address_file),
-    )  # fmt: skip
+    start_scheduler("0")
     address = _address(address_file)
+
+    def restart_scheduler() -> None:
+        for process in processes:
+            process.kill()
+            process.wait()
+        start_scheduler(address.rpartition(":")[2])
 
     def start_workers(number: int, wait: bool = True) -> list[subprocess.Popen[bytes]]:
         from distributed import Client
@@ -73,7 +82,9 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespac
         return started
 
     try:
-        yield SimpleNamespace(address=address, start_workers=start_workers)
+        yield SimpleNamespace(
+            address=address, start_workers=start_workers, restart_scheduler=restart_scheduler
+        )
     finally:
         for process in processes:
             with contextlib.suppress(OSError):

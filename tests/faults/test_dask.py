@@ -63,7 +63,7 @@ class _nothing:
 
 
 def test_the_only_worker_does_the_work(faulty, config, cluster, monkeypatch):
-    """joblib runs what it has one worker for itself: a guilty block would kill the coordinator."""
+    """No block runs in the coordinator, where a guilty one would kill the sweep."""
     monkeypatch.setattr("owtsweep.sweep.cluster.PATIENCE", 2.0)
     (worker,) = cluster.start_workers(1)
     on_cluster = Compute(backend="dask", scheduler=cluster.address)
@@ -97,6 +97,28 @@ class KillsOneWorker(Progress):
         if self.done >= 16 and self.process.poll() is None:
             os.kill(self.process.pid, signal.SIGKILL)
             self.process.wait()
+
+
+class RestartsTheScheduler(Progress):
+    """Kills the scheduler once a third of the cases are there, and starts it and workers again."""
+
+    def __init__(self, cluster):
+        self.cluster, self.done = cluster, 0
+
+    def advance(self, cases):
+        self.done += cases
+        if self.done >= 16 and self.cluster:
+            self.cluster.restart_scheduler()
+            self.cluster.start_workers(2, wait=False)
+            self.cluster = None
+
+
+def test_restarted_scheduler_loses_nothing(faulty, on, undisturbed, two_workers):
+    slow = {f"{scheme}{level}": "slow" for scheme in "AB" for level in LEVELS}
+    outcome = sweep(faulty(**slow), on(level=LEVELS), progress=RestartsTheScheduler(two_workers))
+    assert outcome.failed == []
+    assert outcome.computed + outcome.reused == 48
+    assert content(outcome.run.folder) == undisturbed
 
 
 def test_killed_worker_loses_nothing(faulty, on, folder, undisturbed, two_workers):

@@ -59,32 +59,33 @@ def disk(monkeypatch):
     ],
 )
 def test_error_at_each_write(study, config, disk, tmp_path, number, onwards):
-    """Whichever write fails: all but the six shards come twice, for the root and the question.
+    """Whichever write fails. All but the six shards and `latest` come twice, for root and question.
 
-    In order: config.yaml and plan.json, manifest, six shards, two tables, manifest.
+    In order: config.yaml and plan.json, between the two `latest`, manifest, six shards, two tables,
+    manifest.
     """
     reference = content(sweep(study, config(results=tmp_path / "r", level=LEVELS)).run.folder)
     expected = len(disk.writes)
-    assert expected == 18
+    assert expected == 19
     for at in range(1, expected + 1):
         c = config(results=tmp_path / f"{at}", level=LEVELS)
         disk.fail(at, number, onwards)
-        if at <= 4:
+        if at <= 5:
             with pytest.raises(InputError, match=r"^results: .* cannot be written"):
                 sweep(study, c)
         else:
             outcome = sweep(study, c)
             failed = sum(failure.cases for failure in outcome.failed)
             assert outcome.computed + failed == 12
-            assert bool(outcome.failed) == (at < 17 and (at > 6 or onwards)), at
+            assert bool(outcome.failed) == (at < 18 and (at > 7 or onwards)), at
             now = content(outcome.run.folder)
             assert len([name for name in now if "part-" in name]) == outcome.computed // 2
             assert all(now[name] == reference[name] for name in now if "part-" in name)
-            if number == errno.ENOSPC and 7 <= at <= 11:
+            if number == errno.ENOSPC and 8 <= at <= 12:
                 assert (
                     "not computed, because the disk is full"
                     in {failure.reason for failure in outcome.failed}
-                    or at > 10
+                    or at > 11
                 )
         assert not list(run_folder(c).rglob(".*.tmp"))
         disk.fail(None, number, False)
@@ -95,7 +96,7 @@ def test_error_at_each_write(study, config, disk, tmp_path, number, onwards):
 
 def test_tables_stay_as_they_were_if_one_does_not_fit(study, config, disk):
     before = content(sweep(study, config(level=LEVELS)).run.folder)
-    disk.fail(8, errno.ENOSPC, False)  # config, plan, manifest in two places, one of two tables
+    disk.fail(9, errno.ENOSPC, False)  # config, plan, manifest twice, latest, one of two tables
     again = sweep(study, config(level=LEVELS))
     assert [failure.cases for failure in again.failed] == [0]
     assert "order.csv, summary.csv (left as they were)" in again.failed[0].label
@@ -105,7 +106,7 @@ def test_tables_stay_as_they_were_if_one_does_not_fit(study, config, disk):
 def test_tables_of_an_earlier_question_stay_if_those_of_the_next_do_not_fit(study, config, disk):
     first = sweep(study, config(level=LEVELS))
     before = first.run.summary()
-    disk.fail(10, errno.ENOSPC, False)  # as above, and two more shards
+    disk.fail(11, errno.ENOSPC, False)  # as above, and two more shards
     more = sweep(study, config(level=[*LEVELS, 4.0]))
     assert [failure.cases for failure in more.failed] == [0]
     assert not list(more.run.folder.glob("*.csv"))
@@ -116,7 +117,7 @@ def test_full_disk_is_told_in_plain_lines(study, config, disk, monkeypatch, caps
     monkeypatch.setattr(studies, "get_study", lambda name: study)
     # The command line's handler may be there from another test, with a stream long closed.
     monkeypatch.setattr(logging.getLogger("owtsweep"), "handlers", [])
-    disk.fail(8, errno.ENOSPC, True)
+    disk.fail(9, errno.ENOSPC, True)
     assert command.run_one(config(level=LEVELS), ["sweep", "--fresh", "--yes", "a=b c"]) == 1
     out, err = capsys.readouterr()
     lines = [line for line in err.splitlines() if line.startswith("failed: ")]

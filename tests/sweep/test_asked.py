@@ -73,6 +73,26 @@ def test_an_opened_question_is_the_run_that_was_asked(known_study, config):
     assert levels(run_folder(many)) == {1.0, 2.0, 0.3}
 
 
+def test_an_earlier_question_asked_again_is_the_latest_with_all_its_files(known_study, config):
+    many, few = config(**MANY), config(**FEW)
+    first = sweep(known_study, many).run
+    (first.folder / "fidelity").mkdir()
+    (first.folder / "fidelity" / "fidelity.html").write_text("of many")
+    first.draw()
+    before = (first.folder / "figures" / "means.csv").read_bytes()
+    spent = json.loads((first.folder / "manifest.json").read_text())["blocks"]["each"]
+    sweep(known_study, few).run.draw()
+    assert not (first.folder / "fidelity").exists()
+    again = sweep(known_study, many)
+    assert (again.computed, again.run.place) == (0, first.folder)
+    assert (first.folder / "figures" / "means.csv").read_bytes() == before
+    assert (first.folder / "fidelity" / "fidelity.html").read_text() == "of many"
+    assert json.loads((first.folder / "manifest.json").read_text())["blocks"]["each"] == spent
+    assert names(own(few)) == [
+        "config.yaml", "figures", "manifest.json", "order.csv", "plan.json", "summary.csv",
+    ]  # fmt: skip
+
+
 def test_an_interrupted_sweep_shows_no_table_of_another_question(study, faulty, config):
     many, few = config(**MANY), config(**FEW)
     sweep(study, many)
@@ -98,13 +118,67 @@ def test_two_sweeps_of_one_folder_do_not_mix_their_answers(study, config):
     assert manifest["cases"]["computed"] == 2
 
 
+def test_a_sweep_that_begins_while_another_writes_has_the_root(study, config, monkeypatch):
+    """The one that writes has seen itself as the latest, just before."""
+    many, few = config(**MANY), config(**FEW)
+    write_all = asked.write_all
+
+    def late(contents):
+        if any(path.name == "summary.csv" for path in contents):
+            monkeypatch.setattr(asked, "write_all", write_all)
+            sweep(study, few)
+        write_all(contents)
+
+    monkeypatch.setattr(asked, "write_all", late)
+    sweep(study, many)
+    assert levels(run_folder(many)) == {5.0}
+    assert levels(own(many)) == {1.0, 2.0, 0.3}
+
+
+def test_figures_of_an_earlier_question_stay_out_of_the_root(known_study, config, monkeypatch):
+    many, few = config(**MANY), config(**FEW)
+    run = sweep(known_study, many).run
+    show_figures = asked.show_figures
+    files = []
+
+    def late(*arguments):
+        monkeypatch.setattr(asked, "show_figures", show_figures)
+        sweep(known_study, few)  # it begins while the other's figures are drawn
+        files.extend(show_figures(*arguments))
+        return files
+
+    monkeypatch.setattr(asked, "show_figures", late)
+    assert run.draw() == [own(many) / "figures" / "means.csv"] == files
+    assert not (run.folder / "figures").exists()
+
+
+def test_a_sweep_killed_while_it_takes_the_root_leaves_the_earlier_question(
+    known_study, config, monkeypatch
+):
+    many, few = config(**MANY), config(**FEW)
+    sweep(known_study, many)
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(asked, "_move_made", killed)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(known_study, few)
+    opened = load(run_folder(many))
+    assert opened.config == many
+    assert set(opened.summary()["level"]) == {1.0, 2.0, 0.3}
+    sweep(known_study, few)
+    assert levels(run_folder(many)) == {5.0}
+
+
 def test_fresh_forgets_all_questions(study, config):
     many, few = config(**MANY), config(**FEW)
     run = sweep(study, many).run
     (run.folder / "asked" / "mine").mkdir()
     (run.folder / "notes.csv").write_text("the user's")
     sweep(study, few, fresh=True)
-    assert sorted(names(run.folder / "asked")) == sorted(["mine", own(few).name])
+    assert sorted(names(run.folder / "asked")) == sorted(["mine", own(few).name, "latest"])
     assert (run.folder / "notes.csv").exists()
 
 

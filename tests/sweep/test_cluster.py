@@ -1,4 +1,4 @@
-"""A small cluster inside this process: what of joblib's private dask backend we lean on.
+"""A small cluster inside this process.
 
 `tests/faults/test_dask.py` does the same, and worse, to processes of their own.
 """

@@ -10,8 +10,14 @@ import pytest
 from rich.console import Console
 
 from owtsweep.compiled import COMMAND
-from owtsweep.sweep.progress import BarProgress, LineProgress, make_progress
+from owtsweep.sweep import progress
+from owtsweep.sweep.progress import ConsoleProgress, make_progress
 from owtsweep.sweep.run import sweep
+
+
+def make(stream, clock=None, terminal=False):
+    console = Console(file=stream, force_terminal=terminal, width=120, get_time=clock)
+    return ConsoleProgress(console)
 
 
 class Recorder:
@@ -49,7 +55,7 @@ def test_sweep_reports_every_case_once(faulty, config):
 
 def test_bar_shows_cases_and_failures():
     stream = io.StringIO()
-    bar = BarProgress(Console(file=stream, force_terminal=True, width=120))
+    bar = make(stream, terminal=True)
     bar.start(12, 4)
     bar.advance(8)
     for _ in range(3):
@@ -60,17 +66,16 @@ def test_bar_shows_cases_and_failures():
     assert stream.getvalue().count("failed: A[b]: it diverged") == 1  # not a line per failure
 
 
-def test_bar_shows_the_rate_of_the_last_minutes_in_digits():
+def test_bar_shows_rate_and_time_left():
     now = [0.0]
     stream = io.StringIO()
-    console = Console(file=stream, force_terminal=True, width=120, get_time=lambda: now[0])
-    bar = BarProgress(console)
-    bar.start(300_000, 0)
+    bar = make(stream, clock=lambda: now[0], terminal=True)
+    bar.start(278_000, 0)
     bar.advance(1)
-    now[0] = 100.0  # more than rich remembers by itself
-    bar.advance(139_049)
+    now[0] = 100.0
+    bar.advance(138_999)
     bar.stop()
-    assert "1 390 cases/s" in stream.getvalue()
+    assert "139000 of 278000 cases, 0 failed, 1 390 cases/s, 2 min left" in stream.getvalue()
 
 
 def test_bar_only_where_somebody_sees_it(monkeypatch):
@@ -78,31 +83,48 @@ def test_bar_only_where_somebody_sees_it(monkeypatch):
         def isatty(self):
             return True
 
-    monkeypatch.setattr(sys, "stderr", io.StringIO())
-    assert isinstance(make_progress(), LineProgress)
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    assert isinstance(make_progress(), BarProgress)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # of an automatic run: its log is no terminal
+    for kind, bar in [(io.StringIO, False), (Terminal, True)]:
+        stream = kind()
+        monkeypatch.setattr(sys, "stderr", stream)
+        shown = make_progress()
+        shown.start(12, 4)
+        shown.stop()
+        assert ("\x1b" in stream.getvalue()) == bar
 
 
-def test_lines_come_every_30_seconds_with_rate_and_time_left():
+def test_lines_come_every_30_seconds_with_rate_and_time_left(monkeypatch):
     now = [100.0]
     stream = io.StringIO()
-    lines = LineProgress(stream, clock=lambda: now[0])
-    lines.start(1000, 200)
-    for second in range(1, 70):
-        now[0] = 100.0 + second
-        lines.look()
-        if second == 20:
+    lines = make(stream, clock=lambda: now[0])
+    waits = []
+
+    def wait(seconds):
+        waits.append(seconds)
+        now[0] += seconds
+        if len(waits) == 1:
             lines.advance(100)
             lines.fail("A", "it diverged", 3)
-    now[0] = 180.0
+        return len(waits) > 2
+
+    monkeypatch.setattr(lines._over, "wait", wait)
+    monkeypatch.setattr(progress.threading, "Thread", lambda target, daemon: Here(target))
+    lines.start(1000, 200)
     lines.stop()
+    assert waits == [30.0] * 3
     assert stream.getvalue().splitlines() == [
         "1000 cases, 200 of them stored already",
         "300 of 1000 cases, 3 failed, 3.33 cases/s, 4 min left",
         "300 of 1000 cases, 3 failed, 1.67 cases/s, 7 min left",
-        "300 of 1000 cases, 3 failed, 1.25 cases/s, 9 min left",
+        "300 of 1000 cases, 3 failed, 1.11 cases/s, 10 min left",
     ]
+
+
+class Here:
+    """A thread that does its work at its start."""
+
+    def __init__(self, target):
+        self.start = target
 
 
 @pytest.mark.parametrize(
@@ -112,7 +134,7 @@ def test_lines_come_every_30_seconds_with_rate_and_time_left():
 def test_a_high_rate_is_told_in_digits(cases, rate):
     now = [0.0]
     stream = io.StringIO()
-    lines = LineProgress(stream, clock=lambda: now[0])
+    lines = make(stream, clock=lambda: now[0])
     lines.start(2 * cases, 0)
     lines.advance(cases)
     now[0] = 100.0
@@ -123,7 +145,7 @@ def test_a_high_rate_is_told_in_digits(cases, rate):
 def test_a_stream_that_is_gone_does_not_stop_a_sweep(study, config):
     stream = io.StringIO()
     stream.close()
-    assert sweep(study, config(), progress=LineProgress(stream)).computed == 12
+    assert sweep(study, config(), progress=make(stream)).computed == 12
 
 
 @pytest.mark.parametrize("backend", ["threading", "loky"])

@@ -2,8 +2,8 @@
 
 A question is what a sweep was asked: the whole configuration, with grid and schemes. Its
 configuration, plan, tables and figures are kept in `asked/<hash>/`. The root of the run folder
-shows the question that was asked last, so that scripts find its files at fixed places. The shards
-of all questions are shared, in `cases/`.
+shows the question that was asked last, so that scripts find its files at fixed places; the file
+`asked/latest` names this question. The shards of all questions are shared, in `cases/`.
 """
 
 from __future__ import annotations
@@ -11,18 +11,19 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from owtsweep.config import Config, typed
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
-from owtsweep.io.files import write_all
+from owtsweep.io.files import write_all, write_atomically
 from owtsweep.io.reading import read_text
 from owtsweep.sweep.keys import hash_text, question_hash
 
 FOLDER = "asked"
+LATEST = "latest"
 CONFIG = "config.yaml"
 #: What is made of a question's cases and lies in the root of the run folder, besides the tables.
 MADE = ("figures", "fidelity", "report.md", "estimates.parquet", "estimates", "records")
@@ -74,11 +75,16 @@ def list_questions(run: Path) -> Iterator[Question]:
 
 def is_shown(run: Path, question: str) -> bool:
     """Return whether the root of a run folder shows this question, the one that was asked last."""
-    own = question_folder(run, question) / CONFIG
+    return question_folder(run, question).is_dir() and _latest(run) == question != ""
+
+
+def _latest(run: Path) -> str:
+    """Return the hash of the question that was asked last; "" if nobody can say."""
     try:
-        return read_text(own, MOST_BYTES) == read_text(run / CONFIG, MOST_BYTES)
+        text = read_text(run / FOLDER / LATEST, MOST_BYTES).strip()
     except InputError:
-        return False
+        return ""
+    return text if _HASH.fullmatch(text) else ""
 
 
 def write_both(run: Path, question: str, contents: Mapping[str, bytes | str]) -> None:
@@ -91,22 +97,38 @@ def write_both(run: Path, question: str, contents: Mapping[str, bytes | str]) ->
     OSError
         If the file system refuses a file.
     """
-    folders = [run] * is_shown(run, question) + [question_folder(run, question)]
+    shown = is_shown(run, question)
+    folders = [question_folder(run, question), *[run] * shown]
     write_all({folder / name: text for folder in folders for name, text in contents.items()})
+    if shown and not is_shown(run, question):  # another sweep has just begun
+        _give_back(run, contents)
 
 
-def copy_figures(run: Path, question: str, files: list[Path]) -> None:
-    """Copy figures that were drawn in the root into the folder of their question, if it has one.
+def _give_back(run: Path, names: Iterable[str]) -> None:
+    """Replace files in the root by those of the question that the root shows, or delete them."""
+    own = question_folder(run, _latest(run))
+    for name in names:
+        if (own / name).is_file():
+            write_atomically(run / name, (own / name).read_bytes())
+        else:
+            (run / name).unlink(missing_ok=True)
+
+
+def show_figures(run: Path, question: str, files: list[Path]) -> list[Path]:
+    """Copy figures from the folder of their question into the root, if the root shows the question.
+
+    Return the copies, or `files` if there are none.
 
     Raises
     ------
     OSError
         If the file system refuses a file.
     """
-    own = question_folder(run, question)
-    if question and own.is_dir():
-        (own / "figures").mkdir(exist_ok=True)
-        write_all({own / "figures" / path.name: path.read_bytes() for path in files})
+    if not is_shown(run, question):
+        return files
+    (run / "figures").mkdir(exist_ok=True)
+    write_both(run, question, {f"figures/{path.name}": path.read_bytes() for path in files})
+    return [run / "figures" / path.name for path in files]
 
 
 def show(
@@ -120,7 +142,7 @@ def show(
     """Make a question the one that the root of the run folder shows.
 
     What the root holds of another question moves into the folder of that question: tables,
-    figures, reports and estimates.
+    figures, reports and estimates. What the folder of this question holds returns to the root.
 
     Parameters
     ----------
@@ -144,6 +166,8 @@ def show(
     own.mkdir(parents=True, exist_ok=True)
     # First, because a full disk must be noticed before anything is moved.
     write_all({own / name: text for name, text in texts.items()})
+    # From now on a sweep that asks another question writes no more into the root.
+    write_atomically(run / FOLDER / LATEST, f"{question}\n")
     if os.path.lexists(run / CONFIG) and not cleared:
         try:  # no code that the configuration names is imported
             before = question_hash(typed(model, read_stored(run / CONFIG)[0]))
@@ -151,6 +175,7 @@ def show(
             before = hash_text("damaged")
         if before != question:
             _move_made(run, question_folder(run, before))
+            _return_made(run, own)
     write_all({run / name: text for name, text in texts.items()})
 
 
@@ -183,6 +208,17 @@ def _move_made(run: Path, target: Path) -> None:
             path.rmdir()
         else:
             _move(path, target / path.name)
+
+
+def _return_made(run: Path, own: Path) -> None:
+    """Bring what a question's folder, `own`, holds into the root: tables and figures as copies."""
+    files = [path for path in (*own.glob("*.csv"), *own.glob("figures/*")) if path.is_file()]
+    if (own / "figures").is_dir():
+        (run / "figures").mkdir(exist_ok=True)
+    write_all({run / path.relative_to(own): path.read_bytes() for path in files})
+    for name in MADE:
+        if name != "figures" and os.path.lexists(own / name):
+            _move(own / name, run / name)
 
 
 def _move(path: Path, target: Path) -> None:

@@ -1,4 +1,4 @@
-"""Computes on other machines: on a dask cluster, driven through a backend of joblib.
+"""Computes on other machines: on a dask cluster.
 
 This module is imported on demand, because `dask[distributed]` is an optional dependency and takes
 half a second to load.
@@ -10,29 +10,25 @@ import asyncio
 import logging
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, Protocol
+from itertools import islice
 
-from distributed import Client, Security
+import distributed
+from distributed import Client, Security, as_completed
 from distributed.core import connect
-
-# A private module, but the only way to extend this backend. pyproject.toml bounds the version of
-# joblib, and tests/sweep/test_cluster.py fails if a new version has changed what is extended here.
-from joblib._dask import DaskDistributedBackend
 
 from owtsweep.errors import InputError, require
 from owtsweep.sweep.study import Study
-from owtsweep.sweep.worker import one_line, tell_other_versions
-
-_Base: Any = DaskDistributedBackend
+from owtsweep.sweep.worker import TaskResult, one_line, tell_other_versions
 
 #: Most seconds to wait for a scheduler's answer, and then for a worker.
 PATIENCE_AT_START = 10.0
 #: Seconds without a scheduler or any worker after which all remaining tasks count as failed.
 PATIENCE = 60.0
+#: Seconds after which the cluster's cores are counted again.
 _LOOK = 1.0
 _NETWORK = ("distributed", "tornado")
 
@@ -41,13 +37,11 @@ _NETWORK = ("distributed", "tornado")
 class Lost:
     """The stand-in for the result of a task that the cluster has lost.
 
-    `task` is the number of the task, and `reason` says in one line why the task was lost. `final`
-    is True if the whole cluster is lost.
+    `task` is the number of the task, and `reason` says in one line why the task was lost.
     """
 
     task: int
     reason: str
-    final: bool = False
 
 
 @contextmanager
@@ -68,24 +62,20 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
         # Connect without a `Client` first: a Client that fails half-way lives on, and ends with a
         # traceback.
         _greet(address)
-        client = Client(address, timeout=PATIENCE_AT_START, set_as_default=False)
+        # The client tries as long as this to find a lost scheduler again.
+        client = Client(address, timeout=max(PATIENCE, PATIENCE_AT_START), set_as_default=False)
     except Exception as error:  # whatever listens there may send anything
         raise InputError(
             f"compute.scheduler: no scheduler answers at {address} ({type(error).__name__}); "
             "start one with `dask scheduler`, or use compute.backend=auto"
         ) from error
-    loud = _loggers()
     try:
         _check_workers(client, address, study, metadata)
         yield client
     finally:
-        _hush()
-        try:
+        with _hushed():
             # The scheduler then drops those tasks of this client that no worker has begun.
             client.close(timeout=1.0)
-        finally:
-            for logger in loud:
-                logger.disabled = False
 
 
 def _greet(address: str) -> None:
@@ -123,16 +113,21 @@ def _require_certificates(address: str) -> None:
         )
 
 
-def _loggers() -> list[logging.Logger]:
-    """Return the loggers of dask and of its network library (tornado) that are not disabled."""
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """Silence dask and its network library inside the context.
+
+    Closing a client that looks for a lost scheduler would show a traceback.
+    """
     names = [n for n in logging.root.manager.loggerDict if n.split(".")[0] in _NETWORK]
-    return [logger for name in names if not (logger := logging.getLogger(name)).disabled]
-
-
-def _hush() -> None:
-    """Silence dask's loggers: closing a connection that is in use would show a traceback."""
-    for logger in _loggers():
+    loud = [logger for name in names if not (logger := logging.getLogger(name)).disabled]
+    for logger in loud:
         logger.disabled = True
+    try:
+        yield
+    finally:
+        for logger in loud:
+            logger.disabled = False
 
 
 def _check_workers(client: Client, address: str, study: Study, metadata: Mapping[str, str]) -> None:
@@ -152,89 +147,78 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
             raise InputError(f"compute.scheduler: {worker}: {answer}")
 
 
-class _Calls(Protocol):
-    """What joblib submits: calls, each a function with its arguments."""
+def run_tasks(
+    client: Client, calls: Mapping[int, Callable[[], TaskResult]], at_once: int
+) -> Generator[TaskResult | Lost]:
+    """Run tasks on a cluster, and yield the result of each task as soon as the result arrives.
 
-    items: Sequence[tuple[object, Sequence[int], object]]
+    Of a task that the cluster loses, a `Lost` is yielded. A task that is lost together with the
+    connection to the scheduler is sent again, once. Closing the generator cancels the tasks that no
+    worker has begun.
 
+    Parameters
+    ----------
+    client
+        The connection to the cluster.
+    calls
+        Number of a task -> the function that runs the task on a worker.
+    at_once
+        How many tasks may be at the cluster at a time; 0: two for each core.
 
-class _Callback(Protocol):
-    """What joblib calls with a result; `number` is added here."""
-
-    number: int
-
-
-class Backend(_Base):  # type: ignore[misc]
-    """joblib's backend for dask, extended to notice tasks that fail outside their own code.
-
-    joblib 1.6 would wait for ever for a task whose workers died or could not load the task, and for
-    a cluster that is gone.
+    Raises
+    ------
+    ConnectionError
+        After `PATIENCE` seconds without an answer of the scheduler or without any worker.
     """
-
-    def __init__(self, client: Client) -> None:
-        super().__init__(client=client, pure=False)
-        self._last_seen = time.monotonic()
-
-    def effective_n_jobs(self, n_jobs: int = 1) -> int:
-        # If one worker is left, joblib would run the tasks itself, in this process. If none is
-        # left, joblib would raise at once, but `_watch` waits for a new worker.
-        cores: int = sum(self.client.ncores().values())
-        return max(2, cores)
-
-    def start_call(self) -> None:
-        super().start_call()
-        self.client.loop.add_callback(self._watch)
-
-    def submit(self, func: _Calls, callback: _Callback) -> object:
-        ((_, arguments, _),) = func.items  # batch_size=1: run_task(work, number, ...)
-        callback.number = arguments[1]
-        return super().submit(func, callback)
-
-    def abort_everything(self, ensure_ready: bool = True) -> None:
-        _hush()  # `connected` turns the loggers on again
-        super().abort_everything(ensure_ready)
-        # The scheduler then drops tasks that no client waits for and no worker has begun.
-        self._callbacks.clear()
-        self._results.clear()
-
-    async def _collect(self) -> None:
-        while self._continue:
-            async for future, result in self.waiting_futures:
-                self._last_seen = time.monotonic()
-                callback = self._callbacks.pop(future, None)
-                waiting = self._results.pop(future, None)
-                if callback is None:
-                    continue
-                if future.status != "finished":
+    waiting, sent = dict(calls), dict[distributed.Future, int]()
+    sent_again: set[int] = set()
+    arriving = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+    cores, looked, seen = 0, float("-inf"), time.monotonic()
+    try:
+        while waiting or sent:
+            if time.monotonic() - looked > _LOOK:
+                cores, absent = _count_cores(client)
+                looked = time.monotonic()
+                seen = looked if cores else seen
+                if looked - seen > PATIENCE:
+                    raise ConnectionError(absent)
+            room = (at_once or 2 * max(1, cores)) - len(sent)
+            if room > 0 and client.status == "running":
+                for number in list(islice(waiting, room)):
+                    future = client.submit(waiting.pop(number), pure=False)
+                    sent[future] = number
+                    arriving.add(future)
+            arrived = arriving.next_batch(block=False)
+            for future, result in arrived:
+                number = sent.pop(future)
+                if isinstance(result, TaskResult):
+                    seen = time.monotonic()
+                    yield result
+                elif future.status == "cancelled" and number not in sent_again:
+                    sent_again.add(number)
+                    waiting[number] = calls[number]
+                else:
                     error = result[1] if isinstance(result, tuple) else result
-                    result = [Lost(callback.number, _short(error))]
-                waiting.set_result(result)
-                callback(result)
-            await asyncio.sleep(0.01)
-
-    async def _watch(self) -> None:
-        """Report one task as lost, finally, if there has been no worker for `PATIENCE` seconds."""
-        self._last_seen = time.monotonic()
-        while self._continue:
-            await asyncio.sleep(_LOOK)
-            reason = "the cluster has no workers left"
-            try:
-                if await asyncio.wait_for(self.client.scheduler.ncores(), PATIENCE):
-                    self._last_seen = time.monotonic()
-            except Exception:  # any error of the network
-                reason = "the scheduler does not answer"
-            if time.monotonic() - self._last_seen > PATIENCE and self._callbacks and self._continue:
-                future, callback = self._callbacks.popitem()
-                self._results.pop(future, None)
-                callback([Lost(callback.number, reason, final=True)])
+                    yield Lost(number, _short(error))
+            if not arrived:
+                time.sleep(0.01)
+    finally:
+        for future in sent:
+            future.release()
 
 
-def _short(error: object) -> str:
-    """Return in one line why dask has lost a task, without dask's advice to read the logs.
+def _count_cores(client: Client) -> tuple[int, str]:
+    """Return the number of the cluster's cores, and why it has none."""
+    try:
+        cores = client.sync(client.scheduler.ncores, callback_timeout=PATIENCE)
+    except Exception:  # any error of the network
+        return 0, "the scheduler does not answer"
+    return sum(cores.values()), "the cluster has no workers left"
 
-    `error` is the exception that dask gives; any other value means that the task was cancelled.
-    """
-    text = one_line(error) if isinstance(error, BaseException) else "the task was cancelled"
+
+def _short(error: BaseException) -> str:
+    """Return in one line why dask has lost a task, without dask's advice to read the logs."""
+    text = one_line(error)
     if "all those workers died" in text:
         return "KilledWorker: every worker that tried it died"
     return text

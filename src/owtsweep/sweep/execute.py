@@ -1,4 +1,4 @@
-"""Runs the tasks of a sweep through joblib and stores the results of the tasks."""
+"""Runs the tasks of a sweep, here or on a cluster, and stores the results of the tasks."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import closing, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from pickle import PicklingError
 from typing import TYPE_CHECKING, Any
@@ -37,13 +38,13 @@ if TYPE_CHECKING:
 
     from owtsweep.sweep.cluster import Lost
 
-#: The backends of joblib that a sweep can use.
+#: What can run the tasks of a sweep: two backends of joblib, and a dask cluster.
 BACKENDS = ("threading", "loky", "dask")
 
 
 @dataclass(frozen=True)
 class Executor:
-    """The executor, which runs the tasks of a sweep through joblib and stores the results.
+    """The executor, which runs the tasks of a sweep and stores the results.
 
     Attributes
     ----------
@@ -154,6 +155,15 @@ class Executor:
         sent: list[int],
         local: Local | None,
     ) -> Iterator[TaskResult | Lost]:
+        if self.client is not None:
+            from owtsweep.sweep.cluster import run_tasks
+
+            there = {number: partial(run_task, work, number, tasks[number]) for number in numbers}
+            try:
+                yield from run_tasks(self.client, there, self.workers)
+            except ConnectionError as error:
+                raise _Stop(str(error)) from error
+            return
         from joblib import delayed
 
         def calls() -> Iterator[object]:
@@ -164,12 +174,9 @@ class Executor:
         if local is not None:
             local.stop.clear()  # the previous round set it to stop the workers that were left
         with _hold_interrupts(self.work.backend == "loky"):
-            results: Generator[TaskResult | Lost] = self._make_parallel(len(numbers))(calls())
+            results: Generator[TaskResult] = self._make_parallel(len(numbers))(calls())
         try:
-            for result in results:
-                if not isinstance(result, TaskResult) and result.final:
-                    raise _Stop(result.reason)
-                yield result
+            yield from results
         finally:
             if local is not None:
                 local.stop.set()
@@ -182,25 +189,18 @@ class Executor:
         """Return a `joblib.Parallel` for the backend; `tasks` is the number of tasks to run."""
         from joblib import Parallel
 
-        options: dict[str, Any]
-        if self.work.backend == "dask":
-            from owtsweep.sweep.cluster import Backend
-
-            # joblib uses the whole cluster; `workers` limits how many tasks are submitted at a time
-            options = {"backend": Backend(self.client), "pre_dispatch": self.workers or "2*n_jobs"}
-        else:
-            workers = min(self.workers, tasks)
-            # At least two jobs: with one, joblib would run the tasks in this thread. A task could
-            # then kill this process, Ctrl-C would not end it, and a KeyboardInterrupt that a task
-            # raises would look like Ctrl-C.
-            options = {
-                "n_jobs": max(workers, 2),
-                "backend": self.work.backend,
-                "pre_dispatch": 1 if workers == 1 else "2*n_jobs",
-            }
-            if self.work.backend == "loky":
-                compiled.name_command()
-                options |= {"initializer": begin_process, "initargs": (os.getpid(),)}
+        workers = min(self.workers, tasks)
+        # At least two jobs: with one, joblib would run the tasks in this thread. A task could then
+        # kill this process, Ctrl-C would not end it, and a KeyboardInterrupt that a task raises
+        # would look like Ctrl-C.
+        options: dict[str, Any] = {
+            "n_jobs": max(workers, 2),
+            "backend": self.work.backend,
+            "pre_dispatch": 1 if workers == 1 else "2*n_jobs",
+        }
+        if self.work.backend == "loky":
+            compiled.name_command()
+            options |= {"initializer": begin_process, "initargs": (os.getpid(),)}
         return Parallel(return_as="generator_unordered", batch_size=1, **options)
 
     def _store_returned(self, result: TaskResult) -> None:

@@ -51,7 +51,7 @@ def start_manifest(
     argv
         The arguments of the command line, or None if the run was started from Python.
     backend, workers
-        The joblib backend and the number of its workers (0: all workers of a cluster).
+        What ran the tasks, and the number of its workers (0: all workers of a cluster).
     """
     packages = (*PACKAGES, *CLUSTER_PACKAGES) if backend == "dask" else PACKAGES
     return {

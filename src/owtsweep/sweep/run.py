@@ -137,7 +137,8 @@ class _Sweep:
     def __call__(self, text: str) -> Outcome:
         """Run the sweep; return its outcome. `text` is the content of config.yaml."""
         began = time.perf_counter()
-        earlier = read_earlier_seconds(self.run.folder)
+        own = asked.question_folder(self.run.folder, self.run.question)
+        earlier = read_earlier_seconds(self.run.folder) | read_earlier_seconds(own)
         labels = [block.label for block in self.plan.values()]
         self.seconds = {label: earlier[label] for label in labels if label in earlier}
         others = was_running(self.run.folder)

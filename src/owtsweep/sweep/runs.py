@@ -72,9 +72,13 @@ class Run:
         It is `folder`, unless another question has been asked of this run folder since. Then it is
         the folder of this run's own question.
         """
+        return self.folder if asked.is_shown(self.folder, self.question) else self._own
+
+    @property
+    def _own(self) -> Path:
+        """The folder of this run's question; `folder` if there is none."""
         own = asked.question_folder(self.folder, self.question)
-        moved = self.home is None and bool(self.question) and own.is_dir()
-        return own if moved and not asked.is_shown(self.folder, self.question) else self.folder
+        return own if self.question and own.is_dir() else self.folder
 
     @property
     def hash(self) -> str:
@@ -246,7 +250,8 @@ class Run:
     ) -> list[Path]:
         """Draw all figures of the run, or a single figure, into the folder `figures` of `place`.
 
-        Figures in the root of the run folder are also copied into the folder of their question.
+        They are drawn in the folder of their question, and copied into the root of the run folder
+        if it shows this question.
 
         Parameters
         ----------
@@ -273,7 +278,7 @@ class Run:
         OSError
             If the file system refuses a file; figures drawn earlier stay whole.
         """
-        folder = self.place / "figures"
+        folder = self._own / "figures"
         if results is None:
             results = self.make_results(self._finished())  # not of the tables' files
         require(
@@ -290,9 +295,7 @@ class Run:
             files = draw_each(drawings, folder, only, guard)
         else:
             files = [file for name in chosen for file in draw_each(drawings, folder, name, guard)]
-        if self.home is None and folder.parent == self.folder:
-            asked.copy_figures(self.folder, self.question, files)
-        return files
+        return asked.show_figures(self.folder, self.question, files)
 
     def metadata(self) -> dict[str, str]:
         """Return texts to store in the figures' files: the run's hash and the folder's name."""

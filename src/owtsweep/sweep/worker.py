@@ -107,7 +107,7 @@ class Work:
     metadata
         Entries stored in every shard: the versions in the process that started the sweep.
     backend
-        The joblib backend: "threading", "loky" (processes) or "dask" (a cluster).
+        What runs the tasks: "threading", "loky" (processes) or "dask" (a cluster).
     token
         The name of a file in the run folder, by which another machine recognises that it sees this
         folder. None if there is no such file.
