@@ -24,14 +24,9 @@ def augment(
 ) -> tuple[Array, Array]:
     """Return transition matrix and measurement matrix of the state [x, z] (Eqs. 18 to 22).
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs p.
-    transition
-        Transition matrix (latent, latent) of z, which makes the inputs.
-    read
-        Matrix (inputs, latent) with p = read z; None if p = z.
+    model: the model of n states and its inputs p.
+    transition: transition matrix (latent, latent) of z, which makes the inputs.
+    read: matrix (inputs, latent) with p = read z; None if p = z.
     """
     n, latent = len(model.A), len(transition)
     read = np.eye(latent) if read is None else read
@@ -48,24 +43,13 @@ def augment_walks(model: InputStateModel, Q: Array, S: Array) -> tuple[Array, Ar
 def make_augmented(model: InputStateModel, Q: Array, S: Array, R: Array, P0: Array) -> Filter:
     """Make the augmented Kalman filter.
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs.
-    Q
-        Covariance of the process noise w per step, shape (n, n).
-    S
-        Covariance of the inputs' change per step, shape (inputs, inputs).
-    R
-        Covariance of the sensors' noise, shape (m, m).
-    P0
-        Covariance of states and inputs one step before the first measurement, shape
+    model: the model of n states and its inputs.
+    Q: covariance of the process noise w per step, shape (n, n).
+    S: covariance of the inputs' change per step, shape (inputs, inputs).
+    R: covariance of the sensors' noise, shape (m, m).
+    P0: covariance of states and inputs one step before the first measurement, shape
         (n + inputs, n + inputs).
-
-    Raises
-    ------
-    InputError
-        If a matrix is no covariance, or R is singular.
+    Raises InputError if a matrix is no covariance, or R is singular.
     """
     F, H, noise = augment_walks(model, Q, S)
     return make_kalman(F, H, noise, R, P0)

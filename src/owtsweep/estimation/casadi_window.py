@@ -27,31 +27,18 @@ class CasadiWindow:
     hub study solves two axes at once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity
     and bias of the accelerometer).
 
-    Parameters
-    ----------
-    intervals
-        Number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
-    states, outputs
-        Number of components of a state, and of a fix.
-    last_node
-        Whether there is a node at the present time, t_f after the last fix.
-    arrival
-        Whether the cost has a term for the difference between the state at the oldest fix and the
-        arrival state, a state that is assumed there.
-    fixed_arrival
-        Whether the state at the oldest fix must equal the arrival state.
-    use_first_fix
-        Whether the oldest fix is used; false if the arrival state already includes this fix.
-    solver
-        "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
-    constraints
-        Number of constraints on the state of each node. With `fixed_arrival`, the oldest node has
-        no constraints.
-
-    Raises
-    ------
-    ValueError
-        If `solver` is neither "qrqp" nor "ipopt".
+    intervals: number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
+    states, outputs: number of components of a state, and of a fix.
+    last_node: whether there is a node at the present time, t_f after the last fix.
+    arrival: whether the cost has a term for the difference between the state at the oldest fix and
+        the arrival state, a state that is assumed there.
+    fixed_arrival: whether the state at the oldest fix must equal the arrival state.
+    use_first_fix: whether the oldest fix is used; false if the arrival state already includes this
+        fix.
+    solver: "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
+    constraints: number of constraints on the state of each node. With `fixed_arrival`, the oldest
+        node has no constraints.
+    Raises ValueError if `solver` is neither "qrqp" nor "ipopt".
     """
 
     def __init__(
@@ -153,41 +140,25 @@ class CasadiWindow:
         solved again for the residuals of the first solution. Without refinement, the errors reach
         1e-10 of the states if the weights differ by many decades.
 
-        Parameters
-        ----------
-        scale
-            Typical sizes of the states, shape (states,), by which the solver's variables are
+        scale: typical sizes of the states, shape (states,), by which the solver's variables are
             scaled.
-        z
-            Position fixes, oldest first, shape (outputs, fixes).
-        inputs
-            Effects of the inputs on the state from node to node, shape (states, nodes - 1).
-        A
-            Transition matrix (states, states) from one fix to the next.
-        A_f
-            Transition matrix (states, states) over the time t_f from the last fix to the present.
-        link
-            Square root U of an information matrix, U' U = Q^-1, for the covariance Q of the process
-            noise from one node to the next; shape (states, states).
-        fix
-            Inverse standard deviation of a fix: one number, or one number per fix, zero for a
+        z: position fixes, oldest first, shape (outputs, fixes).
+        inputs: effects of the inputs on the state from node to node, shape (states, nodes - 1).
+        A: transition matrix (states, states) from one fix to the next.
+        A_f: transition matrix (states, states) over the time t_f from the last fix to the present.
+        link: square root U of an information matrix, U' U = Q^-1, for the covariance Q of the
+            process noise from one node to the next; shape (states, states).
+        fix: inverse standard deviation of a fix: one number, or one number per fix, zero for a
             missing fix.
-        x0
-            Arrival state, the state assumed at the oldest fix; shape (states,).
-        prior
-            Square root U of an information matrix, U' U = P^-1, for the covariance P of the arrival
-            state; shape (states, states).
-        rows, lower, upper
-            The constraints lower <= rows x <= upper on the state x of each node, except the oldest
-            node if its state is fixed. Shapes (constraints, states), (constraints,) and
-            (constraints,).
-
-        Raises
-        ------
-        ArithmeticError
-            If the solution does not meet the conditions of optimality: the gradient of the
-            Lagrangian is not small, a constraint is violated, or a constraint that is not active
-            has a multiplier. (The solvers' own reports of success are not reliable.)
+        x0: arrival state, the state assumed at the oldest fix; shape (states,).
+        prior: square root U of an information matrix, U' U = P^-1, for the covariance P of the
+            arrival state; shape (states, states).
+        rows, lower, upper: the constraints lower <= rows x <= upper on the state x of each node,
+            except the oldest node if its state is fixed. Shapes (constraints, states),
+            (constraints,) and (constraints,).
+        Raises ArithmeticError if the solution does not meet the conditions of optimality: the
+            gradient of the Lagrangian is not small, a constraint is violated, or a constraint that
+            is not active has a multiplier. (The solvers' own reports of success are not reliable.)
         """
         nodes = z.shape[1]
         fix = np.broadcast_to(fix, nodes)
@@ -206,22 +177,13 @@ class CasadiWindow:
 
         The solvers are tried in turn until the answer of one is a minimum within the limits.
 
-        Parameters
-        ----------
-        limits
-            Limits of the constraints, shape (2, constrained nodes, constraints): lower limits, then
-            upper limits.
-        scale
-            Typical sizes of the states, shape (states,).
-        rows
-            Matrix (constraints, states); rows times a state lies within the limits.
-        *parameters
-            The other parameters of the problem, in the order in which the problem was built.
-
-        Raises
-        ------
-        ArithmeticError
-            If no solver's answer is a minimum.
+        limits: limits of the constraints, shape (2, constrained nodes, constraints): lower limits,
+            then upper limits.
+        scale: typical sizes of the states, shape (states,).
+        rows: matrix (constraints, states); rows times a state lies within the limits.
+        *parameters: the other parameters of the problem, in the order in which the problem was
+            built.
+        Raises ArithmeticError if no solver's answer is a minimum.
         """
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
         p = np.concatenate([packed, scale, rows.ravel("F")])
@@ -261,16 +223,10 @@ class CasadiWindow:
         A fault is a violated limit, or a limit that is not reached but has a multiplier. Return ""
         if there is no fault.
 
-        Parameters
-        ----------
-        states
-            States of all nodes, shape (states, nodes).
-        rows
-            Matrix (constraints, states); rows times a state should lie within the limits.
-        limits
-            Limits, shape (2, constrained nodes, constraints): lower limits, then upper limits.
-        force
-            Multipliers of the constraints, shape (constrained nodes * constraints,).
+        states: states of all nodes, shape (states, nodes).
+        rows: matrix (constraints, states); rows times a state should lie within the limits.
+        limits: limits, shape (2, constrained nodes, constraints): lower limits, then upper limits.
+        force: multipliers of the constraints, shape (constrained nodes * constraints,).
         """
         value = (rows @ states[:, -self._limited :]).T
         width = limits[1] - limits[0]

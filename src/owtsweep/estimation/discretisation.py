@@ -20,14 +20,9 @@ HOLDS = ("zero", "first")
 class Model:
     """The model x' = A x + B u + w in continuous time, where w is white noise of intensity Q.
 
-    Attributes
-    ----------
-    A
-        System matrix, shape (states, states), in SI units.
-    B
-        Input matrix, shape (states, inputs), in SI units.
-    Q
-        Intensity of the white noise w, shape (states, states): covariance per second, in SI units.
+    A: system matrix, shape (states, states), in SI units.
+    B: input matrix, shape (states, inputs), in SI units.
+    Q: intensity of the white noise w, shape (states, states): covariance per second, in SI units.
     """
 
     A: Array
@@ -39,20 +34,13 @@ class Model:
 class Discrete:
     """The model x[k+1] = A x[k] + B u[k] + B_next u[k+1] + w[k] in discrete time.
 
-    Attributes
-    ----------
-    A
-        Transition matrix, shape (states, states).
-    B
-        Input matrix, shape (states, inputs).
-    Q
-        Covariance of the noise w[k], shape (states, states).
-    step
-        Time from k to k + 1, in s.
-    B_next
-        Matrix of the input at the end of the step, shape (states, inputs), if the input is linear
-        from k to k + 1 (a first-order hold). None if the input u[k] is constant from k to k + 1 (a
-        zero-order hold).
+    A: transition matrix, shape (states, states).
+    B: input matrix, shape (states, inputs).
+    Q: covariance of the noise w[k], shape (states, states).
+    step: time from k to k + 1, in s.
+    B_next: matrix of the input at the end of the step, shape (states, inputs), if the input is
+        linear from k to k + 1 (a first-order hold). None if the input u[k] is constant from k to
+        k + 1 (a zero-order hold).
     """
 
     A: Array
@@ -65,26 +53,16 @@ class Discrete:
 def discretise(model: Model, step: float, method: str = "exact", *, hold: str = "zero") -> Discrete:
     """Turn a model in continuous time into a discrete one.
 
-    Parameters
-    ----------
-    model
-        The model in continuous time.
-    step
-        Length T of a step, in s.
-    method
-        "exact" computes the integrals of Eq. (10) of Ren et al. (2019). "first_order" computes the
-        approximation printed with Eq. (10): A becomes I + A T (10c), B becomes T B + T^2/2 A B
+    model: the model in continuous time.
+    step: length T of a step, in s.
+    method: "exact" computes the integrals of Eq. (10) of Ren et al. (2019). "first_order" computes
+        the approximation printed with Eq. (10): A becomes I + A T (10c), B becomes T B + T^2/2 A B
         (10d), and Q becomes Q T + Q A T^2 + A Q A' T^3/3 (10e). Of the new Q only the symmetric
         part is kept, since a covariance is symmetric.
-    hold
-        What the input does between samples. "zero": the input is constant over a step (zero-order
-        hold). "first": the input is linear between the samples at both ends of a step (first-order
-        hold, also called triangle hold). The paper has the zero-order hold only.
-
-    Raises
-    ------
-    ValueError
-        If `method` is not one of `METHODS`, or `hold` not one of `HOLDS`.
+    hold: what the input does between samples. "zero": the input is constant over a step
+        (zero-order hold). "first": the input is linear between the samples at both ends of a step
+        (first-order hold, also called triangle hold). The paper has the zero-order hold only.
+    Raises ValueError if `method` is not one of `METHODS`, or `hold` not one of `HOLDS`.
     """
     from scipy.linalg import expm
 
@@ -140,14 +118,9 @@ def predict(model: Discrete, state: Array, inputs: Array) -> Array:
     Algorithm 9 of Ren et al. (2019) prints N_d - 1 steps with the inputs of register 1, then N_s
     steps with u_s, which is the wrong order in time. Here the inputs are in order of time.
 
-    Parameters
-    ----------
-    model
-        The model in discrete time.
-    state
-        The state before the first step, shape (states,).
-    inputs
-        The inputs of the steps, shape (steps, inputs), oldest first. If the model's inputs are
+    model: the model in discrete time.
+    state: the state before the first step, shape (states,).
+    inputs: the inputs of the steps, shape (steps, inputs), oldest first. If the model's inputs are
         linear over a step (`model.B_next`), there is one more row: the input at the end of the last
         step.
     """
@@ -178,16 +151,12 @@ class PredictionNoise:
 
     A, B and B_next are the matrices of the model x[k+1] = A x[k] + B u[k] + B_next u[k+1] + w[k].
 
-    Attributes
-    ----------
-    transition
-        A^steps, shape (states, states): the effect of an error in the first state.
-    response
-        Row i is the effect of an error in input i, shape (steps, states). Without B_next, row i is
-        A^(steps-1-i) B. With B_next there is one more row: input i acts at the beginning of step i
-        and at the end of the step before.
-    process
-        Covariance of the predicted state due to the noise w of all steps, shape (states, states).
+    transition: A^steps, shape (states, states): the effect of an error in the first state.
+    response: row i is the effect of an error in input i, shape (steps, states). Without B_next, row
+        i is A^(steps-1-i) B. With B_next there is one more row: input i acts at the beginning of
+        step i and at the end of the step before.
+    process: covariance of the predicted state due to the noise w of all steps, shape
+        (states, states).
     """
 
     transition: Array

@@ -36,23 +36,15 @@ class GainSchedule:
 
     There is one row per step. After the last row, the last `cycle` rows repeat for ever.
 
-    Attributes
-    ----------
-    K
-        Gains, shape (rows, states, 2): columns of the slow and of the fast measurement.
-    applied
-        Shape (rows,): whether a slow measurement corrects the state, new or old.
-    fresh
-        Shape (rows,): whether there is a new slow measurement. At steps without a new slow
+    K: gains, shape (rows, states, 2): columns of the slow and of the fast measurement.
+    applied: shape (rows,): whether a slow measurement corrects the state, new or old.
+    fresh: shape (rows,): whether there is a new slow measurement. At steps without a new slow
         measurement, the rule "mask_rows" applies the last slow measurement again.
-    innovation_variance
-        Shape (rows,): variance H P H' + R of the slow measurement's innovation, for measurement
-        row H, covariance P of the predicted state and noise variance R.
-    predicted, filtered
-        Covariances of the state before and after the measurements of a step, shape
+    innovation_variance: shape (rows,): variance H P H' + R of the slow measurement's innovation,
+        for measurement row H, covariance P of the predicted state and noise variance R.
+    predicted, filtered: covariances of the state before and after the measurements of a step, shape
         (rows, states, states).
-    cycle
-        Number of rows that repeat, i.e. steps from one slow measurement to the next.
+    cycle: number of rows that repeat, i.e. steps from one slow measurement to the next.
     """
 
     K: Array
@@ -99,37 +91,24 @@ def schedule(
 ) -> GainSchedule:
     """Compute a filter's gains by the covariance recursion of Algorithm 6 of Ren et al. (2019).
 
-    Each step of the recursion predicts the covariance and then corrects it with the measurements
-    of the step. The recursion stops when the covariances repeat, or after `steps` steps (rounded
-    up to a multiple of `interval`).
+    Each step of the recursion predicts the covariance and then corrects it with the measurements of
+    the step. The recursion stops when the covariances repeat, or after `steps` steps (rounded up to
+    a multiple of `interval`).
 
-    Parameters
-    ----------
-    model
-        The model of the filter in discrete time.
-    slow, fast
-        Rows (states,) of the measurement matrix for the slow and the fast measurement. If `fast`
-        is all zero, the fast signal is an input of the model and not a measurement.
-    slow_variance, fast_variance
-        Variances of the noise of the two measurements.
-    initial_covariance
-        Covariance (states, states) of the state one step before the first step.
-    interval
-        Number of steps from one slow measurement to the next; step 0 has one.
-    steps
-        Number of steps of the longest record.
-    rule
-        How a step without a slow measurement is treated: "proper", "mask_columns", "mask_rows" or
+    model: the model of the filter in discrete time.
+    slow, fast: rows (states,) of the measurement matrix for the slow and the fast measurement. If
+        `fast` is all zero, the fast signal is an input of the model and not a measurement.
+    slow_variance, fast_variance: variances of the noise of the two measurements.
+    initial_covariance: covariance (states, states) of the state one step before the first step.
+    interval: number of steps from one slow measurement to the next; step 0 has one.
+    steps: number of steps of the longest record.
+    rule: how a step without a slow measurement is treated: "proper", "mask_columns", "mask_rows" or
         "every_step", as described at `RULES`.
-    start_interval, start_steps
-        In the first `start_steps` steps, slow measurements come every `start_interval` steps
-        instead of every `interval` steps. If `start_interval` is None, `interval` is used.
-
-    Raises
-    ------
-    InputError
-        If a variance of a state becomes negative or not finite, because the rule or the noise
-        variances make the recursion unstable.
+    start_interval, start_steps: in the first `start_steps` steps, slow measurements come every
+        `start_interval` steps instead of every `interval` steps. If `start_interval` is None,
+        `interval` is used.
+    Raises InputError if a variance of a state becomes negative or not finite, because the rule or
+    the noise variances make the recursion unstable.
     """
     from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates, recursion
 

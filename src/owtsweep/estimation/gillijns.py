@@ -30,23 +30,13 @@ RANK_TOLERANCE = 1e-9
 def make_gillijns(model: InputStateModel, Q: Array, R: Array, P0: Array) -> Filter:
     """Make the joint input and state filter.
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs. The feedthrough J needs as many independent columns as
-        there are inputs.
-    Q
-        Covariance of the process noise w per step, shape (n, n).
-    R
-        Covariance of the sensors' noise, shape (m, m).
-    P0
-        Covariance of the state at the first measurement, shape (n, n). (A step before the first
+    model: the model of n states and its inputs. The feedthrough J needs as many independent columns
+        as there are inputs.
+    Q: covariance of the process noise w per step, shape (n, n).
+    R: covariance of the sensors' noise, shape (m, m).
+    P0: covariance of the state at the first measurement, shape (n, n). (A step before the first
         measurement, as in the other filters, would need the input there.)
-
-    Raises
-    ------
-    InputError
-        If the rank of J is too small, a matrix is no covariance, or R is singular.
+    Raises InputError if the rank of J is too small, a matrix is no covariance, or R is singular.
     """
     rank, inputs = find_feedthrough_rank(model.J), model.J.shape[1]
     require(

@@ -36,18 +36,11 @@ class InputStateModel:
     These are Eqs. (14) and (15) of Simpson et al. (2025), for n states x, inputs p that nobody
     measures, and m measurements y.
 
-    Attributes
-    ----------
-    A
-        Transition matrix, shape (n, n).
-    B
-        Input matrix, shape (n, inputs).
-    G
-        Measurement matrix, shape (m, n).
-    J
-        Direct feedthrough of inputs to measurements, shape (m, inputs).
-    step
-        Time from k to k + 1, in s.
+    A: transition matrix, shape (n, n).
+    B: input matrix, shape (n, inputs).
+    G: measurement matrix, shape (m, n).
+    J: direct feedthrough of inputs to measurements, shape (m, inputs).
+    step: time from k to k + 1, in s.
     """
 
     A: Array
@@ -65,14 +58,9 @@ def hold_inputs(A: Array, B: Array, G: Array, J: Array, step: float) -> InputSta
     (`discretise` is not used: its covariance takes the exponential of -A, which overflows for
     stiffly damped modes.)
 
-    Parameters
-    ----------
-    A, B
-        System and input matrix in continuous time, shapes (n, n) and (n, inputs).
-    G, J
-        Measurement matrix and direct feedthrough, shapes (m, n) and (m, inputs).
-    step
-        Length of a step in s.
+    A, B: system and input matrix in continuous time, shapes (n, n) and (n, inputs).
+    G, J: measurement matrix and direct feedthrough, shapes (m, n) and (m, inputs).
+    step: length of a step in s.
     """
     from scipy.linalg import expm
 
@@ -101,17 +89,11 @@ class Step(NamedTuple):
 class Filter:
     """A linear filter x^[k] = F[k] x^[k-1] + K[k] y[k] that begins with x^ = 0.
 
-    Attributes
-    ----------
-    F, K
-        The closed loop (N, N) and the gain (N, m) once the gains have settled.
-    early_F, early_K
-        Closed loops (steps, N, N) and gains (steps, N, m) of the first steps.
-    settled
-        Whether the gains settled within `LONGEST` steps. If not, F and K are those of the last
+    F, K: the closed loop (N, N) and the gain (N, m) once the gains have settled.
+    early_F, early_K: closed loops (steps, N, N) and gains (steps, N, m) of the first steps.
+    settled: whether the gains settled within `LONGEST` steps. If not, F and K are those of the last
         step that was computed.
-    outputs
-        Matrix (n + inputs, N) that takes states and inputs of the model from the filter's own
+    outputs: matrix (n + inputs, N) that takes states and inputs of the model from the filter's own
         states; None if these are the same.
     """
 
@@ -132,21 +114,10 @@ class Filter:
     def run(self, y: Array) -> Array:
         """Filter a record.
 
-        Parameters
-        ----------
-        y
-            Measurements, shape (steps, m).
-
-        Returns
-        -------
-        Array
-            Estimates of each step from the measurements up to this step, shape
+        y: measurements, shape (steps, m).
+        Returns: estimates of each step from the measurements up to this step, shape
             (steps, n + inputs): the states of the model, then its inputs.
-
-        Raises
-        ------
-        InputError
-            If y has another shape, or holds a value that is not finite.
+        Raises InputError if y has another shape, or holds a value that is not finite.
         """
         x = self.run_states(y)
         return x if self.outputs is None else x @ self.outputs.T

@@ -18,14 +18,9 @@ from owtsweep.estimation.kinematic_smoother import Links, filter_in_order, look_
 class Found(NamedTuple):
     """What a filter or smoother finds.
 
-    Attributes
-    ----------
-    estimate
-        Position and velocity, shape (columns, steps, 2).
-    covariance
-        Their covariance, shape (columns, steps, 2, 2).
-    nis
-        Squared innovations of reports over their variance, shape (columns, steps); NaN where no
+    estimate: position and velocity, shape (columns, steps, 2).
+    covariance: their covariance, shape (columns, steps, 2, 2).
+    nis: squared innovations of reports over their variance, shape (columns, steps); NaN where no
         report was used.
     """
 
@@ -37,18 +32,11 @@ class Found(NamedTuple):
 class Record(NamedTuple):
     """What is measured of several degrees of freedom, one per row.
 
-    Attributes
-    ----------
-    position
-        Reported positions by arrival, shape (columns, steps), NaN where none arrives.
-    shown
-        The time in samples that the report of a sample shows, shape (steps,).
-    acceleration
-        Shape (columns, steps).
-    rate
-        For each column, measured rates (steps,), or an empty array.
-    step
-        Sampling interval in s.
+    position: reported positions by arrival, shape (columns, steps), NaN where none arrives.
+    shown: the time in samples that the report of a sample shows, shape (steps,).
+    acceleration: shape (columns, steps).
+    rate: for each column, measured rates (steps,), or an empty array.
+    step: sampling interval in s.
     """
 
     position: Array
@@ -92,12 +80,8 @@ def prepare(record: Record, noises: list[Noise], prior: Array) -> tuple[int, lis
     Until the first usable report, position is that of the first report of all (0 if there is none),
     velocity is 0, and variances are those of the motion.
 
-    Parameters
-    ----------
-    record, noises
-        What is measured, and its noise, one per column.
-    prior
-        Standard deviations of position, velocity and bias, shape (columns, 3).
+    record, noises: what is measured, and its noise, one per column.
+    prior: standard deviations of position, velocity and bias, shape (columns, 3).
     """
     columns, steps = record.position.shape
     first = find_first(record)
@@ -134,12 +118,8 @@ def filter_all(record: Record, noises: list[Noise], prior: Array) -> Found:
 def smooth_all(record: Record, noises: list[Noise], prior: Array, lag: int) -> Found:
     """Estimate the states of all samples from what has arrived `lag` samples later.
 
-    Parameters
-    ----------
-    record, noises, prior
-        As of `prepare`.
-    lag
-        In samples. With reports older than that, this is a filter that predicts by less.
+    record, noises, prior: as of `prepare`.
+    lag: in samples. With reports older than that, this is a filter that predicts by less.
     """
     first = find_first(record)
     if first < 0:

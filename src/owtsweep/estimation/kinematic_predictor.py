@@ -39,17 +39,9 @@ def make_noise(step: float, sigma: Array) -> Array:
 def solve_steady(A: Array, C: Array, Q: Array, R: Array) -> tuple[Array, Array]:
     """Return the steady gain and covariance of Eqs. (17) and (18), shapes (2, m) and (2, 2).
 
-    Parameters
-    ----------
-    A, C
-        A_d (2, 2) and C_d (m, 2) for one degree of freedom.
-    Q, R
-        Covariances of the noise of process (2, 2) and measurement (m, m).
-
-    Raises
-    ------
-    LinAlgError
-        If there is no steady state, as without process noise.
+    A, C: A_d (2, 2) and C_d (m, 2) for one degree of freedom.
+    Q, R: covariances of the noise of process (2, 2) and measurement (m, m).
+    Raises LinAlgError if there is no steady state, as without process noise.
     """
     from scipy.linalg import solve_discrete_are
 
@@ -72,22 +64,13 @@ def solve_steady(A: Array, C: Array, Q: Array, R: Array) -> tuple[Array, Array]:
 def predict_steady(position, acceleration, rate, step, gain, variance, start, found):
     """Run the predictor of Eq. (16) over a record of one degree of freedom.
 
-    Parameters
-    ----------
-    position
-        Reported positions, shape (steps,); a NaN is left out.
-    acceleration, rate
-        Measured acceleration, shape (steps,), and rate, shape (steps,) or (0,).
-    step
-        Sampling interval in s.
-    gain
-        Shape (2, 2): the columns of position and rate; the second is not read without rates.
-    variance
-        Variance of a position's innovation.
-    start
-        Position and velocity at sample 0, before its measurements, shape (2,).
-    found
-        Estimates (steps, 2), and squared innovations of positions over their variance, shape
+    position: reported positions, shape (steps,); a NaN is left out.
+    acceleration, rate: measured acceleration, shape (steps,), and rate, shape (steps,) or (0,).
+    step: sampling interval in s.
+    gain: shape (2, 2): the columns of position and rate; the second is not read without rates.
+    variance: variance of a position's innovation.
+    start: position and velocity at sample 0, before its measurements, shape (2,).
+    found: estimates (steps, 2), and squared innovations of positions over their variance, shape
         (steps,); overwritten.
     """
     estimate, nis = found
@@ -110,19 +93,12 @@ def predict_varying(position, acceleration, rate, step, Q, R, factor, start, P, 
 
     Parameters that `predict_steady` has not:
 
-    Parameters
-    ----------
-    Q
-        Covariance of the process noise, shape (2, 2).
-    R
-        Variances of the noise of position and rate, shape (2,).
-    factor
-        By what R is multiplied at each sample, shape (steps,).
-    P
-        Covariance of `start`, shape (2, 2).
-    found
-        Estimates (steps, 2), their covariances (steps, 2, 2), and squared innovations of positions
-        over their variance, shape (steps,); overwritten.
+    Q: covariance of the process noise, shape (2, 2).
+    R: variances of the noise of position and rate, shape (2,).
+    factor: by what R is multiplied at each sample, shape (steps,).
+    P: covariance of `start`, shape (2, 2).
+    found: estimates (steps, 2), their covariances (steps, 2, 2), and squared innovations of
+        positions over their variance, shape (steps,); overwritten.
     """
     estimate, covariance, nis = found
     p, v = start

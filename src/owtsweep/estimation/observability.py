@@ -33,16 +33,11 @@ TOLD = 0.05
 class Unseen:
     """What sensors do not see at one eigenvalue.
 
-    Attributes
-    ----------
-    eigenvalue
-        The eigenvalue of A. Of a complex pair, the one with positive imaginary part.
-    lacking
-        By how much the rank of [A - lambda I; G] is below n.
-    directions
-        Orthonormal directions of state, shape (n, directions): first those in the null space, then
-        those of the chains. There may be more directions than `lacking` says. Complex if the
-        eigenvalue is.
+    eigenvalue: the eigenvalue of A. Of a complex pair, the one with positive imaginary part.
+    lacking: by how much the rank of [A - lambda I; G] is below n.
+    directions: orthonormal directions of state, shape (n, directions): first those in the null
+        space, then those of the chains. There may be more directions than `lacking` says. Complex
+        if the eigenvalue is.
     """
 
     eigenvalue: complex
@@ -60,21 +55,13 @@ class Unseen:
 class Observability:
     """What sensors see of a model with n states.
 
-    Attributes
-    ----------
-    states
-        The number n of states.
-    rank
-        The dimension of what sensors see: the rank of the observability matrix, n if all is seen.
-    eigenvalues
-        The distinct eigenvalues of A, of complex pairs one each, shape (eigenvalues,).
-    ranks
-        Rank of [A - lambda I; G] for each of them, shape (eigenvalues,).
-    conditions
-        Largest singular value of this matrix over the smallest one that is not zero, shape
+    states: the number n of states.
+    rank: the dimension of what sensors see: the rank of the observability matrix, n if all is seen.
+    eigenvalues: the distinct eigenvalues of A, of complex pairs one each, shape (eigenvalues,).
+    ranks: rank of [A - lambda I; G] for each of them, shape (eigenvalues,).
+    conditions: largest singular value of this matrix over the smallest one that is not zero, shape
         (eigenvalues,). If large, the eigenvalue's directions are seen, but badly.
-    unseen
-        What is not seen, per eigenvalue.
+    unseen: what is not seen, per eigenvalue.
     """
 
     states: int
@@ -87,18 +74,10 @@ class Observability:
     def describe(self, names: Sequence[str], step: float | None = None) -> str:
         """Say in one line what sensors do not see.
 
-        Parameters
-        ----------
-        names
-            Names of the states, n of them.
-        step
-            Time between steps of the model in s, to tell frequencies in Hz; None for a model in
+        names: names of the states, n of them.
+        step: time between steps of the model in s, to tell frequencies in Hz; None for a model in
             continuous time.
-
-        Raises
-        ------
-        InputError
-            If there are not as many names as states.
+        Raises InputError if there are not as many names as states.
         """
         require(
             len(names) == self.states,
@@ -119,25 +98,15 @@ def find_unobservable(
 ) -> Observability:
     """Find the directions of state that sensors never see, by the test of Popov-Belevitch-Hautus.
 
-    Parameters
-    ----------
-    A
-        Matrix of a model in discrete time (x[k+1] = A x[k]) or in continuous time (x' = A x), shape
+    A: matrix of a model in discrete time (x[k+1] = A x[k]) or in continuous time (x' = A x), shape
         (n, n). For inputs too, give the augmented matrices (`augmented.augment`).
-    G
-        Measurement matrix, shape (m, n).
-    tolerance
-        A singular value counts as zero below this part of the largest one. Rows of G are divided by
-        their norms before, since the unit of a sensor does not matter.
-    size
-        Typical size of each state, in which states are counted, shape (n,). None: the sizes that
+    G: measurement matrix, shape (m, n).
+    tolerance: a singular value counts as zero below this part of the largest one. Rows of G are
+        divided by their norms before, since the unit of a sensor does not matter.
+    size: typical size of each state, in which states are counted, shape (n,). None: the sizes that
         balance A (`scipy.linalg.matrix_balance`). They serve unless states that are coupled one way
         only (position and velocity of a free body) are in units many orders of magnitude apart.
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit, or a matrix holds a value that is not finite.
+    Raises InputError if shapes do not fit, or a matrix holds a value that is not finite.
     """
     A, G = np.asarray(A, dtype=np.float64), np.asarray(G, dtype=np.float64)
     n = len(A)

@@ -25,12 +25,8 @@ class FixedLagSmoother:
     its covariance (register 4 of the paper). The loop printed in the paper runs over columns
     N_s - 1 ... 0 of registers that have columns 1 ... N_s; here the lag is taken to be N_s steps.
 
-    Parameters
-    ----------
-    transition
-        The model's transition matrix A, shape (states, states).
-    window
-        The lag N_s in steps.
+    transition: the model's transition matrix A, shape (states, states).
+    window: the lag N_s in steps.
     """
 
     def __init__(self, transition: Array, window: int) -> None:
@@ -43,18 +39,11 @@ class FixedLagSmoother:
     ) -> tuple[Array, Array] | None:
         """Take the filtered state of a new step; return the smoothed state `window` steps earlier.
 
-        Parameters
-        ----------
-        x, P
-            State (states,) and covariance (states, states) after the measurement of the new step.
-        x_predicted, P_predicted
-            State (states,) and covariance (states, states) before the measurement of the new step.
-
-        Returns
-        -------
-        tuple of array, or None
-            Smoothed state (states,) and its covariance (states, states). None in the first `window`
-            calls, when there is no earlier step to return.
+        x, P: state (states,) and covariance (states, states) after the measurement of the new step.
+        x_predicted, P_predicted: state (states,) and covariance (states, states) before the
+            measurement of the new step.
+        Returns: smoothed state (states,) and its covariance (states, states). None in the first
+            `window` calls, when there is no earlier step to return.
         """
         self.register.append((x, P, x_predicted, P_predicted))
         if len(self.register) <= self.window:
@@ -73,25 +62,16 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
     """Compute the gains C and D of a recursion for a smoother with a fixed lag.
 
     The recursion goes backwards in time, from the smoothed state of step k to that of step k - 1.
-    C_k is the gain of the Rauch-Tung-Striebel smoother at step k. D_k is
-    -C_k ... C_{k+window-1} K_{k+window}, with the filter's gain K. The smoothed state of step k
-    depends on the innovations of step k + window, but the smoothed state of step k - 1 must not;
-    D_k times these innovations removes their contribution.
+    C_k is the gain of the Rauch-Tung-Striebel smoother at step k. D_k is -C_k ... C_{k+window-1}
+    K_{k+window}, with the filter's gain K. The smoothed state of step k depends on the innovations
+    of step k + window, but the smoothed state of step k - 1 must not; D_k times these innovations
+    removes their contribution.
 
-    Parameters
-    ----------
-    gains
-        Gains and covariances of the filter, one row per step until the rows repeat.
-    transition
-        The model's transition matrix A, shape (states, states).
-    window
-        The lag in steps.
-
-    Returns
-    -------
-    C, D
-        One row per row of `gains`: C has the shape (rows, states, states), D (rows, states, 2). The
-        two columns of D_k belong to the slow and to the fast measurement.
+    gains: gains and covariances of the filter, one row per step until the rows repeat.
+    transition: the model's transition matrix A, shape (states, states).
+    window: the lag in steps.
+    Returns: one row per row of `gains`: C has the shape (rows, states, states), D
+        (rows, states, 2). The two columns of D_k belong to the slow and to the fast measurement.
     """
     from owtsweep.estimation.windowing import leaving
 

@@ -24,12 +24,8 @@ class FilterRows(NamedTuple):
 
     Each array has the shape (rows, 4, 4), for four states.
 
-    Attributes
-    ----------
-    filtered, predicted
-        Covariances of the state after and before the measurements of a step.
-    C
-        Gains of the Rauch-Tung-Striebel smoother.
+    filtered, predicted: covariances of the state after and before the measurements of a step.
+    C: gains of the Rauch-Tung-Striebel smoother.
     """
 
     filtered: Array
@@ -57,20 +53,12 @@ def leaving(first, stop, C, K, window, cycle, D):
     D_k times the innovations of step k + window removes their contribution from the smoothed state
     of step k.
 
-    Parameters
-    ----------
-    first, stop
-        The first step k, and the step after the last.
-    C
-        Gains of the smoother, shape (rows, 4, 4), for four states.
-    K
-        Gains of the filter, shape (rows, 4, 2), for two measurements.
-    window
-        The lag of the smoother in steps.
-    cycle
-        Number of rows, at the end of C and of K, that repeat for ever.
-    D
-        Array of shape (rows, 4, 2), into whose row k the result D_k is written.
+    first, stop: the first step k, and the step after the last.
+    C: gains of the smoother, shape (rows, 4, 4), for four states.
+    K: gains of the filter, shape (rows, 4, 2), for two measurements.
+    window: the lag of the smoother in steps.
+    cycle: number of rows, at the end of C and of K, that repeat for ever.
+    D: array of shape (rows, 4, 2), into whose row k the result D_k is written.
     """
     rows = C.shape[0]
     for k in range(first, stop):
@@ -92,25 +80,16 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
     result is computed for the steps k = first, first + 1, ...; row i of both outputs belongs to
     k = first + i. Rows with k < window are left unchanged, because s would be negative.
 
-    Parameters
-    ----------
-    rows
-        Covariances of the filter and gains C of the smoother, as `FilterRows`.
-    window
-        The lag of the smoother in steps.
-    h
-        Row (4,) of the measurement matrix, for measurements h x + v of the state x with noise v.
-    response
-        Shape (steps, outputs): row i is the effect of the noise v of step s + i on the prediction
-        from step s on.
-    smoothed
-        Output, shape (rows, 4, 4): the covariances P_{s|k} of the smoothed states.
-    coupling
-        Output, shape (rows, 4, outputs): the cross-covariances between the error of the smoothed
-        state and the error of the prediction due to v. They are the sum over i of
-        C_s ... C_{s+i-1} P_{s+i|k} h response_i'.
-    first
-        The first step k.
+    rows: covariances of the filter and gains C of the smoother, as `FilterRows`.
+    window: the lag of the smoother in steps.
+    h: row (4,) of the measurement matrix, for measurements h x + v of the state x with noise v.
+    response: shape (steps, outputs): row i is the effect of the noise v of step s + i on the
+        prediction from step s on.
+    smoothed: output, shape (rows, 4, 4): the covariances P_{s|k} of the smoothed states.
+    coupling: output, shape (rows, 4, outputs): the cross-covariances between the error of the
+        smoothed state and the error of the prediction due to v. They are the sum over i of C_s ...
+        C_{s+i-1} P_{s+i|k} h response_i'.
+    first: the first step k.
     """
     Pf, Pm, C = rows
     outputs = response.shape[1]

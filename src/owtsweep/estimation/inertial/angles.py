@@ -48,19 +48,12 @@ def make_rotation(angles: Array) -> Array:
 def find_angles(rotations: Array) -> Array:
     """Return roll, pitch and yaw, rad, shape (samples, 3), of rotation matrices.
 
-    Rolls and yaws are in [-pi, pi], pitches in [-pi/2, pi/2]. A matrix of NaN gives NaN. At a
-    pitch of 90 degrees only a sum of yaw and roll is defined; what is returned there gives the
-    same matrix, which scipy's angles do not within 1e-7 rad of it.
+    Rolls and yaws are in [-pi, pi], pitches in [-pi/2, pi/2]. A matrix of NaN gives NaN. At a pitch
+    of 90 degrees only a sum of yaw and roll is defined; what is returned there gives the same
+    matrix, which scipy's angles do not within 1e-7 rad of it.
 
-    Parameters
-    ----------
-    rotations
-        Shape (samples, 3, 3).
-
-    Raises
-    ------
-    InputError
-        If a matrix is no rotation.
+    rotations: shape (samples, 3, 3).
+    Raises InputError if a matrix is no rotation.
     """
     require_rotations(rotations)
     # Maes et al. (2018), Eqs. 9-11, take arccos, whose slope is infinite at 1: rounding of 1e-16
@@ -81,10 +74,7 @@ def find_body_rates(angles: Array, rates: Array) -> Array:
 
     They are exact: R' = R [w]x (Mehammer et al. 2018, Eq. 2, the other way round).
 
-    Parameters
-    ----------
-    angles, rates
-        Angles, rad, and their derivatives, rad/s, shape (samples, 3) each.
+    angles, rates: angles, rad, and their derivatives, rad/s, shape (samples, 3) each.
     """
     phi, theta, _ = angles.T
     roll, pitch, yaw = rates.T
@@ -100,10 +90,8 @@ def find_body_rates(angles: Array, rates: Array) -> Array:
 def find_angle_rates(angles: Array, body_rates: Array) -> Array:
     """Return the derivatives of angles, rad/s, shape (samples, 3): Mehammer et al. (2018), Eq. 2.
 
-    Parameters
-    ----------
-    angles, body_rates
-        Angles, rad, and angular velocities in the body's frame, rad/s, shape (samples, 3) each.
+    angles, body_rates: angles, rad, and angular velocities in the body's frame, rad/s, shape
+        (samples, 3) each.
     """
     phi, theta, _ = angles.T
     p, q, r = body_rates.T
@@ -118,11 +106,8 @@ def find_body_acceleration(angles: Array, rates: Array, second: Array) -> Array:
 
     They are the exact time derivatives of `find_body_rates`.
 
-    Parameters
-    ----------
-    angles, rates, second
-        Angles, rad, and their first and second derivatives, rad/s and rad/s^2, shape (samples, 3)
-        each.
+    angles, rates, second: angles, rad, and their first and second derivatives, rad/s and rad/s^2,
+        shape (samples, 3) each.
     """
     # Each of the three turns carries the axes of those before it: seen from the body, these
     # change by minus the cross product.

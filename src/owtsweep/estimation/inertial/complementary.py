@@ -20,12 +20,8 @@ def place_poles(crossover: float, step: float) -> tuple[float, float]:
 
     The poles of the filter are those of s^2 + sqrt(2) w s + w^2, sampled.
 
-    Parameters
-    ----------
-    crossover
-        The angular frequency w in rad/s, at which both parts count alike.
-    step
-        Sampling interval in s.
+    crossover: the angular frequency w in rad/s, at which both parts count alike.
+    step: sampling interval in s.
     """
     turn = crossover * step / np.sqrt(2.0)
     radius = np.exp(-turn)
@@ -36,18 +32,13 @@ def place_poles(crossover: float, step: float) -> tuple[float, float]:
 def blend_acceleration(position, acceleration, step, gains, start, estimate):
     """Blend positions with an acceleration.
 
-    Parameters
-    ----------
-    position, acceleration
-        Reported positions, NaN where there is none, and accelerations, shape (steps,).
-    step
-        Sampling interval in s.
-    gains
-        As `place_poles` returns them.
-    start
-        Position at the first sample; the velocity is 0 there.
-    estimate
-        Position and velocity of each sample, its report counted, shape (steps, 2); overwritten.
+    position, acceleration: reported positions, NaN where there is none, and accelerations, shape
+        (steps,).
+    step: sampling interval in s.
+    gains: as `place_poles` returns them.
+    start: position at the first sample; the velocity is 0 there.
+    estimate: position and velocity of each sample, its report counted, shape (steps, 2);
+        overwritten.
     """
     x, v = start, 0.0
     alpha, beta = gains
@@ -83,16 +74,10 @@ def blend_rate(position, rate, step, gain, start, estimate):
 def blend_fixes(record, gains, s, states):
     """Filter a record by the fixes of the first antenna.
 
-    Parameters
-    ----------
-    record
-        A `strapdown.Record`.
-    gains
-        Of position and velocity per fix, and of the levelling per second.
-    s
-        The start, shape (16,); overwritten.
-    states
-        Filled, shape (steps, 16).
+    record: a `strapdown.Record`.
+    gains: of position and velocity per fix, and of the levelling per second.
+    s: the start, shape (16,); overwritten.
+    states: filled, shape (steps, 16).
     """
     fixes, levers, _, due, force, rate, step, _ = record
     R, new, at = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)

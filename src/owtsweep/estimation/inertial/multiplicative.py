@@ -122,22 +122,15 @@ def learn_swing(s, P, dx, lever, at, variance):
 def filter_fixes(record, start, offset, astray, swinging, found):
     """Filter a record.
 
-    Parameters
-    ----------
-    record
-        A `strapdown.Record`.
-    start
-        State and covariance before the first fix; both are overwritten.
-    offset
-        Place of the clock's offset among the errors, or -1.
-    astray
-        Place of the first antenna's distance from its lever among the errors, or -1.
-    swinging
-        Place of the swing's first error, or -1; lever of the point on which the hook acts, shape
-        (3,); transition (3, 2, 2) and noise (3, 3, 3) of a sample; variance with which both agree.
-    found
-        States (steps, n + 1) and covariances (steps, n, n), filled; squared innovations over their
-        variance (steps,), to which those of a sample are added.
+    record: a `strapdown.Record`.
+    start: state and covariance before the first fix; both are overwritten.
+    offset: place of the clock's offset among the errors, or -1.
+    astray: place of the first antenna's distance from its lever among the errors, or -1.
+    swinging: place of the swing's first error, or -1; lever of the point on which the hook acts,
+        shape (3,); transition (3, 2, 2) and noise (3, 3, 3) of a sample; variance with which both
+        agree.
+    found: states (steps, n + 1) and covariances (steps, n, n), filled; squared innovations over
+        their variance (steps,), to which those of a sample are added.
     """
     fixes, levers, variance, due, force, rate, step, noise = record
     s, P = start

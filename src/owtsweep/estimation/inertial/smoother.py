@@ -25,16 +25,11 @@ from owtsweep.estimation.inertial.strapdown import (
 def link(states, covariances, record, links):
     """Compute how each sample follows from what later ones say.
 
-    Parameters
-    ----------
-    states, covariances
-        Of the filter, shapes (steps, 16) and (steps, 15, 15).
-    record
-        A `strapdown.Record`.
-    links
-        Filled for all samples but the last: the states that the filter predicts from a sample for
-        the next one (steps, 16), their covariances (steps, 15, 15), and the smoother's gains, in
-        the same shape.
+    states, covariances: of the filter, shapes (steps, 16) and (steps, 15, 15).
+    record: a `strapdown.Record`.
+    links: filled for all samples but the last: the states that the filter predicts from a sample
+        for the next one (steps, 16), their covariances (steps, 15, 15), and the smoother's gains,
+        in the same shape.
     """
     _, _, _, _, force, rate, step, noise = record
     predicted, predicted_P, gains = links

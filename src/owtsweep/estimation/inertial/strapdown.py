@@ -49,22 +49,13 @@ GYROSCOPES, RATE_AS_STATE = Model(-GRAVITY, -1.0), Model(GRAVITY, 1.0)
 class Record(NamedTuple):
     """What filters get that are corrected by GNSS fixes.
 
-    Attributes
-    ----------
-    fixes
-        Positions of antennas at samples, shape (steps, antennas, 3), NaN where none is.
-    levers
-        Where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
-    variance
-        Of the noise of a fix at each sample, shape (steps, 3).
-    due
-        Whether a fix is due at a sample, lost or not, shape (steps,).
-    force, rate
-        Specific force and angular velocity of the body, shape (steps, 3) each.
-    step
-        Sampling interval in s.
-    noise
-        As of `add_noise`, shape (4,).
+    fixes: positions of antennas at samples, shape (steps, antennas, 3), NaN where none is.
+    levers: where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
+    variance: of the noise of a fix at each sample, shape (steps, 3).
+    due: whether a fix is due at a sample, lost or not, shape (steps,).
+    force, rate: specific force and angular velocity of the body, shape (steps, 3) each.
+    step: sampling interval in s.
+    noise: as of `add_noise`, shape (4,).
     """
 
     fixes: Array
@@ -81,16 +72,10 @@ class Record(NamedTuple):
 def move(s, d, force, next_force, rate, model, old, new):
     """Move the state s (16,) by d seconds, in place.
 
-    Parameters
-    ----------
-    force, next_force
-        Specific force at the beginning and the end, linear between them, shape (3,).
-    rate
-        Mean of the measured angular velocity, shape (3,); 0 if c is the angular velocity.
-    model
-        A `Model`.
-    old, new
-        Results (3, 3): the attitude's matrices at the beginning and the end.
+    force, next_force: specific force at the beginning and the end, linear between them, shape (3,).
+    rate: mean of the measured angular velocity, shape (3,); 0 if c is the angular velocity.
+    model: a `Model`.
+    old, new: results (3, 3): the attitude's matrices at the beginning and the end.
     """
     rotate(s[6:10], old)
     turn(
@@ -206,14 +191,9 @@ def place(s, R, lever, out):
 def learn(P, dx, row, e, variance):
     """Learn from an innovation; return its square over its variance.
 
-    Parameters
-    ----------
-    P, dx
-        Covariance (n, n) and the error found so far (n,); both are changed in place.
-    row
-        By what each error enters the measurement, shape (n,).
-    e, variance
-        The innovation before any correction, and the variance of the measurement's noise.
+    P, dx: covariance (n, n) and the error found so far (n,); both are changed in place.
+    row: by what each error enters the measurement, shape (n,).
+    e, variance: the innovation before any correction, and the variance of the measurement's noise.
     """
     n = len(dx)
     column = np.zeros(n)

@@ -56,32 +56,17 @@ def sum_errors(
     next span is made. A scheme whose estimates follow straight lines does not run if motion and
     noise are apart: its errors are summed by `fix_lines`.
 
-    Parameters
-    ----------
-    chains
-        The schemes, in the form of arrays for kernels.
-    records
-        The records, which are simulated during the run.
-    settled
-        Number of the first step after the settling time.
-    amplitude
-        Amplitude of the motion, m. With an amplitude, motion plus noise is run as one series, and
-        the square of its error is stored as the product noise x noise. If None, motion and noise
-        are run separately, and all three products of the two errors are summed.
-    keep_squared
-        Whether the squared position error of each step is kept; only with an amplitude.
-    consistency
-        Whether NEES is computed; otherwise NEES is zero.
-
-    Returns
-    -------
-    list of Sums
-        One entry per scheme, in the order of `chains`.
-
-    Raises
-    ------
-    InputError
-        If fixes may be lost: the gains of a chain are those for fixes that all arrive.
+    chains: the schemes, in the form of arrays for kernels.
+    records: the records, which are simulated during the run.
+    settled: number of the first step after the settling time.
+    amplitude: amplitude of the motion, m. With an amplitude, motion plus noise is run as one
+        series, and the square of its error is stored as the product noise x noise. If None, motion
+        and noise are run separately, and all three products of the two errors are summed.
+    keep_squared: whether the squared position error of each step is kept; only with an amplitude.
+    consistency: whether NEES is computed; otherwise NEES is zero.
+    Returns: one entry per scheme, in the order of `chains`.
+    Raises InputError if fixes may be lost: the gains of a chain are those for fixes that all
+        arrive.
     """
     require(
         not records.config.sensors.gnss.loses,
@@ -141,16 +126,10 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
 class ChainRun:
     """A run of one scheme on up to eight replicates, whose records arrive piece by piece.
 
-    Parameters
-    ----------
-    chain, weights
-        The scheme in its form for the batch engine, and its weights for NEES and NIS.
-    feed
-        The source of the records.
-    settled
-        Number of the first step after the settling time.
-    keep
-        Whether the squared position error of each step is kept.
+    chain, weights: the scheme in its form for the batch engine, and its weights for NEES and NIS.
+    feed: the source of the records.
+    settled: number of the first step after the settling time.
+    keep: whether the squared position error of each step is kept.
     """
 
     def __init__(

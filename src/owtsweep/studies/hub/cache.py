@@ -60,12 +60,8 @@ def folder() -> Path:
 def cached(what: Mapping[str, object], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
     """Return arrays by name: from memory, else from a file, else computed and then stored.
 
-    Parameters
-    ----------
-    what
-        Everything that the arrays depend on besides this program; must be JSON-serialisable.
-    compute
-        Function that computes the arrays; it is called only if the arrays are not stored.
+    what: everything that the arrays depend on besides this program; must be JSON-serialisable.
+    compute: function that computes the arrays; it is called only if the arrays are not stored.
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()

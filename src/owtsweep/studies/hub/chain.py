@@ -89,12 +89,8 @@ LONGEST_TRANSIENT = 2**18
 class Line(NamedTuple):
     """The straight line that an estimate follows from one position fix to the next.
 
-    Attributes
-    ----------
-    holds
-        Whether the line starts from the last fix; otherwise it is zero.
-    moves
-        Whether the line has the slope between the last two fixes, and is at the present, a delay
+    holds: whether the line starts from the last fix; otherwise it is zero.
+    moves: whether the line has the slope between the last two fixes, and is at the present, a delay
         ahead of the last fix; otherwise its slope is zero.
     """
 
@@ -120,19 +116,13 @@ class Chain:
     Parts in brackets may be absent. Two chains are equal only if they are the same object, so that
     chains can be keys of caches.
 
-    Attributes
-    ----------
-    gains
-        The filter's gains and covariances, one row per step until the rows repeat. The covariances
-        are NaN if the scheme states none.
-    filter, predictor, mhe
-        The arrays that kernels take for filter and smoother, predictor, and MHE.
-    axis
-        The filter's model and variances for one axis.
-    input_model
-        The predictor's model; None without a predictor or without covariances.
-    line
-        The straight line that the estimates follow between position fixes, if they do; then
+    gains: the filter's gains and covariances, one row per step until the rows repeat. The
+        covariances are NaN if the scheme states none.
+    filter, predictor, mhe: the arrays that kernels take for filter and smoother, predictor, and
+        MHE.
+    axis: the filter's model and variances for one axis.
+    input_model: the predictor's model; None without a predictor or without covariances.
+    line: the straight line that the estimates follow between position fixes, if they do; then
         superposed errors are summed without running the chain. None for all other chains.
     """
 
@@ -254,24 +244,15 @@ def chain(
 ) -> Chain:
     """Make a chain, the form of a scheme for the batch engine, from the models of its parts.
 
-    Parameters
-    ----------
-    axis
-        The filter's model and variances for one axis.
-    rule
-        How a step without a position fix is treated, one of `estimation.gains.RULES`.
-    input_delay
-        Number of steps by which the specific force is delayed (the paper's register 1).
-    window
-        The smoother's lag N_s in steps; 0 for no smoother.
-    predict
-        The predictor's model over one step, with the states position, velocity, bias; its input
-        is held over a step or linear. The predictor covers input_delay + window steps. None for no
-        predictor.
-    horizon
-        The MHE whose positions replace the position fixes; None for no MHE.
-    steps
-        Length of the longest record. Gains are stored for at most so many steps.
+    axis: the filter's model and variances for one axis.
+    rule: how a step without a position fix is treated, one of `estimation.gains.RULES`.
+    input_delay: number of steps by which the specific force is delayed (the paper's register 1).
+    window: the smoother's lag N_s in steps; 0 for no smoother.
+    predict: the predictor's model over one step, with the states position, velocity, bias; its
+        input is held over a step or linear. The predictor covers input_delay + window steps. None
+        for no predictor.
+    horizon: the MHE whose positions replace the position fixes; None for no MHE.
+    steps: length of the longest record. Gains are stored for at most so many steps.
     """
     M = sensors.fix_interval
     gains = schedule(

@@ -32,10 +32,7 @@ GATED = ("ekf", "mkf", "hme1")
 def check(config: HubConfig) -> None:
     """Check that the settings of a run can work together.
 
-    Raises
-    ------
-    InputError
-        For the first setting that cannot work; the message says what would work.
+    Raises InputError for the first setting that cannot work; the message says what would work.
     """
     check_grid(config)
     _check_sensors(config)
@@ -162,15 +159,8 @@ def check_fix_rules(config: HubConfig) -> None:
     HME2's is too small. That of some update rules does not grow while the gate refuses fixes, so
     the gate would not open again once the state has drifted.
 
-    Parameters
-    ----------
-    config
-        The study's configuration, with one tuning.
-
-    Raises
-    ------
-    InputError
-        The message names the first scheme with such a gate.
+    config: the study's configuration, with one tuning.
+    Raises InputError; the message names the first scheme with such a gate.
     """
     require(
         config.hme2.fix_rule != "gate",
@@ -262,14 +252,9 @@ def check_buffers(key: str, window: int, delay: int) -> None:
 
     A record is computed in pieces of twice the sum of `window` and `delay`, for 24 series at once.
 
-    Parameters
-    ----------
-    key
-        The key of the window in the configuration, for the message.
-    window
-        Length of the smoother's window in IMU steps.
-    delay
-        Delay of the GNSS in IMU steps.
+    key: the key of the window in the configuration, for the message.
+    window: length of the smoother's window in IMU steps.
+    delay: delay of the GNSS in IMU steps.
     """
     chunk = 2 * (window + delay)
     needed = 3 * NUMBER * REPLICATES_PER_BLOCK * (6 * (window + chunk) + 4 * chunk + 6 * window)
@@ -302,10 +287,7 @@ def check_window(config: HubConfig, key: str, window: int) -> None:
 
     `key` is the key of the window in the configuration, `window` its length in IMU steps.
 
-    Raises
-    ------
-    InputError
-        If so.
+    Raises InputError if so.
     """
     steps = config.record.duration * config.sensors.imu.rate
     require(
@@ -319,10 +301,7 @@ def check_window(config: HubConfig, key: str, window: int) -> None:
 def check_mhe(config: HubConfig) -> None:
     """Refuse an interval, a horizon or an arrival cost with which the MHE cannot work.
 
-    Raises
-    ------
-    InputError
-        If there is one; the message says what would work.
+    Raises InputError if there is one; the message says what would work.
     """
     mhe = config.hme.mhe
     if mhe.smoother_window is not None:

@@ -341,10 +341,7 @@ class HubConfig(TunedConfig):
     def check(self) -> None:
         """Check also that each tuning has a name that can be part of a file's name.
 
-        Raises
-        ------
-        InputError
-            If not; also as `TunedConfig.check`.
+        Raises InputError if not; also as `TunedConfig.check`.
         """
         super().check()
         for name in self.tunings:

@@ -63,16 +63,11 @@ ZERO = (0.0, 0.0)
 class Known(Knowledge):
     """All that a scheme may know beforehand of a case.
 
-    Attributes
-    ----------
-    sensors
-        The properties of the sensors.
-    tuning
-        The configuration of one tuning; its sections ekf, mkf, hme1, hme2, hme, ... hold the
+    sensors: the properties of the sensors.
+    tuning: the configuration of one tuning; its sections ekf, mkf, hme1, hme2, hme, ... hold the
         numbers of the schemes.
-    natural_period, amplitude
-        Natural period of the turbine, s, and amplitude of the motion, m, for schemes that are told
-        the motion (`Scheme.told_motion`); None: nobody tells.
+    natural_period, amplitude: natural period of the turbine, s, and amplitude of the motion, m, for
+        schemes that are told the motion (`Scheme.told_motion`); None: nobody tells.
     """
 
     sensors: Sensors
@@ -87,18 +82,10 @@ class Estimator(Protocol):
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
-        Parameters
-        ----------
-        specific_force
-            Specific force in the IMU's frame, m/s^2, shape (2,).
-        position
-            The fix in NED, m, shape (2,): the position of `Sensors.delay` steps ago. None at steps
-            without a fix.
-
-        Returns
-        -------
-        Estimate
-            Position (m) and velocity (m/s) in NED, shape (2,) each. The estimate may have a
+        specific_force: specific force in the IMU's frame, m/s^2, shape (2,).
+        position: the fix in NED, m, shape (2,): the position of `Sensors.delay` steps ago. None at
+            steps without a fix.
+        Returns: position (m) and velocity (m/s) in NED, shape (2,) each. The estimate may have a
             covariance (4, 4) of x, y, v_x, v_y, and the innovation of the fix, shape (2,), m.
         """
         ...
@@ -107,27 +94,20 @@ class Estimator(Protocol):
 class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     """An estimation scheme of the hub study: it gives an estimator, which runs step by step.
 
-    Attributes
-    ----------
-    linear
-        Whether estimates are linear in the measurements, with gains that do not depend on the
+    linear: whether estimates are linear in the measurements, with gains that do not depend on the
         measurements. If so, one run with the motion alone and one run with the noise alone serve
         every amplitude.
-    told_motion
-        Whether the scheme must know the motion: period and amplitude. It is run at each amplitude.
-    batched
-        How the engine `batch` runs records of the scheme: "chain", beside other chains, in the form
-        that `kernel` gives; "own", by the kernel that `own_kernel` gives; "" step by step.
-    on_board
-        Whether `stream` gives an estimator for use on board, which knows an origin.
-    unbatched
-        Why a scheme that can run as a chain does not under the tuning, as subject of a message with
-        its verb, e.g. "its constraints leave"; "" if that is not so.
-    expected_in_cell
-        Whether the engine `expected` knows the settled error of the scheme in a cell, and nothing
-        else; the errors of other linear schemes follow from their chains.
-    least_duration
-        The shortest record, s, in which the scheme chooses a spectrum; 0 if it chooses none.
+    told_motion: whether the scheme must know the motion: period and amplitude. It is run at each
+        amplitude.
+    batched: how the engine `batch` runs records of the scheme: "chain", beside other chains, in the
+        form that `kernel` gives; "own", by the kernel that `own_kernel` gives; "" step by step.
+    on_board: whether `stream` gives an estimator for use on board, which knows an origin.
+    unbatched: why a scheme that can run as a chain does not under the tuning, as subject of a
+        message with its verb, e.g. "its constraints leave"; "" if that is not so.
+    expected_in_cell: whether the engine `expected` knows the settled error of the scheme in a cell,
+        and nothing else; the errors of other linear schemes follow from their chains.
+    least_duration: the shortest record, s, in which the scheme chooses a spectrum; 0 if it chooses
+        none.
     """
 
     study = "hub"
@@ -188,19 +168,13 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     def check(self, config: HubConfig) -> None:
         """Refuse, or warn of, settings with which the scheme cannot work.
 
-        Raises
-        ------
-        InputError
-            If there are some; the message says what would work.
+        Raises InputError if there are some; the message says what would work.
         """
 
     def check_declared(self) -> None:
         """Check what a user's class states of itself, before anything runs.
 
-        Raises
-        ------
-        InputError
-            If an attribute is of a wrong type.
+        Raises InputError if an attribute is of a wrong type.
         """
         super().check_declared()
         require(isinstance(self.linear, bool), "it lacks linear (True or False)")

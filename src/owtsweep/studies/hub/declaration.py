@@ -45,14 +45,9 @@ UNITS = {
 class Record(NamedTuple):
     """One record whose motion has no amplitude yet.
 
-    Attributes
-    ----------
-    records
-        The record alone: its motion, and the sensors' properties.
-    truth
-        True x, y (m) and v_x, v_y (m/s), shape (steps, 4).
-    motion, noise
-        The parts of the measurements that motion and noise contribute.
+    records: the record alone: its motion, and the sensors' properties.
+    truth: true x, y (m) and v_x, v_y (m/s), shape (steps, 4).
+    motion, noise: the parts of the measurements that motion and noise contribute.
     """
 
     records: Records

@@ -148,17 +148,12 @@ OTHER_WINDOW = {
 class Winners(NamedTuple):
     """What a map of best schemes shows.
 
-    Attributes
-    ----------
-    table
-        Rows of the table best_scheme, one per cell. Where a baseline has less error than every
+    table: rows of the table best_scheme, one per cell. Where a baseline has less error than every
         scheme, the baseline is in the place of the best scheme, and the best scheme in that of the
         runner-up; `distinguishable` then says whether the baseline beats that scheme.
-    names
-        The schemes, and those baselines that have the least error in some cell.
-    notes
-        A sentence on each baseline that beats every scheme in some cell, and one on each that has
-        the least error in some cell where the data do not show that.
+    names: the schemes, and those baselines that have the least error in some cell.
+    notes: a sentence on each baseline that beats every scheme in some cell, and one on each that
+        has the least error in some cell where the data do not show that.
     """
 
     table: pd.DataFrame
@@ -169,16 +164,10 @@ class Winners(NamedTuple):
 def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: str) -> Winners:
     """Find what a map shows in each cell: the best scheme, or a baseline that has less error.
 
-    Parameters
-    ----------
-    config
-        The run's configuration, of one tuning.
-    best
-        The run's table best_scheme.
-    criterion
-        The measure by which schemes are judged, e.g. "position".
-    window
-        The part of the records over which the criterion is averaged: "full" or "settled".
+    config: the run's configuration, of one tuning.
+    best: the run's table best_scheme.
+    criterion: the measure by which schemes are judged, e.g. "position".
+    window: the part of the records over which the criterion is averaged: "full" or "settled".
     """
     names = scheme_names(config)
     table = best[(best["criterion"] == criterion) & (best["window"] == window)].copy()

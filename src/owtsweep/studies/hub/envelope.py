@@ -30,22 +30,11 @@ SIZES = {"peak": "amplitude", "rms": "rms"}
 def compute_envelope(config: HubConfig, structure: Structure) -> pd.DataFrame:
     """Compute the points of a structure, with records as long as those of a run.
 
-    Parameters
-    ----------
-    config
-        The configuration of the run, of which the seed and the length of a record are used.
-    structure
-        The structure, which stands in water.
-
-    Returns
-    -------
-    DataFrame
-        The points, as `owtsweep.motion.envelope.compute_points` describes them.
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand in water, or the run's records are too short for waves.
+    config: the configuration of the run, of which the seed and the length of a record are used.
+    structure: the structure, which stands in water.
+    Returns: the points, as `owtsweep.motion.envelope.compute_points` describes them.
+    Raises InputError if the structure does not stand in water, or the run's records are too short
+    for waves.
     """
     draw = partial(stream, config.seed, "hub", (), 0)
     return compute_points(structure, list_seas(), draw, duration=config.record.duration)
@@ -56,25 +45,13 @@ def find_best(config: HubConfig, best: pd.DataFrame, points: pd.DataFrame) -> li
 
     A point belongs to the cell whose centre is nearest, with amplitudes on a logarithmic scale.
 
-    Parameters
-    ----------
-    config
-        The configuration of the run, of one tuning.
-    best
-        The run's table best_scheme.
-    points
-        The points, as `compute_envelope` returns them.
-
-    Returns
-    -------
-    list of str
-        One name per point; `UNNAMED` if the point lies outside the map or in a cell without a
+    config: the configuration of the run, of one tuning.
+    best: the run's table best_scheme.
+    points: the points, as `compute_envelope` returns them.
+    Returns: one name per point; `UNNAMED` if the point lies outside the map or in a cell without a
         result.
-
-    Raises
-    ------
-    InputError
-        If the run has one natural period or one amplitude, so that its map has no area.
+    Raises InputError if the run has one natural period or one amplitude, so that its map has no
+    area.
     """
     measures = config.measures
     cells = find_winners(config, best, measures.criterion, measures.window).table
@@ -107,14 +84,9 @@ def _find_cells(values: Array, centres: Array) -> Array:
 def tell_best(points: pd.DataFrame, tuning: str, size: str = "amplitude") -> str:
     """Say in two sentences which scheme is best for a structure, and in which sea.
 
-    Parameters
-    ----------
-    points
-        The points with a column `best_<tuning>`, the result of `find_best`.
-    tuning
-        Name of the tuning.
-    size
-        The column of the size of the motion, "amplitude" or "rms".
+    points: the points with a column `best_<tuning>`, the result of `find_best`.
+    tuning: name of the tuning.
+    size: the column of the size of the motion, "amplitude" or "rms".
     """
     best = points[f"best_{tuning}"]
     shares = best[best != UNNAMED].value_counts() / len(best)

@@ -36,16 +36,11 @@ QUADRATURE = 20_000
 class ErrorSpectrum:
     """The settled mean square error due to a sinusoidal motion, per mean square displacement.
 
-    Attributes
-    ----------
-    frequency
-        Frequencies of the motion, Hz, increasing, shape (n,).
-    position
-        Mean square position error, sum over x and y, per mean square displacement; m^2/m^2, shape
-        (n,).
-    velocity
-        Mean square velocity error, sum over vx and vy, per mean square displacement; s^-2, shape
-        (n,).
+    frequency: frequencies of the motion, Hz, increasing, shape (n,).
+    position: mean square position error, sum over x and y, per mean square displacement; m^2/m^2,
+        shape (n,).
+    velocity: mean square velocity error, sum over vx and vy, per mean square displacement; s^-2,
+        shape (n,).
     """
 
     frequency: Array
@@ -65,21 +60,14 @@ def error_spectrum(
     A chain is a scheme's form for the batch engine. Both axes respond alike. So the sum of the mean
     square errors of x and y is the mean square error along the motion, whatever the direction.
 
-    Parameters
-    ----------
-    frequencies
-        Frequencies of the motion, Hz, increasing, shape (n,). No frequency may be a multiple of the
-        rate at which the chain repeats: to the GNSS such a motion looks like a standstill.
-    settle
-        Time (s) after which the response is first examined. The transient that is left at this time
-        is removed by extrapolation (`settled.limit`). The time is doubled until the extrapolation
-        is uncertain by at most the part `TOLERANCE` of the error.
-
-    Raises
-    ------
-    InputError
-        If frequencies are not positive and increasing, if a frequency is a multiple of the rate at
-        which the chain repeats, or if the response does not settle.
+    frequencies: frequencies of the motion, Hz, increasing, shape (n,). No frequency may be a
+        multiple of the rate at which the chain repeats: to the GNSS such a motion looks like a
+        standstill.
+    settle: time (s) after which the response is first examined. The transient that is left at this
+        time is removed by extrapolation (`settled.limit`). The time is doubled until the
+        extrapolation is uncertain by at most the part `TOLERANCE` of the error.
+    Raises InputError if frequencies are not positive and increasing, if a frequency is a multiple
+    of the rate at which the chain repeats, or if the response does not settle.
     """
     frequency = np.asarray(frequencies, dtype=float)
     if frequency.ndim != 1 or not np.all(frequency > 0.0) or np.any(np.diff(frequency) <= 0.0):
@@ -114,10 +102,7 @@ def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> t
     `chain` has settled gains. `settle` is the time (s) after which the response is first examined;
     the time is doubled until the transient has died out.
 
-    Raises
-    ------
-    InputError
-        If the response does not settle within the longest run.
+    Raises InputError if the response does not settle within the longest run.
     """
     cycle = cycle_of(chain)
     steps = max(round(settle / sensors.step / cycle), 1) * cycle
@@ -181,27 +166,13 @@ def expected_mse(
 ) -> tuple[float, float]:
     """Compute the settled MSE that a random motion with a given spectrum causes, without noise.
 
-    Parameters
-    ----------
-    errors
-        An error spectrum that covers the band.
-    density
-        Function that returns the spectral density S(f) at frequencies in Hz, in any unit.
-    band
-        Lowest and highest frequency of the motion, Hz.
-    rms
-        Root mean square displacement, m.
-
-    Returns
-    -------
-    tuple of float
-        MSE of position (m^2) and of velocity ((m/s)^2), sums over both axes: rms^2 times the mean
-        of the error spectrum weighted by S. The MSE due to noise has to be added.
-
-    Raises
-    ------
-    InputError
-        If the error spectrum does not cover the band.
+    errors: an error spectrum that covers the band.
+    density: function that returns the spectral density S(f) at frequencies in Hz, in any unit.
+    band: lowest and highest frequency of the motion, Hz.
+    rms: root mean square displacement, m.
+    Returns: MSE of position (m^2) and of velocity ((m/s)^2), sums over both axes: rms^2 times the
+        mean of the error spectrum weighted by S. The MSE due to noise has to be added.
+    Raises InputError if the error spectrum does not cover the band.
     """
     low, high = band
     nodes = errors.frequency

@@ -40,18 +40,10 @@ def trajectories(
 
     A chain is a scheme in the form of arrays for kernels. A lane is one series along one axis.
 
-    Parameters
-    ----------
-    sensors
-        Not used.
-    force, fixes
-        Specific force in NED, m/s^2, shape (steps, lanes), and position fixes in NED, m, shape
-        (fixes, lanes).
-
-    Returns
-    -------
-    tuple of array
-        Estimated position (m) and velocity (m/s), and the filter's innovation (m), shape
+    sensors: not used.
+    force, fixes: specific force in NED, m/s^2, shape (steps, lanes), and position fixes in NED, m,
+        shape (fixes, lanes).
+    Returns: estimated position (m) and velocity (m/s), and the filter's innovation (m), shape
         (steps, lanes) each.
     """
     result = (np.empty(force.shape), np.empty(force.shape), np.empty(force.shape))
@@ -70,11 +62,8 @@ def chunks(
     shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
     series along one axis.
 
-    Yields
-    ------
-    tuple
-        The chunk's first step, its number of steps n, and the estimates, of which the first n rows
-        are valid. The next chunk overwrites the estimates.
+    Yields: the chunk's first step, its number of steps n, and the estimates, of which the first n
+        rows are valid. The next chunk overwrites the estimates.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -100,13 +89,10 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
     shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
     series along one axis.
 
-    Returns
-    -------
-    Array
-        Shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b (m/s^2). Here b
-        is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019): bias and gravity. Row k is the
-        state of step k - D - W, where D is the chain's input delay and W its smoother's lag, both
-        in steps. The first W rows are zero.
+    Returns: shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b (m/s^2). Here
+        b is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019): bias and gravity. Row k is
+        the state of step k - D - W, where D is the chain's input delay and W its smoother's lag,
+        both in steps. The first W rows are zero.
     """
     result = np.empty((force.shape[0], 4, force.shape[1]))
     for k0, n, some in state_chunks(chain, force, fixes):
@@ -121,10 +107,7 @@ def state_chunks(
 
     Parameters are those of `states`; `force` may be made during the run.
 
-    Yields
-    ------
-    tuple
-        The number of the chunk's first row, its number of rows n, and the states, shape
+    Yields: the number of the chunk's first row, its number of rows n, and the states, shape
         (rows, 4, lanes), of which the first n rows are valid. The next chunk overwrites the states.
     """
     from owtsweep.studies.hub.kernels import runs
@@ -180,12 +163,8 @@ class OnePassSeries:
     of time: when the next piece is made, the rows before the current slice are dropped. Asking for
     a dropped row raises IndexError.
 
-    Parameters
-    ----------
-    pieces
-        Iterator over arrays of successive rows.
-    shape
-        Shape of the whole series: number of steps, number of lanes.
+    pieces: iterator over arrays of successive rows.
+    shape: shape of the whole series: number of steps, number of lanes.
     """
 
     def __init__(self, pieces: Iterator[Array], shape: tuple[int, int]) -> None:

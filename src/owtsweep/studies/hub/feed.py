@@ -26,19 +26,13 @@ SPAN = 10_000
 class Span(NamedTuple):
     """A piece of the records of eight replicates, in the form that kernels take.
 
-    Attributes
-    ----------
-    stop
-        The number of the first step after the span.
-    base
-        The number of the step in row 0, so step k is in row k - base. `base` may be negative; rows
-        before step 0 are zero.
-    force
-        Specific force in NED, m/s^2, shape (rows, lanes): eight lanes (columns) each of motion,
+    stop: the number of the first step after the span.
+    base: the number of the step in row 0, so step k is in row k - base. `base` may be negative;
+        rows before step 0 are zero.
+    force: specific force in NED, m/s^2, shape (rows, lanes): eight lanes (columns) each of motion,
         noise of x and noise of y, or of x and y of motion plus noise.
-    motion
-        True displacement (m) and velocity (m/s) along the wave, for the motion of unit amplitude,
-        eight columns each; shape (rows, 16).
+    motion: true displacement (m) and velocity (m/s) along the wave, for the motion of unit
+        amplitude, eight columns each; shape (rows, 16).
     """
 
     stop: int
@@ -93,20 +87,11 @@ class Feed:
     enough, because x and y respond to motion alike. With an amplitude they are x and y of motion
     plus noise.
 
-    Parameters
-    ----------
-    records
-        The records, which may have more replicates.
-    first
-        Index of the first replicate in the records; up to seven more follow.
-    amplitude
-        Amplitude of the motion in motion plus noise, m; None for motion (of unit amplitude) and
-        noise in separate groups.
-
-    Attributes
-    ----------
-    fixes
-        Positions that the GNSS reports, m, shape (fixes, lanes).
+    records: the records, which may have more replicates.
+    first: index of the first replicate in the records; up to seven more follow.
+    amplitude: amplitude of the motion in motion plus noise, m; None for motion (of unit amplitude)
+        and noise in separate groups.
+    fixes: positions that the GNSS reports, m, shape (fixes, lanes).
     """
 
     def __init__(self, records: Records, first: int = 0, amplitude: float | None = None) -> None:

@@ -18,15 +18,10 @@ FIX_RULES = ("plain", "gate", "huber")
 class FixRule:
     """The rule by which the distance of a fix from its prediction decides on the fix's weight.
 
-    Attributes
-    ----------
-    name
-        One of `FIX_RULES`.
-    limit
-        The distance, in standard deviations, beyond which a fix loses weight. With a gate, the
+    name: one of `FIX_RULES`.
+    limit: the distance, in standard deviations, beyond which a fix loses weight. With a gate, the
         weight beyond is 0; with Huber's rule it is limit / distance (Huber 1964).
-    patience
-        Number of fixes that a gate refuses in a row. Further fixes are taken, whatever their
+    patience: number of fixes that a gate refuses in a row. Further fixes are taken, whatever their
         distance, until one lies within the limit: so many outliers in a row are less likely than
         that the state is wrong.
     """
@@ -38,12 +33,8 @@ class FixRule:
     def weigh(self, distance: float, beyond: int = 1) -> float:
         """Return the weight of a fix, from 0 to 1.
 
-        Parameters
-        ----------
-        distance
-            Distance of the fix from its prediction, in standard deviations.
-        beyond
-            How many fixes in a row, with this one, lie beyond the limit.
+        distance: distance of the fix from its prediction, in standard deviations.
+        beyond: how many fixes in a row, with this one, lie beyond the limit.
         """
         if self.name == "plain" or distance <= self.limit:
             return 1.0

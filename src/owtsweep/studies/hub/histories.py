@@ -34,16 +34,12 @@ SEA = {"hs": 2.0, "tp": 6.0}
 class SchemeHistory:
     """The estimates of one scheme over a record, in NED.
 
-    Attributes
-    ----------
-    position, velocity
-        Estimates in m and m/s, shape (steps, 2). Row k is the estimate for step k, made at step k.
-    acceleration, bias
-        States of the filter, m/s^2, shape (steps, 2). Row k is the estimate for step k - `lag`,
-        made at step k; the first `lag` rows are NaN. `bias` is R b^b. `acceleration` is None if the
-        filter's model has no acceleration as a state.
-    lag
-        Age of the estimated acceleration and bias, in steps.
+    position, velocity: estimates in m and m/s, shape (steps, 2). Row k is the estimate for step k,
+        made at step k.
+    acceleration, bias: states of the filter, m/s^2, shape (steps, 2). Row k is the estimate for
+        step k - `lag`, made at step k; the first `lag` rows are NaN. `bias` is R b^b.
+        `acceleration` is None if the filter's model has no acceleration as a state.
+    lag: age of the estimated acceleration and bias, in steps.
     """
 
     position: Array
@@ -57,30 +53,20 @@ class SchemeHistory:
 class Histories:
     """The time histories of one record; all series are in NED.
 
-    Attributes
-    ----------
-    natural_period, amplitude
-        Natural period (s) and amplitude (m) of the motion; of the plant they are those of the first
-        mode and the largest displacement.
-    time
-        Times of the steps, s, shape (steps,).
-    position, velocity, acceleration, bias
-        True motion (m, m/s, m/s^2), and true bias R b^b of the IMU (m/s^2); shape (steps, 2) each.
-    measured
-        Acceleration that the IMU reports, R f + g, m/s^2, shape (steps, 2).
-    fix_time, fixes
-        Times at which position fixes arrive, s, shape (fixes,), and the fixes, m, shape (fixes, 2).
-        A fix is the position `delay` seconds before its arrival.
-    delay
-        Delay of the GNSS, s.
-    integrated_position, integrated_velocity
-        `measured` integrated from the true initial state; m and m/s; shape (steps, 2) each.
-    estimated
-        Scheme -> its estimates.
-    left_out
-        Scheme -> why the scheme was not run.
-    sea
-        The plant's conditions in words; "" with motion=spectrum.
+    natural_period, amplitude: natural period (s) and amplitude (m) of the motion; of the plant they
+        are those of the first mode and the largest displacement.
+    time: times of the steps, s, shape (steps,).
+    position, velocity, acceleration, bias: true motion (m, m/s, m/s^2), and true bias R b^b of the
+        IMU (m/s^2); shape (steps, 2) each.
+    measured: acceleration that the IMU reports, R f + g, m/s^2, shape (steps, 2).
+    fix_time, fixes: times at which position fixes arrive, s, shape (fixes,), and the fixes, m,
+        shape (fixes, 2). A fix is the position `delay` seconds before its arrival.
+    delay: delay of the GNSS, s.
+    integrated_position, integrated_velocity: `measured` integrated from the true initial state; m
+        and m/s; shape (steps, 2) each.
+    estimated: scheme -> its estimates.
+    left_out: scheme -> why the scheme was not run.
+    sea: the plant's conditions in words; "" with motion=spectrum.
     """
 
     natural_period: float

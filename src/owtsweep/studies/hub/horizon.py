@@ -26,34 +26,22 @@ LEAST_BIAS_DENSITY = 1e-12
 class Horizon:
     """The moving horizon estimator (MHE) along one axis, with the states position, velocity, bias.
 
-    Attributes
-    ----------
-    interval
-        T_m, the time between two positions that the MHE gives to the filter, in IMU steps.
-    length
-        N_m, the number of GNSS intervals in the window.
-    first
-        Number (from 0) of the first position fix at which the window can be solved. Until then the
-        filter gets the fixes themselves.
-    arrival
-        Whether the window has an arrival term: a prior of its oldest state, made from the filter's
-        past state.
-    fixed
-        True if the window's oldest state is set equal to the filter's past state; False if the
+    interval: T_m, the time between two positions that the MHE gives to the filter, in IMU steps.
+    length: N_m, the number of GNSS intervals in the window.
+    first: number (from 0) of the first position fix at which the window can be solved. Until then
+        the filter gets the fixes themselves.
+    arrival: whether the window has an arrival term: a prior of its oldest state, made from the
+        filter's past state.
+    fixed: true if the window's oldest state is set equal to the filter's past state; False if the
         filter's past state is only a prior.
-    inputs
-        Which IMU samples the MHE takes, one of `INPUTS`.
-    weights
-        Weights of Eq. (11a) of Ren et al. (2019) for one GNSS interval.
-    initial_covariance
-        Covariance (3, 3) of the prior while the window fills (only with an arrival term).
-    bounds
-        Largest allowed magnitudes (3,) of position and velocity, per axis in NED, and of the bias
-        b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
-    lean
-        What the model believes of the IMU's lean, s^-2.
-    fix_rule
-        How much a fix counts that is far from its prediction; `arrays` ignores it.
+    inputs: which IMU samples the MHE takes, one of `INPUTS`.
+    weights: weights of Eq. (11a) of Ren et al. (2019) for one GNSS interval.
+    initial_covariance: covariance (3, 3) of the prior while the window fills
+        (only with an arrival term).
+    bounds: largest allowed magnitudes (3,) of position and velocity, per axis in NED, and of the
+        bias b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
+    lean: what the model believes of the IMU's lean, s^-2.
+    fix_rule: how much a fix counts that is far from its prediction; `arrays` ignores it.
     """
 
     interval: int

@@ -78,20 +78,13 @@ def fix_chain(sensors: Sensors, line: Line) -> Chain:
 class Piece(NamedTuple):
     """Sums over the true motion within some intervals from fix to fix, or parts of intervals.
 
-    Attributes
-    ----------
-    fixes
-        The numbers of the fixes with which the intervals begin.
-    times
-        Number of steps, and sums of the time since the fix (s) and of its square (s^2), equal for
-        all intervals; 3 numbers.
-    position
-        Sums of the displacement (m), and of the displacement times the time since the fix (m s);
-        shape (2, 8, intervals).
-    velocity
-        Sums of the velocity (m/s), shape (8, intervals).
-    squares
-        Sums of squared displacement and of squared velocity over all intervals, shape (2, 8).
+    fixes: the numbers of the fixes with which the intervals begin.
+    times: number of steps, and sums of the time since the fix (s) and of its square (s^2), equal
+        for all intervals; 3 numbers.
+    position: sums of the displacement (m), and of the displacement times the time since the fix
+        (m s); shape (2, 8, intervals).
+    velocity: sums of the velocity (m/s), shape (8, intervals).
+    squares: sums of squared displacement and of squared velocity over all intervals, shape (2, 8).
     """
 
     fixes: slice
@@ -104,10 +97,7 @@ class Piece(NamedTuple):
 def sum_line_errors(lines: Sequence[Line], feed: Feed, settled: int) -> list[Array]:
     """Sum the squared errors of lines on the records of a feed, which keeps motion and noise apart.
 
-    Returns
-    -------
-    list of array
-        For each line the sums as `layout.products` arranges them; NEES and NIS are 0.
+    Returns: for each line the sums as `layout.products` arranges them; NEES and NIS are 0.
     """
     records = feed.records
     fixes = np.ascontiguousarray(feed.fixes.T).reshape(3, WIDTH, -1)
@@ -169,15 +159,8 @@ def _multiply(start: Array, slope: Array, piece: Piece) -> tuple[Array, Array]:
     position is start + slope t, and that of the velocity is slope; in the group motion, the true
     displacement and its rate are subtracted.
 
-    Parameters
-    ----------
-    start, slope
-        The lines of all groups, shape (3, 8, intervals) each.
-
-    Returns
-    -------
-    tuple of array
-        Sums for position and for velocity, shape (3, 3, 8) each.
+    start, slope: the lines of all groups, shape (3, 8, intervals) each.
+    Returns: sums for position and for velocity, shape (3, 3, 8) each.
     """
     n, t, tt = piece.times
     crossed = _pairs(start, slope)

@@ -136,10 +136,7 @@ class HubTable(SchemeTable):
     def choose(self, config: HubConfig) -> list[AnyScheme]:
         """Return all schemes and baselines of the configuration of one tuning, in their variants.
 
-        Raises
-        ------
-        InputError
-            As `resolve_all`, or if a scheme has no variant for the configuration.
+        Raises InputError as `resolve_all`, or if a scheme has no variant for the configuration.
         """
         return [*resolve_all(self.list_entries(config), config)]
 
@@ -161,10 +158,8 @@ def resolve_all(entries: Sequence[Entry], config: HubConfig | None = None) -> li
     If `config`, the configuration of one tuning, is given, each scheme is replaced by the variant
     that it asks for.
 
-    Raises
-    ------
-    InputError
-        As `SchemeTable.resolve_all`, or if a scheme has no variant for the configuration.
+    Raises InputError as `SchemeTable.resolve_all`, or if a scheme has no variant for the
+    configuration.
     """
     schemes = [scheme for scheme in SCHEMES.resolve_all(entries) if isinstance(scheme, Scheme)]
     return schemes if config is None else [under(scheme, config) for scheme in schemes]
@@ -178,10 +173,7 @@ def scheme_names(config: HubConfig) -> list[str]:
 def under(scheme: Scheme, config: HubConfig) -> Scheme:
     """Return the variant of a scheme for which the configuration of one tuning asks.
 
-    Raises
-    ------
-    InputError
-        If the scheme's method `under` fails or returns no scheme.
+    Raises InputError if the scheme's method `under` fails or returns no scheme.
     """
     with blame_code(scheme.name, "its method `under` must return a scheme"):
         variant = scheme.under(config)

@@ -29,18 +29,13 @@ class Sums(NamedTuple):
 
     The error of an estimate is the error from motion plus the error from noise.
 
-    Attributes
-    ----------
-    products
-        Sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after the
-        settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
+    products: sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after
+        the settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
         motion x noise, noise x noise. SI units.
-    steps, covariances, innovations
-        Number of steps, number of steps for which the scheme states the covariance of its estimate,
-        and number of innovations, before and after the settling time, shape (2,)
-        each.
-    squared
-        Squared position error of each step, m^2, shape (steps, replicates). The shape is
+    steps, covariances, innovations: number of steps, number of steps for which the scheme states
+        the covariance of its estimate, and number of innovations, before and after the settling
+        time, shape (2,) each.
+    squared: squared position error of each step, m^2, shape (steps, replicates). The shape is
         (0, replicates) if `sum_errors` was called without `keep_squared`.
     """
 
@@ -99,19 +94,12 @@ def from_trajectories(
 ) -> Means:
     """Compute the measures of one record from the estimates of a scheme at each step.
 
-    Parameters
-    ----------
-    motion
-        The response to the motion of unit amplitude alone; None if `noise` is the response to the
-        whole series (motion plus noise).
-    noise
-        The response to noise alone, or to the whole series.
-    truth
-        True state of the motion, shape (steps, 4): x, y, v_x, v_y.
-    settled
-        Number of the first step after the settling time.
-    extremes
-        Whether to compute `EXTREMES` too; this has no effect unless `motion` is None.
+    motion: the response to the motion of unit amplitude alone; None if `noise` is the response to
+        the whole series (motion plus noise).
+    noise: the response to noise alone, or to the whole series.
+    truth: true state of the motion, shape (steps, 4): x, y, v_x, v_y.
+    settled: number of the first step after the settling time.
+    extremes: whether to compute `EXTREMES` too; this has no effect unless `motion` is None.
     """
     parts = [noise] if motion is None else [motion, noise]
     innovation = [part.innovation for part in parts if part.innovation is not None]

@@ -84,17 +84,12 @@ def four_states(model: Discrete) -> Discrete:
 class AxisFilter:
     """The matrices and variances of one axis of a multirate Kalman filter.
 
-    Attributes
-    ----------
-    model
-        Discrete model of four states; `model.B` is zero for Sigma_1.
-    force_row
-        Measurement row (4,) of the specific force in NED; zero for Sigma_2, where the specific
-        force is an input.
-    position_variance, force_variance
-        Variances of a position fix, m^2, and of an IMU sample, (m/s^2)^2.
-    initial_covariance
-        Covariance (4, 4) of the first state.
+    model: discrete model of four states; `model.B` is zero for Sigma_1.
+    force_row: measurement row (4,) of the specific force in NED; zero for Sigma_2, where the
+        specific force is an input.
+    position_variance, force_variance: variances of a position fix, m^2, and of an IMU sample,
+        (m/s^2)^2.
+    initial_covariance: covariance (4, 4) of the first state.
     """
 
     model: Discrete

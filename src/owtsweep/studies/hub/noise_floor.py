@@ -32,12 +32,10 @@ MOST_CYCLES = 1024
 class NoiseFloor:
     """The settled MSE due to sensor noise alone, by source of the noise; sums over both axes.
 
-    Attributes
-    ----------
-    position, velocity
-        Source -> MSE of position (m^2), and source -> MSE of velocity ((m/s)^2). The sources are
-        `gnss` (white noise of the position fixes), `imu` (white noise of the IMU's samples) and
-        `bias` (the walk of the IMU's bias). A constant bias causes no settled error.
+    position, velocity: source -> MSE of position (m^2), and source -> MSE of velocity ((m/s)^2).
+        The sources are `gnss` (white noise of the position fixes), `imu`
+        (white noise of the IMU's samples) and `bias` (the walk of the IMU's bias). A constant bias
+        causes no settled error.
     """
 
     position: dict[str, float]
@@ -54,11 +52,8 @@ def noise_floor(chain: Chain, sensors: Sensors) -> NoiseFloor:
     A chain is a scheme's form for the batch engine. The noise floor is the settled MSE that sensor
     noise alone causes.
 
-    Raises
-    ------
-    InputError
-        If the responses to impulses do not die out within `MOST_CYCLES` cycles: the estimator is
-        unstable, or the estimated bias settles too slowly.
+    Raises InputError if the responses to impulses do not die out within `MOST_CYCLES` cycles: the
+    estimator is unstable, or the estimated bias settles too slowly.
     """
     steady = settled(chain)
     variance = {
@@ -132,17 +127,11 @@ def _step_responses(impulse: Array) -> Array:
     from its beginning on. The response to an impulse in a later cycle is the response to the same
     impulse in the first cycle, delayed by whole cycles.
 
-    Parameters
-    ----------
-    impulse
-        Responses to impulses, shape (cycles, steps, steps). The axes are the cycle of the response,
-        the step of the response in that cycle, and the step of the impulse in the first cycle.
-
-    Returns
-    -------
-    array
-        Responses to constant forces, in the shape of `impulse`. The last axis is the step at which
-        the force begins.
+    impulse: responses to impulses, shape (cycles, steps, steps). The axes are the cycle of the
+        response, the step of the response in that cycle, and the step of the impulse in the first
+        cycle.
+    Returns: responses to constant forces, in the shape of `impulse`. The last axis is the step at
+        which the force begins.
     """
     rest_of_cycle = np.cumsum(impulse[:, :, ::-1], axis=2)[:, :, ::-1]
     whole_cycle = np.cumsum(rest_of_cycle[:, :, 0], axis=0)

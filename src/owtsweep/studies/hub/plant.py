@@ -113,10 +113,8 @@ class PlantWorld(World):
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
         """Return the structure in a sea state.
 
-        Raises
-        ------
-        InputError
-            If the structure or the sea state cannot be computed; the message names the key.
+        Raises InputError if the structure or the sea state cannot be computed; the message names
+        the key.
         """
         return make_plant(config, conditions)
 
@@ -152,10 +150,8 @@ PLANT = PlantWorld()
 def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
     """Return the source of motion under some conditions: condition -> value.
 
-    Raises
-    ------
-    InputError
-        If the structure or the sea state cannot be computed; the message names the key.
+    Raises InputError if the structure or the sea state cannot be computed; the message names the
+    key.
     """
     motion, structure = config.motion, _structure_of(config)
     angle, damping = conditions["friction_angle"], motion.damping

@@ -33,22 +33,13 @@ MEMORY_SHARE = 128_000_000
 class Records:
     """The records of some replicates: motion of unit amplitude (or the plant's), and sensor noise.
 
-    Attributes
-    ----------
-    config
-        The configuration of the study.
-    conditions
-        The conditions of the motion, condition -> value, without the amplitude.
-    in_streams
-        Values of those conditions that are in the keys of random streams.
-    source
-        The source of the motion.
-    sensors
-        What estimators may know about the sensors.
-    replicates
-        The numbers of the replicates, in order.
-    direction
-        Unit vector (2,) along the wave, north and east.
+    config: the configuration of the study.
+    conditions: the conditions of the motion, condition -> value, without the amplitude.
+    in_streams: values of those conditions that are in the keys of random streams.
+    source: the source of the motion.
+    sensors: what estimators may know about the sensors.
+    replicates: the numbers of the replicates, in order.
+    direction: unit vector (2,) along the wave, north and east.
     """
 
     config: HubConfig

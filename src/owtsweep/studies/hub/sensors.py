@@ -26,28 +26,19 @@ from owtsweep.studies.hub.config import SensorConfig
 class Sensors:
     """The properties of IMU and GNSS that an estimator may know.
 
-    Attributes
-    ----------
-    step
-        Sampling interval T_a of the IMU, s.
-    fix_interval
-        Number M of IMU steps between position fixes, which arrive at steps 0, M, 2 M, ...
-    delay
-        Number N_d of IMU steps from the instant whose position a fix reports to the fix's arrival.
-    position_sigma, force_sigma
-        Standard deviations per axis: of a fix (m) and of an IMU sample (m/s^2).
-    bias_walk
-        Intensity of the bias' Wiener process, m/s^2/sqrt(s).
-    yaw
-        Fixed yaw psi of the IMU, rad.
-    gravity
-        Horizontal part of gravity, north and east, m/s^2.
-    tilt
-        Lean of the IMU per displacement, rad/m. The paper neglects it (section 3, assumption 2).
-    high_pass
-        Corner of the IMU's AC coupling, Hz, or None. Estimators of the package do not use it.
-    fix_scale
-        Position in a fix per true position. Estimators of the package do not use it.
+    step: sampling interval T_a of the IMU, s.
+    fix_interval: number M of IMU steps between position fixes, which arrive at steps 0, M, 2 M, ...
+    delay: number N_d of IMU steps from the instant whose position a fix reports to the fix's
+        arrival.
+    position_sigma, force_sigma: standard deviations per axis: of a fix (m) and of an IMU sample
+        (m/s^2).
+    bias_walk: intensity of the bias' Wiener process, m/s^2/sqrt(s).
+    yaw: fixed yaw psi of the IMU, rad.
+    gravity: horizontal part of gravity, north and east, m/s^2.
+    tilt: lean of the IMU per displacement, rad/m. The paper neglects it (section 3, assumption 2).
+    high_pass: corner of the IMU's AC coupling, Hz, or None. Estimators of the package do not use
+        it.
+    fix_scale: position in a fix per true position. Estimators of the package do not use it.
     """
 
     step: float
@@ -89,12 +80,9 @@ class Sensors:
 class Measured(NamedTuple):
     """What the sensors of a record say, or the part that motion or noise contributes to it.
 
-    Attributes
-    ----------
-    specific_force
-        Specific force in the IMU's frame, m/s^2, shape (steps, 2).
-    fixes
-        Positions in NED, m, shape (fixes, 2), at the steps 0, M, 2 M, ...; NaN where one is lost.
+    specific_force: specific force in the IMU's frame, m/s^2, shape (steps, 2).
+    fixes: positions in NED, m, shape (fixes, 2), at the steps 0, M, 2 M, ...; NaN where one is
+        lost.
     """
 
     specific_force: Array
@@ -166,16 +154,10 @@ def couple(motion: Motion, sensors: Sensors) -> Motion:
 def pass_high(force: Array, corner: float, step: float, start: float) -> Array:
     """Pass a series through a first-order high-pass; return the series without its slow part.
 
-    Parameters
-    ----------
-    force
-        The series, shape (steps,), m/s^2.
-    corner
-        Angular frequency of the corner, rad/s.
-    step
-        Sampling interval of the series, s.
-    start
-        Slow part of the series at the first step, m/s^2.
+    force: the series, shape (steps,), m/s^2.
+    corner: angular frequency of the corner, rad/s.
+    step: sampling interval of the series, s.
+    start: slow part of the series at the first step, m/s^2.
     """
     from scipy.signal import lfilter
 
@@ -203,15 +185,11 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measured:
     """Compute the part of the measurements that is due to motion, without gravity and noise.
 
     Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
-    The specific force holds the IMU's lean and AC coupling too, if the motion says so (`lean`,
-    `couple`).
+        The specific force holds the IMU's lean and AC coupling too, if the motion says so
+        (`lean`, `couple`).
 
-    Parameters
-    ----------
-    motion
-        The motion along one direction.
-    direction
-        Unit vector (2,) of the motion's direction, north and east.
+    motion: the motion along one direction.
+    direction: unit vector (2,) of the motion's direction, north and east.
     """
     force = motion.specific_force[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
@@ -288,12 +266,8 @@ def fix_noise(
     That is white noise, and, if the configuration asks for them, red noise and outliers. Each has
     random streams of its own, so none changes another one.
 
-    Parameters
-    ----------
-    steps
-        Length of the record in IMU steps.
-    stream
-        Function that returns a random generator for a name: gnss, gnss_red, gnss_outliers,
+    steps: length of the record in IMU steps.
+    stream: function that returns a random generator for a name: gnss, gnss_red, gnss_outliers,
         gnss_outlier_offsets or gnss_loss.
     """
     gnss, count = config.gnss, fix_count(steps, sensors.fix_interval)
@@ -328,16 +302,11 @@ def simulate_bias(
 ) -> Iterator[Array]:
     """Yield the IMU's bias R b^b in a record, piece by piece, in NED, in m/s^2.
 
-    Parameters
-    ----------
-    steps
-        Length of the record in IMU steps.
-    stream
-        Function that returns a random generator for a name. With the generators of a record, the
-        bias equals the bias in this record's noise.
-    piece
-        Number of steps of a piece, which has the shape (piece, 2); the last piece may be shorter.
-        None for the whole record at once.
+    steps: length of the record in IMU steps.
+    stream: function that returns a random generator for a name. With the generators of a record,
+        the bias equals the bias in this record's noise.
+    piece: number of steps of a piece, which has the shape (piece, 2); the last piece may be
+        shorter. None for the whole record at once.
     """
     biases = ForceNoise(config, sensors, stream).bias
     size = piece or steps

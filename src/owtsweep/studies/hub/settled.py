@@ -76,19 +76,11 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
     between successive terms. With d differences, d - 1 modes are removed. Source: Smith, Ford and
     Sidi (1987), Extrapolation methods for vector sequences, SIAM Review 29, 199-233.
 
-    Parameters
-    ----------
-    sequence
-        The terms of n sequences of vectors of length m, shape (terms, m, n).
-
-    Returns
-    -------
-    limit
-        The limits, shape (m, n).
-    remainder
-        Norm of the weighted sum of the differences, divided by the norm of the limit, shape (n,).
-        The remainder bounds the limit's relative error as long as no mode stays in phase with the
-        sequence.
+    sequence: the terms of n sequences of vectors of length m, shape (terms, m, n).
+    limit: the limits, shape (m, n).
+    remainder: norm of the weighted sum of the differences, divided by the norm of the limit, shape
+        (n,). The remainder bounds the limit's relative error as long as no mode stays in phase with
+        the sequence.
     """
     differences = np.diff(sequence, axis=0)
     n = sequence.shape[2]

@@ -31,16 +31,10 @@ class SpectralKernel(NamedTuple):
     ) -> Sums:
         """Run all replicates of some records; sum the squared errors.
 
-        Parameters
-        ----------
-        records
-            The records, which are simulated during the run.
-        settled
-            Number of the first step after the settling time.
-        amplitude
-            Amplitude of the motion, m.
-        keep_squared
-            Whether the squared position error of each step is kept.
+        records: the records, which are simulated during the run.
+        settled: number of the first step after the settling time.
+        amplitude: amplitude of the motion, m.
+        keep_squared: whether the squared position error of each step is kept.
         """
         parts = [
             self._run_eight(Feed(part, first, amplitude), settled, keep_squared)

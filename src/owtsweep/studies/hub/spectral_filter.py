@@ -13,14 +13,10 @@ from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
 class AxisEstimates(NamedTuple):
     """What a filter makes of the measurements of some steps along one axis.
 
-    Attributes
-    ----------
-    state
-        Position (m) and velocity (m/s), shape (steps, 2).
-    covariance
-        Covariance of the error of `state`, shape (steps, 2, 2).
-    innovation, variance
-        Innovation of the fix, m, and its variance, m^2, shape (steps,) each; NaN without a fix.
+    state: position (m) and velocity (m/s), shape (steps, 2).
+    covariance: covariance of the error of `state`, shape (steps, 2, 2).
+    innovation, variance: innovation of the fix, m, and its variance, m^2, shape (steps,) each; NaN
+        without a fix.
     """
 
     state: Array
@@ -54,12 +50,8 @@ class AxisFilter(Protocol):
 class KalmanAxisFilter:
     """The Kalman filter of one axis, by filterpy; see `AxisFilter`.
 
-    Parameters
-    ----------
-    axis
-        The model.
-    bias
-        Estimate of the IMU's bias one step before the first, m/s^2.
+    axis: the model.
+    bias: estimate of the IMU's bias one step before the first, m/s^2.
     """
 
     def __init__(self, axis: SpectralAxis, bias: float = 0.0) -> None:
@@ -109,12 +101,8 @@ class CompiledAxisFilter:
     Its gains are those of the model as long as all fixes arrive. From the first fix that is missing
     on, they are computed for the fixes that have arrived.
 
-    Parameters
-    ----------
-    axis
-        The model, with a state of N numbers.
-    bias
-        Estimate of the IMU's bias one step before the first, m/s^2.
+    axis: the model, with a state of N numbers.
+    bias: estimate of the IMU's bias one step before the first, m/s^2.
     """
 
     def __init__(self, axis: SpectralAxis, bias: float = 0.0) -> None:

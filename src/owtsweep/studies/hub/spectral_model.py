@@ -39,14 +39,10 @@ FLOOR = 0.1
 class SpectralAxis:
     """The model of SKF along one axis.
 
-    Attributes
-    ----------
-    model
-        The model in discrete time. Its fast measurement is the specific force, its slow one a fix.
-    first
-        Covariance (N, N) of the state one step before step 0.
-    outputs
-        Rows (2, n) of position and velocity.
+    model: the model in discrete time. Its fast measurement is the specific force, its slow one a
+        fix.
+    first: covariance (N, N) of the state one step before step 0.
+    outputs: rows (2, n) of position and velocity.
     """
 
     model: LateModel
@@ -70,16 +66,10 @@ def make_axis(
     p and bias b, which includes gravity; see `Sensors.lean`. The IMU's white noise and the noise of
     fixes have the sensors' own variances.
 
-    Parameters
-    ----------
-    shaping
-        The spectrum, of n states, for motion with a variance of 1 m^2.
-    variance
-        Variance of the motion along the axis, m^2.
-    tuning
-        The section `skf` of the configuration.
-    sensors
-        The properties of IMU and GNSS.
+    shaping: the spectrum, of n states, for motion with a variance of 1 m^2.
+    variance: variance of the motion along the axis, m^2.
+    tuning: the section `skf` of the configuration.
+    sensors: the properties of IMU and GNSS.
     """
     from scipy.linalg import solve_continuous_lyapunov
 
@@ -144,10 +134,7 @@ def fit_or_recall(frequency: Array, density: Array, states: int, floor: Array) -
 
     `frequency` (Hz), `density` and `floor` (Hz^-1) have the shape (m,).
 
-    Raises
-    ------
-    InputError
-        As `fit_shaping_filter`.
+    Raises InputError as `fit_shaping_filter`.
     """
     given = b"".join(np.ascontiguousarray(array).tobytes() for array in (frequency, density, floor))
     what = {"what": "shaping filter", "states": states, "given": blake2b(given).hexdigest()}

@@ -40,10 +40,7 @@ class HubKeys(Study):
     def check(self, config: HubConfig) -> None:
         """Check that keys, schemes and motion can work together, in each tuning.
 
-        Raises
-        ------
-        InputError
-            If they cannot; the message says what would work.
+        Raises InputError if they cannot; the message says what would work.
         """
         from owtsweep.studies.hub.checks import check
 

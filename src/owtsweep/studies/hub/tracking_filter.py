@@ -48,16 +48,10 @@ FAR = 6.0
 class TrackingFilter:
     """A filter of one axis that is told nothing of the motion.
 
-    Parameters
-    ----------
-    tuning
-        The section `skf` of the configuration.
-    sensors
-        The properties of IMU and GNSS.
-    band
-        Edges of the band of the motion, Hz.
-    start
-        Returns a new filter of a model, given the model and the bias to start with, m/s^2.
+    tuning: the section `skf` of the configuration.
+    sensors: the properties of IMU and GNSS.
+    band: edges of the band of the motion, Hz.
+    start: returns a new filter of a model, given the model and the bias to start with, m/s^2.
     """
 
     def __init__(

@@ -32,14 +32,9 @@ AUTO = "auto"
 class Facts:
     """The properties of the sensors on which the rules depend.
 
-    Attributes
-    ----------
-    gnss_sigma, imu_sigma
-        Standard deviations of a fix (m) and of a sample (m/s^2), per axis.
-    gnss_rate, imu_rate
-        Fixes and samples per second, Hz.
-    delay
-        Age of a fix when it arrives, s.
+    gnss_sigma, imu_sigma: standard deviations of a fix (m) and of a sample (m/s^2), per axis.
+    gnss_rate, imu_rate: fixes and samples per second, Hz.
+    delay: age of a fix when it arrives, s.
     """
 
     gnss_sigma: float

@@ -37,33 +37,20 @@ def solve(
     """Solve a window of the MHE; return the states at the window's nodes, shape (6, nodes).
 
     The states are x, y, v_x, v_y, b_x, b_y: position, velocity and bias. A node is a step at which
-    a position fix is due; the present may be one more node, the last.
+        a position fix is due; the present may be one more node, the last.
 
-    Parameters
-    ----------
-    mhe
-        The settings of the MHE.
-    solver
-        The solver that CasADi uses: "qrqp" or "ipopt".
-    since_fix
-        Number of IMU steps since the last node at which a fix was due. If positive, the present is
-        one more node.
-    fixes, have
-        Position fixes in m, shape (n, 2), and whether each fix has arrived, shape (n,), for the n
-        nodes at which a fix was due.
-    effects
-        Effects of the inputs on the state from each node to the next, shape (nodes - 1, 6).
-    filled
-        Whether the window's oldest state has a prior from the filter's past. This prior includes
-        the oldest fix, so the fix is not used again.
-    x0, covariance
-        Prior (6,) of the window's oldest state, and the prior's covariance (3, 3) along one axis.
-        `covariance` is None if there is no prior.
-
-    Raises
-    ------
-    ArithmeticError
-        If the solver's answer does not meet the conditions of optimality.
+    mhe: the settings of the MHE.
+    solver: the solver that CasADi uses: "qrqp" or "ipopt".
+    since_fix: number of IMU steps since the last node at which a fix was due. If positive, the
+        present is one more node.
+    fixes, have: position fixes in m, shape (n, 2), and whether each fix has arrived, shape (n,),
+        for the n nodes at which a fix was due.
+    effects: effects of the inputs on the state from each node to the next, shape (nodes - 1, 6).
+    filled: whether the window's oldest state has a prior from the filter's past. This prior
+        includes the oldest fix, so the fix is not used again.
+    x0, covariance: prior (6,) of the window's oldest state, and the prior's covariance (3, 3) along
+        one axis. `covariance` is None if there is no prior.
+    Raises ArithmeticError if the solver's answer does not meet the conditions of optimality.
     """
     fixed = mhe.fixed and filled
     rows, lower, upper = constraint_rows(mhe.bounds, sensors)

@@ -30,25 +30,16 @@ LAYERS = "layers"
 class World(ABC):
     """One kind of truth: a source of motion, and the conditions that it is swept over.
 
-    Attributes
-    ----------
-    name
-        The value of the key `motion` that chooses it.
-    conditions
-        The axes of the grid.
-    section
-        The section of the configuration that holds their values.
-    has_spectrum
-        Whether the motion has the spectrum of Eq. (1) of Ren et al. (2019).
-    boundary
-        The schemes whose boundary is reported: the first is better at amplitudes below the
+    name: the value of the key `motion` that chooses it.
+    conditions: the axes of the grid.
+    section: the section of the configuration that holds their values.
+    has_spectrum: whether the motion has the spectrum of Eq. (1) of Ren et al. (2019).
+    boundary: the schemes whose boundary is reported: the first is better at amplitudes below the
         boundary, the second above. None: there are no amplitudes.
-    words, counted
-        The conditions in words, for advice to give fewer of them, and for their number: of the
-        counts of records' conditions and of amplitudes.
-    bytes_per_step, seconds_per_step
-        Memory and computing time that the motion of a record needs per IMU step, besides what
-        schemes need.
+    words, counted: the conditions in words, for advice to give fewer of them, and for their number:
+        of the counts of records' conditions and of amplitudes.
+    bytes_per_step, seconds_per_step: memory and computing time that the motion of a record needs
+        per IMU step, besides what schemes need.
     """
 
     name: ClassVar[str]
@@ -89,10 +80,7 @@ class World(ABC):
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
         """Return the source of motion under some conditions, condition -> value.
 
-        Raises
-        ------
-        InputError
-            If it cannot be computed; the message names the key.
+        Raises InputError if it cannot be computed; the message names the key.
         """
 
     def describe_values(self, at: Mapping[str, Value]) -> str:

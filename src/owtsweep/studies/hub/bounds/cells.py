@@ -48,15 +48,8 @@ def find_shape(
 ) -> ShapingFilter:
     """Fit the shaping filter of the study's motion of a natural period (s); cached in a file.
 
-    Parameters
-    ----------
-    roll_off
-        As of `find_known_motion`.
-
-    Raises
-    ------
-    InputError
-        As `find_spectrum`.
+    roll_off: as of `find_known_motion`.
+    Raises InputError as `find_spectrum`.
     """
     frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
     place = np.floor(np.log(frequency / (DENSE_UP_TO * config.band[1])) / APART)
@@ -81,20 +74,12 @@ def find_bounds(
 ) -> dict[str, float]:
     """Compute bound (b) of one cell: measure -> mean square error, x + y, in m^2 and (m/s)^2.
 
-    Parameters
-    ----------
-    natural_period, amplitude
-        Natural period (s) and amplitude (m) of the motion.
-    roll_off
-        Whether the spectrum rolls off outside the band, where the study's is zero (`find_spectrum`
-        says how).
-    direction_known
-        Whether the estimator knows the direction of the motion too; then there is no error across.
-
-    Raises
-    ------
-    InputError
-        As `find_spectrum`, or if the IMU is AC-coupled.
+    natural_period, amplitude: natural period (s) and amplitude (m) of the motion.
+    roll_off: whether the spectrum rolls off outside the band, where the study's is zero
+        (`find_spectrum` says how).
+    direction_known: whether the estimator knows the direction of the motion too; then there is no
+        error across.
+    Raises InputError as `find_spectrum`, or if the IMU is AC-coupled.
     """
     check_high_pass(config)
     sensors = sensing.sensors(config.sensors)
@@ -117,16 +102,9 @@ def check_high_pass(config: HubConfig) -> None:
 def compute_bounds(config: HubConfig) -> pd.DataFrame:
     """Compute both bounds of each cell of the configuration's grid.
 
-    Returns
-    -------
-    DataFrame
-        One row per cell and measure, with the columns natural_period (s), amplitude (m), measure,
-        bound_a and bound_b (m^2 or (m/s)^2).
-
-    Raises
-    ------
-    InputError
-        As `find_bounds`.
+    Returns: one row per cell and measure, with the columns natural_period (s), amplitude (m),
+        measure, bound_a and bound_b (m^2 or (m/s)^2).
+    Raises InputError as `find_bounds`.
     """
     import pandas as pd
 

@@ -47,10 +47,7 @@ def bound_of_axis(sensors: Sensors) -> tuple[float, float]:
 
     The bounds are means over the time between two fixes.
 
-    Raises
-    ------
-    InputError
-        If the sensors' numbers differ too much in magnitude to compute with.
+    Raises InputError if the sensors' numbers differ too much in magnitude to compute with.
     """
     from scipy.linalg import solve_discrete_are
 

@@ -25,19 +25,10 @@ def bound_of_known_spectrum(
 ) -> tuple[float, float]:
     """Compute the bounds along one axis, of position (m^2) and of velocity ((m/s)^2).
 
-    Parameters
-    ----------
-    shape
-        The spectrum of the motion, as a filter.
-    variance
-        Variance of the position along the axis, m^2.
-    sensors
-        The sensors; their AC coupling and scale of a fix are left out.
-
-    Returns
-    -------
-    tuple of float
-        Mean square errors of the present position and velocity, as means over the steps of the
+    shape: the spectrum of the motion, as a filter.
+    variance: variance of the position along the axis, m^2.
+    sensors: the sensors; their AC coupling and scale of a fix are left out.
+    Returns: mean square errors of the present position and velocity, as means over the steps of the
         interval between two fixes.
     """
     states = len(shape.B)

@@ -37,20 +37,14 @@ class Curves:
     (position, velocity) and window (full, settled). Of two units, the first is for position and the
     second for velocity.
 
-    Attributes
-    ----------
-    frequency
-        Frequencies, Hz, shape (n,).
-    motion
-        Mean square error due to a sinusoidal displacement of random phase, divided by the
+    frequency: frequencies, Hz, shape (n,).
+    motion: mean square error due to a sinusoidal displacement of random phase, divided by the
         displacement's mean square, along the direction of motion; m^2 per m^2 and s^-2; shape
         (2, 2, n).
-    noise
-        Error variance of one axis due to GNSS noise, IMU noise and the random walk of the IMU's
+    noise: error variance of one axis due to GNSS noise, IMU noise and the random walk of the IMU's
         bias; m^2 and (m/s)^2; shape (3, 2, 2).
-    constant
-        Mean square error of one axis due to a constant specific force, divided by the square of the
-        force; s^4 and s^2; shape (2, 2).
+    constant: mean square error of one axis due to a constant specific force, divided by the square
+        of the force; s^4 and s^2; shape (2, 2).
     """
 
     frequency: Array
@@ -71,14 +65,9 @@ def curves(
 ) -> Curves:
     """Compute the expected errors of a chain by running it on test inputs.
 
-    Parameters
-    ----------
-    chain
-        A scheme as arrays for kernels, made for records of `steps` steps.
-    steps, settled
-        Number of steps of a record, and the first step of the settled window.
-    band
-        Lowest and highest frequency of the motion, Hz.
+    chain: a scheme as arrays for kernels, made for records of `steps` steps.
+    steps, settled: number of steps of a record, and the first step of the settled window.
+    band: lowest and highest frequency of the motion, Hz.
     """
     prober = _Prober(chain, sensors, steps, settled)
     motion = prober.motion(band)

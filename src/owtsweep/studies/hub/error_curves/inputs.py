@@ -20,20 +20,14 @@ from owtsweep.studies.hub.sensors import Sensors, force_per_displacement
 class Probe:
     """A test input: n sinusoids of different frequencies that enter a scheme in the same way.
 
-    Attributes
-    ----------
-    angle
-        Phase advance per step of the IMU, rad, shape (n,).
-    force, fix
-        Amplitudes that a unit sinusoid has in the IMU's samples and in the position fixes, shape
-        (n,) each.
-    truth
-        True if the sinusoid is a displacement that the estimate should follow; position fixes then
-        arrive with the delay of the GNSS. False if the estimate should stay at zero.
-    phasor
-        True if both a cosine and a sine are run for each sinusoid, false if only the sine is run.
-    shift
-        Phase at step 0, rad.
+    angle: phase advance per step of the IMU, rad, shape (n,).
+    force, fix: amplitudes that a unit sinusoid has in the IMU's samples and in the position fixes,
+        shape (n,) each.
+    truth: true if the sinusoid is a displacement that the estimate should follow; position fixes
+        then arrive with the delay of the GNSS. False if the estimate should stay at zero.
+    phasor: true if both a cosine and a sine are run for each sinusoid, false if only the sine is
+        run.
+    shift: phase at step 0, rad.
     """
 
     angle: Array

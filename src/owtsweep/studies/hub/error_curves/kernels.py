@@ -25,10 +25,7 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
     `course.every` steps. The other arguments are structures of `error_curves.layout` and
     `kernels.layout`.
 
-    Returns
-    -------
-    int, bool
-        The step that was reached, and whether the response repeats there.
+    Returns: the step that was reached, and whether the response repeats there.
     """
     lead, filled, force = course.lead, buffers.filled, buffers.force
     while k0 < stop:

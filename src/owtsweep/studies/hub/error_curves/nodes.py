@@ -32,16 +32,11 @@ HALVINGS = 7
 class Scales:
     """The widths (Hz) of the finest features of a scheme's error curves over frequency.
 
-    Attributes
-    ----------
-    window
-        Width due to the scheme's longest memory, the window of the moving horizon estimator, Hz;
-        seen below the fix rate.
-    lag
-        Width due to the smoother and the predictor, Hz; seen at higher frequencies, which only the
+    window: width due to the scheme's longest memory, the window of the moving horizon estimator,
+        Hz; seen below the fix rate.
+    lag: width due to the smoother and the predictor, Hz; seen at higher frequencies, which only the
         IMU measures.
-    rate
-        The fix rate: position fixes per second, Hz.
+    rate: the fix rate: position fixes per second, Hz.
     """
 
     window: float
@@ -113,28 +108,17 @@ def refined(
 
     An interval is halved at most `HALVINGS` times.
 
-    Parameters
-    ----------
-    nodes, values
-        The first n nodes, increasing, and the curve's values at these nodes, shape (..., n).
-    answer
-        Function of nodes that computes the curve's values at the nodes.
-    between
-        Function of (x, nodes, values) that interpolates the curve at x.
-    wrong
-        Function of (left, right, predicted, computed): ends of intervals, and interpolated and
+    nodes, values: the first n nodes, increasing, and the curve's values at these nodes, shape
+        (..., n).
+    answer: function of nodes that computes the curve's values at the nodes.
+    between: function of (x, nodes, values) that interpolates the curve at x.
+    wrong: function of (left, right, predicted, computed): ends of intervals, and interpolated and
         computed values in their middles. The function returns, for each interval, whether
         interpolation is too inaccurate.
-    matters
-        Function of (left, right, predicted) that returns, for each interval, whether to compute the
-        curve in its middle; None to compute the curve in the middle of every interval.
-    whole
-        Whether nodes must be whole numbers.
-
-    Returns
-    -------
-    tuple of array
-        All nodes, increasing, and the curve's values at these nodes.
+    matters: function of (left, right, predicted) that returns, for each interval, whether to
+        compute the curve in its middle; None to compute the curve in the middle of every interval.
+    whole: whether nodes must be whole numbers.
+    Returns: all nodes, increasing, and the curve's values at these nodes.
     """
     left, right = nodes[:-1], nodes[1:]
     for _ in range(HALVINGS):

@@ -23,16 +23,11 @@ from owtsweep.studies.hub.peak import peak_factors
 class Lines:
     """The spectral lines (sinusoids) of which records of one length consist.
 
-    Attributes
-    ----------
-    frequency
-        Frequencies of the lines, Hz, evenly spaced, shape (n,).
-    beat
-        Fourier transform, shape (size // 2 + 1,), of a function b. The argument of b is the
+    frequency: frequencies of the lines, Hz, evenly spaced, shape (n,).
+    beat: fourier transform, shape (size // 2 + 1,), of a function b. The argument of b is the
         difference of two lines' numbers. The value of b is the square of the mean that the beat of
         the two lines has over a record; b(0) = 0.
-    size
-        Number of values of b that are transformed, at least 2 n.
+    size: number of values of b that are transformed, at least 2 n.
     """
 
     frequency: Array
@@ -69,19 +64,10 @@ def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     shorter records.) The beat of two lines in the error is approximated by their beat in the
     motion, times the geometric mean of the curve at both lines.
 
-    Parameters
-    ----------
-    spectrum
-        The spectrum of the motion.
-    curves
-        Mean square errors per mean square of the motion, at the n lines; shape (..., n).
-    drawn
-        The spectral lines of the records.
-
-    Returns
-    -------
-    array
-        Shape (...), in the unit of the curves times m^2.
+    spectrum: the spectrum of the motion.
+    curves: mean square errors per mean square of the motion, at the n lines; shape (..., n).
+    drawn: the spectral lines of the records.
+    Returns: shape (...), in the unit of the curves times m^2.
     """
     from scipy.fft import rfft
 

@@ -45,14 +45,10 @@ class Expected:
     A measure is an error such as "position"; a window is a part of the record, "full" or "settled".
     At amplitude N (m) the expected mean square error is N^2 motion + noise.
 
-    Attributes
-    ----------
-    schemes
-        The schemes with results, in the study's order.
-    periods
-        Natural periods, s, increasing.
-    motion, noise
-        Mean square errors due to motion of 1 m and due to noise, shape (schemes, periods) each.
+    schemes: the schemes with results, in the study's order.
+    periods: natural periods, s, increasing.
+    motion, noise: mean square errors due to motion of 1 m and due to noise, shape
+        (schemes, periods) each.
     """
 
     schemes: tuple[str, ...]
@@ -94,14 +90,10 @@ class Verdict:
 
     Arrays have the shape (periods, amplitudes).
 
-    Attributes
-    ----------
-    best, runner_up
-        Indices of schemes; `runner_up` is -1 where there is only one scheme.
-    mse_best, mse_runner_up
-        Mean square error of the best scheme and of the runner-up.
-    distinguishable
-        Whether mse_best and mse_runner_up differ by more than `RESOLUTION`, relatively.
+    best, runner_up: indices of schemes; `runner_up` is -1 where there is only one scheme.
+    mse_best, mse_runner_up: mean square error of the best scheme and of the runner-up.
+    distinguishable: whether mse_best and mse_runner_up differ by more than `RESOLUTION`,
+        relatively.
     """
 
     best: NDArray[np.int64]
@@ -133,17 +125,9 @@ def judge(values: Array) -> Verdict:
 def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:
     """Find where a baseline is better than the best scheme by more than `RESOLUTION`.
 
-    Parameters
-    ----------
-    values
-        MSE of the baselines, shape (baselines, periods, amplitudes).
-    mse_best
-        MSE of the best scheme, shape (periods, amplitudes).
-
-    Returns
-    -------
-    tuple of array
-        Index of the best baseline where it is better, else -1; and the logarithm of `mse_best`
+    values: MSE of the baselines, shape (baselines, periods, amplitudes).
+    mse_best: MSE of the best scheme, shape (periods, amplitudes).
+    Returns: index of the best baseline where it is better, else -1; and the logarithm of `mse_best`
         divided by that baseline's MSE, -inf without baselines. Shape (periods, amplitudes) each.
     """
     if not len(values):

@@ -44,14 +44,9 @@ def drawings(
     the configuration asks for it, the efficiency. In grids of more than `MOST_PERIODS` natural
     periods, MSE against amplitude is left out.
 
-    Parameters
-    ----------
-    tables
-        The run's tables "summary" and "best_scheme".
-    rows
-        The rows that the expected engine has made.
-    metadata
-        Texts by name to store inside the figures' files.
+    tables: the run's tables "summary" and "best_scheme".
+    rows: the rows that the expected engine has made.
+    metadata: texts by name to store inside the figures' files.
     """
     from owtsweep.studies.hub.figures import error_spectra
 

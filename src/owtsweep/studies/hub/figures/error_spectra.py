@@ -90,22 +90,12 @@ def draw(
 ) -> Figure:
     """Draw the schemes' errors from motion and from sensor noise: position left, velocity right.
 
-    Parameters
-    ----------
-    config
-        The study's configuration.
-    coinciding
-        Groups of schemes with equal results, for the footnote.
-    errors
-        The result of `compute`; None to compute the errors here.
-    motion
-        Whether to draw, below the two panels, the spectra of the motion at the grid's natural
+    config: the study's configuration.
+    coinciding: groups of schemes with equal results, for the footnote.
+    errors: the result of `compute`; None to compute the errors here.
+    motion: whether to draw, below the two panels, the spectra of the motion at the grid's natural
         periods.
-
-    Raises
-    ------
-    InputError
-        If no scheme of the study has an error spectrum.
+    Raises InputError if no scheme of the study has an error spectrum.
     """
     shown = compute(config) if errors is None else errors
     figure = style.new_figure(10.0, 6.6 if motion else 5.2)
@@ -190,10 +180,7 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
     Both axes are logarithmic; the grid's natural periods are marked. `measure` is "position" or
     "velocity". `errors` is the result of `compute`.
 
-    Raises
-    ------
-    InputError
-        If `errors` is empty.
+    Raises InputError if `errors` is empty.
     """
     if not errors:
         raise InputError(

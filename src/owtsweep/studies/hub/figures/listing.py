@@ -62,16 +62,10 @@ def drawings(
     Some figures show the run's results. The other figures are simulated from the run's
     configuration.
 
-    Parameters
-    ----------
-    config
-        The run's configuration.
-    tables
-        The run's tables "summary" and "best_scheme".
-    rows
-        The run's rows, including those of failed schemes.
-    metadata
-        Texts by name to store inside the figures' files.
+    config: the run's configuration.
+    tables: the run's tables "summary" and "best_scheme".
+    rows: the run's rows, including those of failed schemes.
+    metadata: texts by name to store inside the figures' files.
     """
     summary, records = tables["summary"], config.grid.replicates
     same = find_coinciding(make_cube(config, rows), CRITERIA)
@@ -161,20 +155,13 @@ def draw_cells(
 
     With motion=plant, the axes are two of the plant's conditions.
 
-    Parameters
-    ----------
-    tables
-        The run's tables; "best_scheme" is drawn.
-    rows
-        The run's rows, of which failed ones are counted.
-    criterion
-        The measure by which schemes are compared, "position" or "velocity".
-    coinciding
-        Groups of schemes with equal results. The map shows each group under the last of its names.
-    replicates
-        Planned number of records per cell, for the title; None leaves the number out.
-    at
-        Values of the conditions that are not axes of the map, condition -> value.
+    tables: the run's tables; "best_scheme" is drawn.
+    rows: the run's rows, of which failed ones are counted.
+    criterion: the measure by which schemes are compared, "position" or "velocity".
+    coinciding: groups of schemes with equal results. The map shows each group under the last of its
+        names.
+    replicates: planned number of records per cell, for the title; None leaves the number out.
+    at: values of the conditions that are not axes of the map, condition -> value.
     """
     from owtsweep.figures import best_scheme_map
 

@@ -45,14 +45,9 @@ MOST_LABELS = 300
 class Region:
     """A region of natural periods and amplitudes to outline on a map.
 
-    Attributes
-    ----------
-    natural_period
-        Natural periods (s), increasing, shape (n,).
-    low, high
-        Lower and upper edge of the region there (m), shape (n,).
-    label, text
-        The entry of the legend, and the sentences for the footnote.
+    natural_period: natural periods (s), increasing, shape (n,).
+    low, high: lower and upper edge of the region there (m), shape (n,).
+    label, text: the entry of the legend, and the sentences for the footnote.
     """
 
     natural_period: Array
@@ -69,19 +64,10 @@ def draw(
 ) -> Figure:
     """Draw one map per tuning, with a sentence below each title.
 
-    Parameters
-    ----------
-    results
-        The results by tuning.
-    at
-        Condition -> value, for the conditions that are not axes of the maps; None for none.
-    region
-        A region to outline on every map; None for none.
-
-    Raises
-    ------
-    InputError
-        If a tuning has no cell that the run's criterion and window judge.
+    results: the results by tuning.
+    at: condition -> value, for the conditions that are not axes of the maps; None for none.
+    region: a region to outline on every map; None for none.
+    Raises InputError if a tuning has no cell that the run's criterion and window judge.
     """
     config: AnyConfig = next(iter(results.values())).config
     criterion, window = config.measures.criterion, config.measures.window

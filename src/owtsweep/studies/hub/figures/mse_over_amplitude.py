@@ -29,30 +29,16 @@ def draw(
 ) -> Figure:
     """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
 
-    Parameters
-    ----------
-    summary
-        The table summary.csv of a run.
-    natural_period
-        One of the natural periods in `summary`, in s.
-    schemes
-        Schemes to draw, in the order of the legend.
-    window
-        The time window of the rows to draw, "full" or "settled"; also named in the title.
-    tuning
-        Name of the tuning, for the title.
-    coinciding
-        Groups of schemes with equal results, for the footnote.
-    baselines
-        Baselines to draw too, as thin lines.
-    printed
-        Published numbers, of which those at this natural period are drawn as hollow marks. Columns:
-        table, natural_period (s), amplitude (m), scheme, measure, value, note.
-
-    Raises
-    ------
-    InputError
-        If `summary` has no data at that period in that window.
+    summary: the table summary.csv of a run.
+    natural_period: one of the natural periods in `summary`, in s.
+    schemes: schemes to draw, in the order of the legend.
+    window: the time window of the rows to draw, "full" or "settled"; also named in the title.
+    tuning: name of the tuning, for the title.
+    coinciding: groups of schemes with equal results, for the footnote.
+    baselines: baselines to draw too, as thin lines.
+    printed: published numbers, of which those at this natural period are drawn as hollow marks.
+        Columns: table, natural_period (s), amplitude (m), scheme, measure, value, note.
+    Raises InputError if `summary` has no data at that period in that window.
     """
     here = {NATURAL_PERIOD: natural_period}
     curves.choose(summary, schemes, window, here)  # baselines alone are no figure

@@ -39,18 +39,13 @@ MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
 class Displacement:
     """The displacement of the hub in record 0, and what the figures say about the record.
 
-    Attributes
-    ----------
-    series, step
-        Displacement in m, shape (steps, 2), columns x and y; and the time step, s.
-    natural_period
-        Natural period, s; that of the first mode with motion=plant.
-    title, made_of, size
-        The motion for titles; of what the record is made, and how large the motion is.
-    given, given_label
-        The spectrum of Eq. (1) of Ren et al. (2019) at this natural period, and its label.
-    peaks
-        Label -> frequency (Hz) at which a peak of the spectrum is expected.
+    series, step: displacement in m, shape (steps, 2), columns x and y; and the time step, s.
+    natural_period: natural period, s; that of the first mode with motion=plant.
+    title, made_of, size: the motion for titles; of what the record is made, and how large the
+        motion is.
+    given, given_label: the spectrum of Eq. (1) of Ren et al. (2019) at this natural period, and its
+        label.
+    peaks: label -> frequency (Hz) at which a peak of the spectrum is expected.
     """
 
     series: Array

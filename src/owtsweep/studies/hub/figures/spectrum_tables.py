@@ -33,10 +33,7 @@ def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple
     the noise floors for the terminal. `metadata` are texts by name to store inside the figures'
     files.
 
-    Raises
-    ------
-    InputError
-        If no scheme of the study has an error spectrum.
+    Raises InputError if no scheme of the study has an error spectrum.
     """
     errors = error_spectra.compute(config)
     draw = partial(

@@ -43,23 +43,13 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     The lowest panel shows the accumulated errors of x and y, or in a zoomed figure the errors of x.
     Drawn are MKF, HME1 and HME2, or all schemes if the histories have none of these three.
 
-    Parameters
-    ----------
-    histories
-        The result of `owtsweep.studies.hub.histories.simulate_histories`.
-    quantity
-        "position", "velocity", "acceleration" or "bias".
-    zoom
-        Whether to show only a few seconds: `ZOOM` s, or `ACCELERATION_ZOOM` s of acceleration.
+    histories: the result of `owtsweep.studies.hub.histories.simulate_histories`.
+    quantity: "position", "velocity", "acceleration" or "bias".
+    zoom: whether to show only a few seconds: `ZOOM` s, or `ACCELERATION_ZOOM` s of acceleration.
         These seconds end `SPAN` s after the record's start, or at the record's end if that is
         earlier.
-    tuning
-        Name of the tuning, for the title.
-
-    Raises
-    ------
-    InputError
-        If none of the schemes estimates the quantity.
+    tuning: name of the tuning, for the title.
+    Raises InputError if none of the schemes estimates the quantity.
     """
     names = _names(histories, quantity)
     view = _view(histories, quantity, zoom=zoom)
@@ -175,16 +165,11 @@ def _drift(
     `quantity` is "position" or "velocity"; `axis` is 0 for x, 1 for y; `view` are the first and the
     last time shown, s.
 
-    Returns
-    -------
-    marks
-        List with the line, or an empty list if the line lies outside the panel during the whole
+    marks: list with the line, or an empty list if the line lies outside the panel during the whole
         view.
-    limits
-        Limits of the vertical axis; None for both if the line is not drawn.
-    note
-        When the line leaves the panel, and whether it is shown at all; "" if the line is inside at
-        the end of the view.
+    limits: limits of the vertical axis; None for both if the line is not drawn.
+    note: when the line leaves the panel, and whether it is shown at all; "" if the line is inside
+        at the end of the view.
     """
     time, truth = histories.time, getattr(histories, quantity)[:, axis]
     alone = getattr(histories, f"integrated_{quantity}")[:, axis]

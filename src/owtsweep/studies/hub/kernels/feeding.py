@@ -28,23 +28,16 @@ def noise(count, lead, normals, begun, bias, imu, force):
 
     The noise is white noise plus the IMU's bias (a random walk) minus gravity.
 
-    Parameters
-    ----------
-    lead
-        The row of `force` to which the first sample goes.
-    normals
-        Standard normal numbers, shape (lanes, 4, steps). The second axis is: bias in x, white noise
-        in x, bias in y, white noise in y.
-    begun, bias
-        The bias at the sample before the first, shape (lanes, 2). Unless `begun` is true, there is
-        no such sample, and the bias starts at its initial value. `bias` is updated to the last
-        sample.
-    imu
-        (walk, initial, sigma, gravity): standard deviation of the bias' change per step, initial
+    lead: the row of `force` to which the first sample goes.
+    normals: standard normal numbers, shape (lanes, 4, steps). The second axis is: bias in x, white
+        noise in x, bias in y, white noise in y.
+    begun, bias: the bias at the sample before the first, shape (lanes, 2). Unless `begun` is true,
+        there is no such sample, and the bias starts at its initial value. `bias` is updated to the
+        last sample.
+    imu: (walk, initial, sigma, gravity): standard deviation of the bias' change per step, initial
         bias, standard deviation of the white noise, and gravity (2,) in NED, all in m/s^2.
-    force
-        Array (rows, 3 WIDTH). The noise of x is written behind the first WIDTH columns, the noise
-        of y behind that of x.
+    force: array (rows, 3 WIDTH). The noise of x is written behind the first WIDTH columns, the
+        noise of y behind that of x.
     """
     walk, initial, sigma, gravity = imu
     for axis in range(2):

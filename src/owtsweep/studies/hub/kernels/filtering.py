@@ -24,14 +24,9 @@ def predict_and_correct(before, now, force, at, f, K, row):
 
     The predicted position is left in now.s, for `correct`.
 
-    Parameters
-    ----------
-    before, now
-        The rows of the step before and of this step.
-    force, at
-        The specific forces (rows, lanes), and the row of this step's.
-    f, K, row
-        The filter (`FilterArrays`), its gains, and the row of the gains.
+    before, now: the rows of the step before and of this step.
+    force, at: the specific forces (rows, lanes), and the row of this step's.
+    f, K, row: the filter (`FilterArrays`), its gains, and the row of the gains.
     """
     A, B, h = f.A, f.B, f.h
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]

@@ -176,19 +176,12 @@ def solve_window(n, h, m, x0, prior, kind, first):
     axes. For the older nodes only factors are left in m.blocks, from which `older_nodes` computes
     their states. The data must determine the states.
 
-    Parameters
-    ----------
-    h
-        The weights of the least squares problem, `HorizonSettings`.
-    m
-        The fixes, the effects of the inputs, and memory for factors and nodes: `OnlineRegisters`.
-    x0, prior
-        The arrival state (3, 2), and the square root (3, 3) of its information matrix.
-    kind
-        What is known about the oldest node: NO_ARRIVAL (nothing), PRIOR (x0 with uncertainty) or
+    h: the weights of the least squares problem, `HorizonSettings`.
+    m: the fixes, the effects of the inputs, and memory for factors and nodes: `OnlineRegisters`.
+    x0, prior: the arrival state (3, 2), and the square root (3, 3) of its information matrix.
+    kind: what is known about the oldest node: NO_ARRIVAL (nothing), PRIOR (x0 with uncertainty) or
         FIXED (its state is x0).
-    first
-        The fixes of nodes before number `first` are left out.
+    first: the fixes of nodes before number `first` are left out.
     """
     A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
     z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes

@@ -28,22 +28,15 @@ STATE = ("p", "v", "a", "b")
 class FilterArrays(NamedTuple):
     """The filter and smoother along one axis; states are position, velocity, acceleration, bias.
 
-    Attributes
-    ----------
-    A, B, h
-        Transition matrix (4, 4), input column (4,), and measurement row (4,) of specific force.
-    K
-        The filter's gains, shape (rows, 4, 2); the last axis is position, specific force.
-    applied
-        Whether the position is used at a step with this row of K, shape (rows,).
-    C, D
-        The smoother's gains (rows, 4, 4), and its gains for the innovations that leave the window
+    A, B, h: transition matrix (4, 4), input column (4,), and measurement row (4,) of specific
+        force.
+    K: the filter's gains, shape (rows, 4, 2); the last axis is position, specific force.
+    applied: whether the position is used at a step with this row of K, shape (rows,).
+    C, D: the smoother's gains (rows, 4, 4), and its gains for the innovations that leave the window
         (rows, 4, 2).
-    cycle
-        K, C and D have one row per step. After the last row, the last `cycle` rows repeat.
-    input_delay, window, fix_interval
-        Delay of the specific force, length of the smoother's window, and time between fixes, all in
-        steps.
+    cycle: K, C and D have one row per step. After the last row, the last `cycle` rows repeat.
+    input_delay, window, fix_interval: delay of the specific force, length of the smoother's window,
+        and time between fixes, all in steps.
     """
 
     A: Array
@@ -111,30 +104,18 @@ class PredictorArrays(NamedTuple):
 class HorizonArrays(NamedTuple):
     """The moving horizon estimator (MHE) without constraints: matrices that turn data into states.
 
-    Attributes
-    ----------
-    active
-        Whether the scheme has an MHE.
-    maps
-        One matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
+    active: whether the scheme has an MHE.
+    maps: one matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
         columns are explained in `estimation.mhe.window_map`.
-    horizon
-        N_m, the number of intervals between fixes in a full window of the MHE.
-    interval
-        T_m, the time between the MHE's positions, in steps.
-    first
-        Number of the first fix at which the MHE's window can be solved.
-    arrival
-        Whether the MHE's window has an arrival state (a prior of its oldest state).
-    inputs
-        Which IMU samples are taken: ALL, AVERAGED or SAMPLED.
-    step
-        Sampling interval of the IMU, s.
-    growth
-        What a state at the last fix adds to position and velocity, beside itself, k steps later;
-        shape (steps between fixes, 2, 3), see `hub.horizon.growth_over`.
-    lean
-        What an IMU that leans adds in one step.
+    horizon: N_m, the number of intervals between fixes in a full window of the MHE.
+    interval: T_m, the time between the MHE's positions, in steps.
+    first: number of the first fix at which the MHE's window can be solved.
+    arrival: whether the MHE's window has an arrival state (a prior of its oldest state).
+    inputs: which IMU samples are taken: ALL, AVERAGED or SAMPLED.
+    step: sampling interval of the IMU, s.
+    growth: what a state at the last fix adds to position and velocity, beside itself, k steps
+        later; shape (steps between fixes, 2, 3), see `hub.horizon.growth_over`.
+    lean: what an IMU that leans adds in one step.
     """
 
     active: bool
@@ -160,14 +141,9 @@ class ChainArrays(NamedTuple):
 class Fed(NamedTuple):
     """The data on which a scheme is run.
 
-    Attributes
-    ----------
-    force
-        Specific force, m/s^2, shape (rows, lanes).
-    base
-        The specific force of step k is in row k - base.
-    fixes
-        Position fixes, m, shape (fixes, lanes).
+    force: specific force, m/s^2, shape (rows, lanes).
+    base: the specific force of step k is in row k - base.
+    fixes: position fixes, m, shape (fixes, lanes).
     """
 
     force: Array
@@ -178,14 +154,10 @@ class Fed(NamedTuple):
 class Truth(NamedTuple):
     """The true motion, with which the estimates are compared.
 
-    Attributes
-    ----------
-    motion
-        Displacement along the wave (m) at unit amplitude in the first `WIDTH` columns, and its rate
-        (m/s) in the others; shape (rows, 2 WIDTH). Step k is in the same row as in `Fed`.
-    direction
-        The wave's direction cosines along x and y, times the amplitude of the motion in m (1 if
-        motion and noise are run apart); shape (2,).
+    motion: displacement along the wave (m) at unit amplitude in the first `WIDTH` columns, and its
+        rate (m/s) in the others; shape (rows, 2 WIDTH). Step k is in the same row as in `Fed`.
+    direction: the wave's direction cosines along x and y, times the amplitude of the motion in m (1
+        if motion and noise are run apart); shape (2,).
     """
 
     motion: Array
@@ -197,13 +169,10 @@ class Weights(NamedTuple):
 
     NEES is the normalised estimation error squared, NIS the normalised innovation squared.
 
-    Attributes
-    ----------
-    precision
-        Elements pp, pv, vv of the inverse covariance of position p and velocity v along an axis,
-        shape (rows, 3).
-    innovation, fresh
-        Inverse of the innovation's variance, and whether there is an innovation, shape (rows,).
+    precision: elements pp, pv, vv of the inverse covariance of position p and velocity v along an
+        axis, shape (rows, 3).
+    innovation, fresh: inverse of the innovation's variance, and whether there is an innovation,
+        shape (rows,).
     """
 
     precision: Array
@@ -214,30 +183,22 @@ class Weights(NamedTuple):
 class Memory(NamedTuple):
     """The memory of a running scheme, all zero at first, as the algorithms of the paper start.
 
-    Attributes
-    ----------
-    steps
-        One row per step. Fields: the state p, v, a, b (position, velocity, acceleration, bias) and
-        the innovations r of the specific force and s of the position. Row 0 is the filter's state
-        before the chunk; the next `window` rows (the smoother's lag) are kept from the chunk
+    steps: one row per step. Fields: the state p, v, a, b (position, velocity, acceleration, bias)
+        and the innovations r of the specific force and s of the position. Row 0 is the filter's
+        state before the chunk; the next `window` rows (the smoother's lag) are kept from the chunk
         before; the filter writes step k0 + i, where k0 is the chunk's first step, to row
         1 + window + i. Smoother and predictor then replace what stands in the rows 1, 2, ...: in
         the end row 1 + i holds the estimate of step k0 + i.
-    back
-        The smoother's correction p, v, a, b; one row.
-    inputs
-        What the inputs (specific forces) of the prediction add to position and velocity: p, v; one
-        row.
-    nodes
-        The MHE's window, registers 2 and 3 of the paper; fix number q is in row q modulo the number
-        of rows. Fields: the fix z; what the inputs until the next fix add to position and velocity,
-        ip and iv; the filter's state p, v, b.
-    now
-        The MHE between two fixes; one row. Fields: p and v, what the inputs since the last fix add
+    back: the smoother's correction p, v, a, b; one row.
+    inputs: what the inputs (specific forces) of the prediction add to position and velocity: p, v;
+        one row.
+    nodes: the MHE's window, registers 2 and 3 of the paper; fix number q is in row q modulo the
+        number of rows. Fields: the fix z; what the inputs until the next fix add to position and
+        velocity, ip and iv; the filter's state p, v, b.
+    now: the MHE between two fixes; one row. Fields: p and v, what the inputs since the last fix add
         to position and velocity; the sum of the IMU samples since the last multiple of T_m, and the
         sample or average taken until the next; np, nv, nb, the MHE's state at the last fix.
-    position
-        The MHE's newest position, which the filter takes, m, shape (1, lanes).
+    position: the MHE's newest position, which the filter takes, m, shape (1, lanes).
     """
 
     steps: Rows

@@ -98,15 +98,10 @@ def advance(begin, resume, samples, f, h, m, estimates):
     with its constraints and puts the position into m.given (at a fix, also the state into m.node).
     Then the caller calls this function again, from this row, with `resume` set.
 
-    Parameters
-    ----------
-    samples
-        The specific force (steps, 2), m/s^2 in the IMU's frame, and the position fixes (steps, 2),
-        m in NED; NaN for a missing fix.
-    f, h, m
-        `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
-    estimates
-        The arrays to fill, `OnlineEstimates`.
+    samples: the specific force (steps, 2), m/s^2 in the IMU's frame, and the position fixes
+        (steps, 2), m in NED; NaN for a missing fix.
+    f, h, m: `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
+    estimates: the arrays to fill, `OnlineEstimates`.
     """
     force, fixes = samples
     state, covariance, innovation, variance = estimates

@@ -45,17 +45,12 @@ def leave(count, window, steps):
 def run(stretch, fed, truth, chain, weights, memory, sums, squared):
     """Run a scheme on eight records; add the products of the errors to `sums`.
 
-    Parameters
-    ----------
-    stretch
-        (begin, stop, chunk, settled): the steps begin ... stop - 1 are processed `chunk` steps at a
-        time; errors from step `settled` on count as settled.
-    sums
-        What `layout.new_sums` makes: for three lanes per record, motion and noise apart, or for
+    stretch: (begin, stop, chunk, settled): the steps begin ... stop - 1 are processed `chunk` steps
+        at a time; errors from step `settled` on count as settled.
+    sums: what `layout.new_sums` makes: for three lanes per record, motion and noise apart, or for
         two, motion plus noise.
-    squared
-        Either (steps, 8), to be filled with the squared position error of each step of a run with
-        two lanes per record, or empty.
+    squared: either (steps, 8), to be filled with the squared position error of each step of a run
+        with two lanes per record, or empty.
     """
     k0, stop, chunk, settled = stretch
     f, steps = chain.filter, memory.steps

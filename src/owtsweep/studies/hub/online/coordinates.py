@@ -31,10 +31,7 @@ LEAST_RATIO = 100.0
 def check_origin(origin: object) -> Array | None:
     """Return the origin as an array (2,) in m, or None for the first fix.
 
-    Raises
-    ------
-    InputError
-        If the origin is neither None nor two finite numbers.
+    Raises InputError if the origin is neither None nor two finite numbers.
     """
     if origin is None:
         return None
@@ -51,18 +48,10 @@ def check_origin(origin: object) -> Array | None:
 def start_at_first_fix(axis: AxisFilter, mhe: Horizon | None) -> tuple[AxisFilter, Horizon | None]:
     """Raise the variance of the first position, so that the first fix alone decides the position.
 
-    Parameters
-    ----------
-    axis
-        The filter's model and variances for one axis.
-    mhe
-        The moving horizon estimator (MHE); None for a scheme without one.
-
-    Returns
-    -------
-    tuple
-        The arguments with other initial covariances, or unchanged where the variance of the first
-        position is already at least `LEAST_RATIO` times that of a fix.
+    axis: the filter's model and variances for one axis.
+    mhe: the moving horizon estimator (MHE); None for a scheme without one.
+    Returns: the arguments with other initial covariances, or unchanged where the variance of the
+        first position is already at least `LEAST_RATIO` times that of a fix.
     """
     first = _raise_variance(axis.initial_covariance, axis.position_variance)
     axis = replace(axis, initial_covariance=first)
@@ -109,11 +98,8 @@ def _check_pair(name: str, value: Array) -> None:
 def check_samples(force: Array, positions: Array, first: int) -> NDArray[np.intp]:
     """Return which of some samples have a fix; `first` is the step of the first sample.
 
-    Raises
-    ------
-    ValueError
-        If the shapes are wrong, a number is infinite, a specific force is NaN, or only one
-        component of a fix is NaN.
+    Raises ValueError if the shapes are wrong, a number is infinite, a specific force is NaN, or
+    only one component of a fix is NaN.
     """
     if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
         raise ValueError(

@@ -60,18 +60,11 @@ def filter_settings(
 ) -> FilterSettings:
     """Make the settings of filter, smoother and predictor for the online kernels.
 
-    Parameters
-    ----------
-    axis
-        The filter's model and variances for one axis.
-    rule
-        How a step without a position fix is treated, one of `estimation.gains.RULES`.
-    delay, window
-        Delay of the specific force, and length of the smoother's window, in steps.
-    predict
-        The predictor's model; None if the filtered state is the estimate.
-    fix_rule
-        How much the positions count that the filter gets.
+    axis: the filter's model and variances for one axis.
+    rule: how a step without a position fix is treated, one of `estimation.gains.RULES`.
+    delay, window: delay of the specific force, and length of the smoother's window, in steps.
+    predict: the predictor's model; None if the filtered state is the estimate.
+    fix_rule: how much the positions count that the filter gets.
     """
     steps = delay + window
     ahead: Array = np.eye(3)
@@ -207,20 +200,13 @@ class OnlineEstimator(RecordEstimator):
     first fix, the estimator starts with this fix: until then, estimates are NaN and their variances
     infinite, and HME2 counts its multiples from there.
 
-    Parameters
-    ----------
-    sensors
-        The properties of the IMU and the GNSS.
-    settings, horizon
-        Settings for the kernels: of filter, smoother and predictor, and of the moving horizon
-        estimator (MHE).
-    mhe
-        The moving horizon estimator; None for a scheme without one.
-    solver
-        Name of the solver for the MHE's windows that break a constraint.
-    origin
-        The point about which the schemes start from zero, shape (2,), m in NED; None for the first
-        fix.
+    sensors: the properties of the IMU and the GNSS.
+    settings, horizon: settings for the kernels: of filter, smoother and predictor, and of the
+        moving horizon estimator (MHE).
+    mhe: the moving horizon estimator; None for a scheme without one.
+    solver: name of the solver for the MHE's windows that break a constraint.
+    origin: the point about which the schemes start from zero, shape (2,), m in NED; None for the
+        first fix.
     """
 
     def __init__(
@@ -256,32 +242,19 @@ class OnlineEstimator(RecordEstimator):
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
 
-        Parameters
-        ----------
-        specific_force
-            Specific force in the IMU's frame, m/s^2, shape (2,).
-        position
-            The fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS. None
-            (or two NaN) if there is no fix.
-
-        Returns
-        -------
-        Estimate
-            Position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and the
-            innovation of the position; None in place of an innovation if the filter took no
+        specific_force: specific force in the IMU's frame, m/s^2, shape (2,).
+        position: the fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS.
+            None (or two NaN) if there is no fix.
+        Returns: position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and
+            the innovation of the position; None in place of an innovation if the filter took no
             position at this step. Where the origin is the first fix, position and velocity are NaN
             and their variances infinite until the first fix comes.
-
-        Raises
-        ------
-        ValueError
-            If a sample is not two finite numbers, a fix comes at a step at which HME2 cannot take
-            fixes, or the first fix lies more than 100 km from a stated origin. The estimator is
-            left unchanged.
-        ArithmeticError
-            If the solver cannot meet the constraints of the moving horizon estimator. The sample is
-            then only partly processed, so every later call raises this error too: start a new
-            estimator.
+        Raises ValueError if a sample is not two finite numbers, a fix comes at a step at which HME2
+        cannot take fixes, or the first fix lies more than 100 km from a stated origin. The
+        estimator is left unchanged.
+        Raises ArithmeticError if the solver cannot meet the constraints of the moving horizon
+        estimator. The sample is then only partly processed, so every later call raises this error
+        too: start a new estimator.
         """
         check_sample(specific_force, position)
         self._force[0] = specific_force
@@ -299,27 +272,16 @@ class OnlineEstimator(RecordEstimator):
     def run(self, specific_force: Array, positions: Array) -> OnlineEstimates:
         """Take many IMU samples at once; the result is as if `update` took sample after sample.
 
-        Parameters
-        ----------
-        specific_force, positions
-            Specific force (m/s^2, IMU's frame) and position fixes (m, NED), shape (steps, 2) each.
-            Both components of a position are NaN at steps without a fix.
-
-        Returns
-        -------
-        OnlineEstimates
-            Arrays with one row per step.
-
-        Raises
-        ------
-        ValueError
-            If the shapes are wrong, a number is infinite, a specific force is NaN, only one
-            component of a fix is NaN, a fix comes at a step at which HME2 cannot take fixes, or the
-            first fix lies more than 100 km from a stated origin. The estimator is left unchanged.
-        ArithmeticError
-            If the solver cannot meet the constraints of the moving horizon estimator. Some samples
-            are then processed already, so every later call raises this error too: start a new
-            estimator.
+        specific_force, positions: specific force (m/s^2, IMU's frame) and position fixes (m, NED),
+            shape (steps, 2) each. Both components of a position are NaN at steps without a fix.
+        Returns: arrays with one row per step.
+        Raises ValueError if the shapes are wrong, a number is infinite, a specific force is NaN,
+        only one component of a fix is NaN, a fix comes at a step at which HME2 cannot take fixes,
+        or the first fix lies more than 100 km from a stated origin. The estimator is left
+        unchanged.
+        Raises ArithmeticError if the solver cannot meet the constraints of the moving horizon
+        estimator. Some samples are then processed already, so every later call raises this error
+        too: start a new estimator.
         """
         from owtsweep.studies.hub.kernels.online import advance
 
@@ -366,10 +328,7 @@ class OnlineEstimator(RecordEstimator):
     def _check(self, force: Array, positions: Array) -> int:
         """Check the samples of some steps; take the first fix as origin if there is no other.
 
-        Returns
-        -------
-        int
-            Number of steps before the first fix, if that fix is the origin or will be; else 0.
+        Returns: number of steps before the first fix, if that fix is the origin or will be; else 0.
         """
         if self._lost:
             raise ArithmeticError(self._lost)
@@ -404,10 +363,7 @@ class OnlineEstimator(RecordEstimator):
 
         The MHE is the moving horizon estimator.
 
-        Raises
-        ------
-        ArithmeticError
-            If the solver cannot meet the constraints.
+        Raises ArithmeticError if the solver cannot meet the constraints.
         """
         from owtsweep.studies.hub import window
 
@@ -456,31 +412,18 @@ def online_chain(
 
     Parts in brackets may be absent.
 
-    Parameters
-    ----------
-    tuning
-        The filter's tuning.
-    window
-        Length N_s of the smoother's window, in steps.
-    delay
-        Number of steps by which the specific force is delayed in register 1 of Ren et al. (2019).
-        The predictor predicts over these steps and the smoother's window. None means that there is
-        no predictor: the filter takes the specific force without delay, and the filter's state is
-        the estimate.
-    mhe
-        The moving horizon estimator; None for a scheme without one.
-    solver
-        Name of the solver for the MHE's windows that break a constraint.
-    hold
-        What the predictor's input does between samples, one of `estimation.discretisation.HOLDS`.
-    origin
-        The point about which the scheme starts from zero, shape (2,), m in NED; None for the first
-        fix, whose noise is then the uncertainty of the first position.
-
-    Raises
-    ------
-    InputError
-        If the origin is not two finite numbers.
+    tuning: the filter's tuning.
+    window: length N_s of the smoother's window, in steps.
+    delay: number of steps by which the specific force is delayed in register 1 of Ren et al.
+        (2019). The predictor predicts over these steps and the smoother's window. None means that
+        there is no predictor: the filter takes the specific force without delay, and the filter's
+        state is the estimate.
+    mhe: the moving horizon estimator; None for a scheme without one.
+    solver: name of the solver for the MHE's windows that break a constraint.
+    hold: what the predictor's input does between samples, one of `estimation.discretisation.HOLDS`.
+    origin: the point about which the scheme starts from zero, shape (2,), m in NED; None for the
+        first fix, whose noise is then the uncertainty of the first position.
+    Raises InputError if the origin is not two finite numbers.
     """
     point = check_origin(origin)
     axis = axis_filter(tuning, sensors)

@@ -22,20 +22,11 @@ class SpectralEstimator(RecordEstimator):
     Any position fix may be missing, but fixes come only at multiples of the fix interval, because
     the filter copies the positions that the fixes will report.
 
-    Parameters
-    ----------
-    filters
-        The filters along x and y, before their first step.
-    sensors
-        The properties of the IMU and the GNSS.
-    origin
-        The position of the hub at rest, x and y in m, in the coordinates of the fixes. The motion
-        of known spectrum is about this point, so one fix cannot tell it.
-
-    Raises
-    ------
-    InputError
-        If the origin is not two finite numbers.
+    filters: the filters along x and y, before their first step.
+    sensors: the properties of the IMU and the GNSS.
+    origin: the position of the hub at rest, x and y in m, in the coordinates of the fixes. The
+        motion of known spectrum is about this point, so one fix cannot tell it.
+    Raises InputError if the origin is not two finite numbers.
     """
 
     def __init__(
@@ -68,25 +59,13 @@ class SpectralEstimator(RecordEstimator):
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
 
-        Parameters
-        ----------
-        specific_force
-            Specific force in the IMU's frame, m/s^2, shape (2,).
-        position
-            The fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS. None
-            (or two NaN) if there is no fix.
-
-        Returns
-        -------
-        Estimate
-            Position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and the
-            innovation of the fix; None in place of an innovation without a fix.
-
-        Raises
-        ------
-        ValueError
-            If a sample is not two finite numbers, or a fix comes at a step that is no multiple of
-            the fix interval. The estimator is left unchanged.
+        specific_force: specific force in the IMU's frame, m/s^2, shape (2,).
+        position: the fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS.
+            None (or two NaN) if there is no fix.
+        Returns: position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and
+            the innovation of the fix; None in place of an innovation without a fix.
+        Raises ValueError if a sample is not two finite numbers, or a fix comes at a step that is no
+        multiple of the fix interval. The estimator is left unchanged.
         """
         check_sample(specific_force, position)
         self._force[0] = specific_force
@@ -100,18 +79,11 @@ class SpectralEstimator(RecordEstimator):
     def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
         """Take many IMU samples at once; the result is as if `update` took sample after sample.
 
-        Parameters
-        ----------
-        specific_force, positions
-            Specific force (m/s^2, IMU's frame) and position fixes (m, NED), shape (steps, 2) each.
-            Both components of a position are NaN at steps without a fix.
-
-        Raises
-        ------
-        ValueError
-            If the shapes are wrong, a number is infinite, a specific force is NaN, only one
-            component of a fix is NaN, or a fix comes at a step that is no multiple of the fix
-            interval. The estimator is left unchanged.
+        specific_force, positions: specific force (m/s^2, IMU's frame) and position fixes (m, NED),
+            shape (steps, 2) each. Both components of a position are NaN at steps without a fix.
+        Raises ValueError if the shapes are wrong, a number is infinite, a specific force is NaN,
+        only one component of a fix is NaN, or a fix comes at a step that is no multiple of the fix
+        interval. The estimator is left unchanged.
         """
         return Trajectory(*self._run(specific_force, positions))
 

@@ -40,20 +40,12 @@ class DelayedChain:
     step, `on_schedule` is False, and the covariances are computed from the filter's own past
     covariances.
 
-    Parameters
-    ----------
-    tuning
-        The tuning of the filter.
-    window
-        Length of the smoother's window in IMU steps.
-    sensors
-        The properties of the sensors.
-    gains
-        The scheme in its form for the batch engine, with precomputed covariances.
-    hold
-        The value of the key `hme.predictor.hold`.
-    fix_rule
-        How much the positions count that the filter gets; None: all alike.
+    tuning: the tuning of the filter.
+    window: length of the smoother's window in IMU steps.
+    sensors: the properties of the sensors.
+    gains: the scheme in its form for the batch engine, with precomputed covariances.
+    hold: the value of the key `hme.predictor.hold`.
+    fix_rule: how much the positions count that the filter gets; None: all alike.
     """
 
     def __init__(
@@ -95,20 +87,12 @@ class DelayedChain:
     def step(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
         """Filter, smooth and predict (Algorithms 6 to 9 of Ren et al. 2019).
 
-        Parameters
-        ----------
-        delayed
-            The IMU sample of N_d steps ago, as `push` returns it. N_d is the delay of the GNSS.
-        fix
-            The position of N_d steps ago, in NED, in m, shape (2,); None if no position is given to
-            the filter at this step.
-
-        Returns
-        -------
-        Estimate
-            The estimate of the present motion.
-        FilterStep
-            The filter's results, which are for N_d steps ago.
+        delayed: the IMU sample of N_d steps ago, as `push` returns it. N_d is the delay of the
+            GNSS.
+        fix: the position of N_d steps ago, in NED, in m, shape (2,); None if no position is given
+            to the filter at this step.
+        Returns: the estimate of the present motion.
+        Returns: the filter's results, which are for N_d steps ago.
         """
         step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
@@ -215,22 +199,16 @@ def predicted_covariance(
 
     The prediction starts from the smoothed state of the oldest step s of the smoother's window and
     covers `steps` steps. The window's last step is k. The smoothed state's error is correlated with
-    the noise of the inputs in the window. For the input i steps after s, this correlation is
-    L_i P_{s+i|k}, where P_{s+i|k} is a smoothed covariance and L_i = C_s ... C_{s+i-1} is a product
-    of the smoother's gains C. The smoothed state's error is not correlated with the noise of inputs
+    the noise of the inputs in the window. For the input i steps after s, this correlation is L_i
+    P_{s+i|k}, where P_{s+i|k} is a smoothed covariance and L_i = C_s ... C_{s+i-1} is a product of
+    the smoother's gains C. The smoothed state's error is not correlated with the noise of inputs
     after the window.
 
-    Parameters
-    ----------
-    filtered, predicted
-        The filtered and the predicted covariance of each step of the window, oldest first. Each
-        has the shape (4, 4): position, velocity, acceleration and bias.
-    axis
-        The filter's model for one axis.
-    model
-        The predictor's model of one IMU step; its states are position, velocity and bias.
-    steps
-        Number of IMU steps of the prediction. If 0, the newest filtered covariance is returned.
+    filtered, predicted: the filtered and the predicted covariance of each step of the window,
+        oldest first. Each has the shape (4, 4): position, velocity, acceleration and bias.
+    axis: the filter's model for one axis.
+    model: the predictor's model of one IMU step; its states are position, velocity and bias.
+    steps: number of IMU steps of the prediction. If 0, the newest filtered covariance is returned.
     """
     if steps == 0:
         return filtered[-1][:2, :2]

@@ -42,16 +42,10 @@ class MovingHorizonEstimator:
     register 1. This class builds both parts from the past of register 2, which must be what the
     paper means.
 
-    Parameters
-    ----------
-    mhe
-        The settings of the MHE.
-    sensors
-        The properties of the sensors.
-    gains
-        HME2 in its form for the batch engine, with precomputed covariances of the filter.
-    solver
-        The solver that CasADi uses: "qrqp" or "ipopt".
+    mhe: the settings of the MHE.
+    sensors: the properties of the sensors.
+    gains: HME2 in its form for the batch engine, with precomputed covariances of the filter.
+    solver: the solver that CasADi uses: "qrqp" or "ipopt".
     """
 
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
@@ -166,10 +160,8 @@ class HME2Estimator:
 
         `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
 
-        Raises
-        ------
-        ValueError
-            If a fix comes at a step at which no fix is due. The MHE could not use such a fix.
+        Raises ValueError if a fix comes at a step at which no fix is due. The MHE could not use
+        such a fix.
         """
         since_fix = self.step % self.sensors.fix_interval
         if position is not None and since_fix:

@@ -43,10 +43,7 @@ class SpectralScheme(Scheme):
     def start(self, known: Known) -> SpectralEstimator:
         """Return a new estimator that runs step by step.
 
-        Raises
-        ------
-        InputError
-            If nothing has said what the motion is.
+        Raises InputError if nothing has said what the motion is.
         """
         x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
         return SpectralEstimator((KalmanAxisFilter(x), KalmanAxisFilter(y)), known.sensors)
@@ -54,10 +51,7 @@ class SpectralScheme(Scheme):
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
         """Return a new compiled estimator that runs step by step; `origin` is the hub at rest, m.
 
-        Raises
-        ------
-        InputError
-            If nothing has said what the motion is, or the origin is not stated.
+        Raises InputError if nothing has said what the motion is, or the origin is not stated.
         """
         x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
         filters = (CompiledAxisFilter(x), CompiledAxisFilter(y))
@@ -66,10 +60,7 @@ class SpectralScheme(Scheme):
     def own_kernel(self, known: Known, steps: int) -> SpectralKernel:
         """Return the scheme in its form for the batch engine, for records of `steps` IMU steps.
 
-        Raises
-        ------
-        InputError
-            If nothing has said what the motion is.
+        Raises InputError if nothing has said what the motion is.
         """
         from owtsweep.studies.hub.spectral_batch import SpectralKernel
 
@@ -89,10 +80,7 @@ class SpectralScheme(Scheme):
 def find_motion(known: Known) -> KnownMotion:
     """Return what SKF takes for the motion: what its keys say, else what it is told.
 
-    Raises
-    ------
-    InputError
-        If nothing says what the motion is.
+    Raises InputError if nothing says what the motion is.
     """
     own = known.tuning.skf
     period = known.natural_period if own.natural_period is None else own.natural_period

@@ -43,10 +43,7 @@ class AdaptiveSpectralScheme(Scheme):
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
         """Return a new compiled estimator that runs step by step; `origin` is the hub at rest, m.
 
-        Raises
-        ------
-        InputError
-            If the origin is not stated.
+        Raises InputError if the origin is not stated.
         """
         return _start(known, CompiledAxisFilter, origin)
 

@@ -34,13 +34,9 @@ NONE, ANY = -30.0, 30.0
 class Boundary:
     """A table of amplitudes over periods.
 
-    Attributes
-    ----------
-    log_period
-        Logarithms of the periods in s, rising, shape (n,).
-    log_amplitude
-        Logarithms of the amplitudes in m, shape (n,). `NONE`: the scheme above the boundary is
-        better at every amplitude; `ANY`: the scheme below it is.
+    log_period: logarithms of the periods in s, rising, shape (n,).
+    log_amplitude: logarithms of the amplitudes in m, shape (n,). `NONE`: the scheme above the
+        boundary is better at every amplitude; `ANY`: the scheme below it is.
     """
 
     log_period: Array
@@ -60,10 +56,8 @@ class Boundary:
 def read_boundary(points: Sequence[Sequence[float]]) -> Boundary:
     """Return the boundary that the key `switch.boundary` states.
 
-    Raises
-    ------
-    InputError
-        If the points are no table of rising periods (s) and amplitudes (m) above zero.
+    Raises InputError if the points are no table of rising periods (s) and amplitudes (m) above
+    zero.
     """
     example = "give pairs of natural period (s) and amplitude (m), e.g. [[4,0.7],[8,1.2]]"
     if not points or any(len(point) != 2 for point in points):
@@ -81,23 +75,16 @@ def read_boundary(points: Sequence[Sequence[float]]) -> Boundary:
 def compute_boundary(config: HubConfig, below: str, above: str, crest: float) -> Boundary:
     """Compute the boundary of two schemes from their expected errors, without records.
 
-    A motion that is almost a sinusoid of period T makes the settled mean square error
-    v C(1/T) + noise, where v is the motion's mean square and C the scheme's error by frequency
+    A motion that is almost a sinusoid of period T makes the settled mean square error v C(1/T) +
+    noise, where v is the motion's mean square and C the scheme's error by frequency
     (`error_curves.curves`). The boundary is where the two schemes' errors are equal.
 
-    Parameters
-    ----------
-    config
-        The study's configuration.
-    below, above
-        Names of the scheme that is used below the boundary, and of the one that is used above it.
-    crest
-        Amplitude of the motion divided by the root mean square of the displacement.
-
-    Raises
-    ------
-    InputError
-        If a scheme's expected errors cannot be computed: it is not linear, or has no kernel.
+    config: the study's configuration.
+    below, above: names of the scheme that is used below the boundary, and of the one that is used
+        above it.
+    crest: amplitude of the motion divided by the root mean square of the displacement.
+    Raises InputError if a scheme's expected errors cannot be computed: it is not linear, or has no
+    kernel.
     """
     from owtsweep.studies.hub.error_curves.of_schemes import curves_of
     from owtsweep.studies.hub.listed import resolve, under

@@ -23,12 +23,9 @@ class SwitchingEstimator(RecordEstimator):
     no weighted mean of two estimates has a larger one, however their errors are correlated. The
     innovation is that of the scheme with the larger weight.
 
-    Parameters
-    ----------
-    below, above
-        The estimators of the schemes below and above the boundary, before their first step.
-    supervisor
-        Decides which one is handed out.
+    below, above: the estimators of the schemes below and above the boundary, before their first
+        step.
+    supervisor: decides which one is handed out.
     """
 
     def __init__(self, below: Any, above: Any, supervisor: Supervisor) -> None:

@@ -15,14 +15,9 @@ class SeaWatch:
     the hub does not count. The variances of the estimates' own errors, as their scheme states them,
     are subtracted.
 
-    Parameters
-    ----------
-    step
-        Time between two estimates, s.
-    memory
-        Time after which an estimate has the weight 1/e, s.
-    crest
-        Amplitude of the motion divided by the root mean square of the displacement.
+    step: time between two estimates, s.
+    memory: time after which an estimate has the weight 1/e, s.
+    crest: amplitude of the motion divided by the root mean square of the displacement.
     """
 
     def __init__(self, step: float, memory: float, crest: float) -> None:
@@ -92,19 +87,12 @@ class Supervisor:
     Until the watch has seen a motion for its `memory`, the scheme above is chosen: it is the one
     whose error grows less with the motion.
 
-    Parameters
-    ----------
-    watch
-        The estimated amplitude and period.
-    boundary
-        The amplitudes above which the second scheme is better.
-    hysteresis
-        Ratio of at least 1.
-    step, memory, blend
-        Time between two estimates, time before the first choice, and time in which the weight moves
-        from 0 to 1, s. With blend 0 the weight jumps.
-    every
-        Number of steps from one choice to the next.
+    watch: the estimated amplitude and period.
+    boundary: the amplitudes above which the second scheme is better.
+    hysteresis: ratio of at least 1.
+    step, memory, blend: time between two estimates, time before the first choice, and time in which
+        the weight moves from 0 to 1, s. With blend 0 the weight jumps.
+    every: number of steps from one choice to the next.
     """
 
     def __init__(

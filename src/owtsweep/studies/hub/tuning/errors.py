@@ -51,10 +51,7 @@ def has_curves(scheme: Scheme) -> bool:
 def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
     """Compute a scheme's settled MSE, m^2 or (m/s)^2, shape (periods, amplitudes).
 
-    Raises
-    ------
-    ValueError, ArithmeticError
-        If the scheme cannot be computed with this tuning.
+    Raises ValueError, ArithmeticError if the scheme cannot be computed with this tuning.
     """
     sensors = sensing.sensors(config.sensors)
     steps, settled = (round(seconds / sensors.step) for seconds in (DURATION, SETTLING))
@@ -89,15 +86,8 @@ def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
 def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int) -> Array:
     """Run schemes on records; return their settled MSE by `measures.criterion`.
 
-    Returns
-    -------
-    array
-        Shape (schemes, periods, amplitudes, replicates), m^2 or (m/s)^2.
-
-    Raises
-    ------
-    InputError
-        If a case fails.
+    Returns: shape (schemes, periods, amplitudes, replicates), m^2 or (m/s)^2.
+    Raises InputError if a case fails.
     """
     entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)

@@ -29,10 +29,7 @@ if TYPE_CHECKING:
 def list_tunable(config: HubConfig) -> list[Scheme]:
     """Return the schemes of a run whose numbers can be searched.
 
-    Raises
-    ------
-    InputError
-        If there is none, or the search would see the records that judge it.
+    Raises InputError if there is none, or the search would see the records that judge it.
     """
     schemes = [s for s in resolve_all(config.schemes, config) if find_space(config, s.name)]
     require(
@@ -74,16 +71,10 @@ def tune(config: HubConfig, advance: Callable[[str], None]) -> TunedSchemes:
 class TunedSchemes:
     """The best numbers found, an `owtsweep.sweep.study.Tuned`.
 
-    Attributes
-    ----------
-    before
-        The configuration with the tuning that the search began with.
-    best
-        Scheme -> the best values by key; empty if no trial was better than that tuning.
-    trials
-        Number of trials made, of all schemes together.
-    stopped
-        Whether the user stopped the search.
+    before: the configuration with the tuning that the search began with.
+    best: scheme -> the best values by key; empty if no trial was better than that tuning.
+    trials: number of trials made, of all schemes together.
+    stopped: whether the user stopped the search.
     """
 
     before: HubConfig
@@ -164,14 +155,11 @@ def _range(config: HubConfig) -> str:
 class Gain:
     """The change of a scheme's error from one tuning to another, on the same records.
 
-    Attributes
-    ----------
-    before, after
-        Geometric mean over natural periods and amplitudes of the settled MSE, m^2 or (m/s)^2.
-    change
-        Geometric mean of after / before over records, natural periods and amplitudes, minus 1.
-    low, high
-        The 95 % interval of `change`, from the differences between the two, record by record.
+    before, after: geometric mean over natural periods and amplitudes of the settled MSE, m^2 or
+        (m/s)^2.
+    change: geometric mean of after / before over records, natural periods and amplitudes, minus 1.
+    low, high: the 95 % interval of `change`, from the differences between the two, record by
+        record.
     """
 
     before: float

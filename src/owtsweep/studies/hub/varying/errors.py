@@ -96,26 +96,15 @@ WINDOW = "settled"
 class Errors:
     """The expected settled MSE of schemes over the values of one key.
 
-    Attributes
-    ----------
-    along
-        The key that is varied.
-    values
-        The values of the key, in the order of tables and figure.
-    schemes, baselines
-        Names of the schemes and of the baselines.
-    motions
-        The motions, as pairs of natural period (s) and amplitude (m).
-    criterion
-        The measure that is shown: "position", "velocity", "x" or "y".
-    mse
-        Measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
-    bounds
-        Measure -> Kalman bound of the MSE at each value, shape (values,).
-    facts
-        What holds at every value, e.g. the tuning and the sensors' properties that do not vary.
-    notes
-        Sentences that a reader of the errors needs.
+    along: the key that is varied.
+    values: the values of the key, in the order of tables and figure.
+    schemes, baselines: names of the schemes and of the baselines.
+    motions: the motions, as pairs of natural period (s) and amplitude (m).
+    criterion: the measure that is shown: "position", "velocity", "x" or "y".
+    mse: measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
+    bounds: measure -> Kalman bound of the MSE at each value, shape (values,).
+    facts: what holds at every value, e.g. the tuning and the sensors' properties that do not vary.
+    notes: sentences that a reader of the errors needs.
     """
 
     along: Condition
@@ -160,10 +149,7 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
 
     `check` has passed the configurations.
 
-    Raises
-    ------
-    InputError
-        If a scheme cannot be computed.
+    Raises InputError if a scheme cannot be computed.
     """
     one = next(iter(configs.values()))
     schemes, baselines, measures = scheme_names(one), list_baselines(one), criteria(one)
@@ -200,11 +186,8 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
 def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
     """Check that the errors can be computed, and shown in one figure.
 
-    Raises
-    ------
-    InputError
-        If the configurations ask for records, for SKF, or for other motions, schemes or criteria
-        than the first.
+    Raises InputError if the configurations ask for records, for SKF, or for other motions, schemes
+    or criteria than the first.
     """
     one = next(iter(configs.values()))
     for config in configs.values():
@@ -240,10 +223,7 @@ def _compute_rows(
 ) -> pd.DataFrame:
     """Compute the rows of all schemes, on all cores; `place` says in messages which value it is.
 
-    Raises
-    ------
-    InputError
-        If a scheme cannot be computed, or its error is not finite.
+    Raises InputError if a scheme cannot be computed, or its error is not finite.
     """
 
     def compute_one(name: str) -> pd.DataFrame:
