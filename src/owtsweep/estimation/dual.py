@@ -39,10 +39,7 @@ def make_dual(
 ) -> Filter:
     """Make the dual Kalman filter.
 
-    model: the model of n states and its inputs.
-    Q: covariance of the process noise w per step, shape (n, n).
-    S: covariance of the inputs' change per step, shape (inputs, inputs).
-    R: covariance of the sensors' noise, shape (m, m).
+    Q, S, R: as of `augmented.make_augmented`.
     P0_x, P0_p: covariances of states and of inputs one step before the first measurement, shapes
         (n, n) and (inputs, inputs).
     reading: what the input filter takes for the state at k. "predicted" fits the model, in which

@@ -33,13 +33,11 @@ LONGEST = 6000
 class InputStateModel:
     """The model x[k+1] = A x[k] + B p[k] + w[k], y[k] = G x[k] + J p[k] + v[k] in discrete time.
 
-    These are Eqs. (14) and (15) of Simpson et al. (2025), for n states x, inputs p that nobody
-    measures, and m measurements y.
+    Eqs. (14) and (15) of Simpson et al. (2025), for n states x, inputs p that nobody measures, and
+    m measurements y.
 
-    A: transition matrix, shape (n, n).
-    B: input matrix, shape (n, inputs).
-    G: measurement matrix, shape (m, n).
-    J: direct feedthrough of inputs to measurements, shape (m, inputs).
+    A, B: transition matrix (n, n) and input matrix (n, inputs).
+    G, J: measurement matrix (m, n) and direct feedthrough (m, inputs).
     step: time from k to k + 1, in s.
     """
 
@@ -56,11 +54,7 @@ def hold_inputs(A: Array, B: Array, G: Array, J: Array, step: float) -> InputSta
     The exponential of the block matrix [[A, B], [0, 0]] serves any A (Van Loan 1978). Eq. (16) of
     Simpson et al. (2025) needs the inverse of A, and a structure that is free to move has none.
     (`discretise` is not used: its covariance takes the exponential of -A, which overflows for
-    stiffly damped modes.)
-
-    A, B: system and input matrix in continuous time, shapes (n, n) and (n, inputs).
-    G, J: measurement matrix and direct feedthrough, shapes (m, n) and (m, inputs).
-    step: length of a step in s.
+    stiffly damped modes.) Shapes are those of `InputStateModel`; `step` is in s.
     """
     from scipy.linalg import expm
 
@@ -112,11 +106,10 @@ class Filter:
         return float(np.abs(np.linalg.eigvals(self.F)).max())
 
     def run(self, y: Array) -> Array:
-        """Filter a record.
+        """Return estimates of each step from the measurements y (steps, m) up to this step.
 
-        y: measurements, shape (steps, m).
-        Returns: estimates of each step from the measurements up to this step, shape
-            (steps, n + inputs): the states of the model, then its inputs.
+        The shape is (steps, n + inputs): the states of the model, then its inputs.
+
         Raises InputError if y has another shape, or holds a value that is not finite.
         """
         x = self.run_states(y)
@@ -153,8 +146,7 @@ def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
     The gain counts as settled after `QUIET_STEPS` steps with changes below `TOLERANCE`. Gains are
     watched rather than covariances: where sensors do not see a direction of state, its variance
     grows for ever while the gain settles. If the gain has not settled after `LONGEST` steps, or
-    when covariances have grown beyond what numbers can hold, the last gain stays, and the filter's
-    `settled` is False.
+    when covariances have grown beyond what numbers can hold, the last gain stays.
     """
     made: list[Step] = []
     quiet = 0
@@ -178,7 +170,6 @@ def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
 
 
 def _is_quiet(before: Step, step: Step) -> bool:
-    """Return whether the gain has changed by no more than `TOLERANCE` says."""
     change = np.max(np.abs(step.corrections - before.corrections), axis=1)
     return bool(np.all(change <= TOLERANCE * step.states))
 

@@ -74,9 +74,9 @@ def predict(s, d, first, last, noise):
 
 @njit
 def correct(s, measured, hp, hv, variance):
-    """Correct the state s by a measurement of hp p + hv v; return it, the innovation, its variance.
+    """Correct the state s by a measurement of hp p + hv v, whose noise has a `variance`.
 
-    `variance` is that of the measurement's noise.
+    Return the state, the innovation and the innovation's variance.
     """
     e = measured - hp * s.p - hv * s.v
     p, v, b = hp * s.pp + hv * s.pv, hp * s.pv + hv * s.vv, hp * s.pb + hv * s.vb  # P H'
@@ -138,12 +138,10 @@ def filter_one(position, shown, acceleration, rate, step, noise, first, start, f
         arrival; positions are NaN where no report arrives.
     acceleration, rate: measured acceleration, shape (steps,), and rate, shape (steps,) or (0,).
     step: sampling interval in s.
-    noise: a `Noise`.
-    first, start: the sample at which the first report arrives that is used, and the `State` of the
-        time that it shows, with this report.
-    found: estimates (steps, 2), their covariances (steps, 2, 2), and the squared innovation of a
-        report over its variance, shape (steps,); all are filled from the sample `first` on, the
-        last where a report arrives.
+    first: the sample at which the first report arrives that is used.
+    start: the `State` of the time that this report shows, with this report.
+    found: estimates (steps, 2), their covariances (steps, 2, 2), and, where a report arrives, its
+        squared innovation over its variance, shape (steps,); filled from the sample `first` on.
     """
     estimate, covariance, nis = found
     kept, known = start, shown[first]

@@ -72,16 +72,15 @@ def keep(s, x, P):
 
 @njit
 def filter_in_order(position, shown, arrival, acceleration, rate, step, noise, start, out):
-    """Filter reports in the order of the times that they show.
+    """Filter reports in the order of the times that they show; return the first sample filled.
 
     position, shown, arrival: reports after the first, sorted by the times that they show, shape
         (reports,) each: positions, times in samples, and the samples at which they arrive.
     acceleration, rate, step, noise: as of `kinematic.filter_one`.
     start: the time in samples of the first report, and the `State` there.
-    out: states (steps, 3) of samples and their covariances (steps, 3, 3); the `Links`, zeros, that
-        of the interval before sample k in row k; and squared innovations (steps,) by arrival.
-        Filled from the first sample at or after the time of `start`.
-    Returns: this sample.
+    out: states (steps, 3) and their covariances (steps, 3, 3); the `Links`, zeros, that of the
+        interval before sample k in row k; and squared innovations (steps,) by arrival. Filled from
+        the first sample at or after the time of `start`.
     """
     x, P, links, nis = out
     time, s = start
@@ -148,8 +147,8 @@ def look_ahead(x, P, links, begin, window, estimate, covariance):
     links: `Links`, that of the interval before sample k in row k.
     begin: the first sample to smooth.
     window: number of intervals; less at the record's end.
-    estimate, covariance: position and velocity (steps, 2), and their covariance (steps, 2, 2);
-        overwritten from `begin` on.
+    estimate, covariance: of position and velocity, (steps, 2) and (steps, 2, 2); overwritten from
+        `begin` on.
     """
     steps = len(x)
     # From each sample of a block to the block's end, and from there on.

@@ -41,7 +41,7 @@ class Lagged:
     transition, measuring: transition matrix F (N, N) and measurement matrix H (m, N).
     predicted: covariances of the predicted state in the early steps, shape (rows, N, N).
     weights: H' S^-1 in the early steps, shape (rows, N, m).
-    lag: lag in steps.
+    lag: in steps.
     """
 
     filter: Filter
@@ -53,30 +53,23 @@ class Lagged:
 
     @property
     def F(self) -> Array:
-        """The filter's settled closed loop, shape (N, N)."""
         return self.filter.F
 
     @property
     def K(self) -> Array:
-        """The filter's settled gain, shape (N, m)."""
         return self.filter.K
 
     @property
     def settled(self) -> bool:
-        """Whether the filter's gains have settled."""
         return self.filter.settled
 
     @property
     def radius(self) -> float:
-        """The spectral radius of the filter's settled closed loop."""
         return self.filter.radius
 
     def run(self, y: Array) -> Array:
-        """Smooth a record.
+        """Return estimates (steps, N) from measurements y (steps, m) up to `lag` steps after each.
 
-        y: measurements, shape (steps, m).
-        Returns: estimates of each step from the measurements up to `lag` steps later
-            (up to the end in the last steps), shape (steps, N).
         Raises InputError if y has another shape, or holds a value that is not finite.
         """
         y = check_record(y, self.filter.K.shape[1])
@@ -124,7 +117,7 @@ class Lagged:
 def make_smoother(F: Array, H: Array, Q: Array, R: Array, P0: Array, lag: int) -> Lagged:
     """Make the fixed-lag smoother of x[k+1] = F x[k] + w[k], y[k] = H x[k] + v[k].
 
-    Parameters are those of `square_root.kalman`; `lag` is in steps, at least 0.
+    Parameters are those of `square_root.kalman`; `lag` is in steps.
 
     Raises InputError if the lag is negative, a matrix is no covariance, or R is singular.
     """

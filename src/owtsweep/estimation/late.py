@@ -44,8 +44,8 @@ class LateModel(NamedTuple):
     fast, slow: rows (n,): the fast measurement without bias and noise, and the output that the slow
         measurement reports.
     r_fast, r_slow: variances of the noise of the two measurements.
-    interval, delay: steps from one slow measurement to the next, and age of the output that it
-        reports, in steps. Slow measurements come at steps 0, interval, 2 interval, ...
+    interval, delay: steps from one slow measurement to the next, the first at step 0, and age of
+        the output that it reports, in steps.
     copies: number of copies in the state: delay / interval, rounded up.
     """
 
@@ -91,8 +91,8 @@ def transition(model: LateModel) -> Array:
 def copying(model: LateModel) -> Array:
     """Return the matrix (N, N) that makes the present output the newest copy of a state.
 
-    The matrix moves the other copies on by one place and drops the oldest. It is the identity if
-    the model has no copies.
+    It moves the other copies on by one place and drops the oldest; without copies it is the
+    identity.
     """
     n = len(model.Q)
     N = n + 1 + model.copies
@@ -119,9 +119,8 @@ def measurement_rows(model: LateModel) -> tuple[Array, Array]:
 def find_first_covariance(model: LateModel, stationary: Array, bias_variance: float) -> Array:
     """Compute the covariance (N, N) of the state one step before step 0.
 
-    Nothing is measured before step 0. But the first slow measurements report outputs of before step
-    0, so the state already has their copies. `stationary` (n, n) is the covariance of the shaping
-    filter's states; `bias_variance` is the variance of the bias one step before step 0.
+    The first slow measurements report outputs of before step 0, so the state already has their
+    copies. `stationary` (n, n) is the covariance of the shaping filter's states.
     """
     n = len(model.Q)
     N = n + 1 + model.copies
@@ -140,11 +139,8 @@ def find_first_covariance(model: LateModel, stationary: Array, bias_variance: fl
 
 
 class LateGains:
-    """The gains of a filter for steps 0, 1, ... if every slow measurement arrives.
+    """The gains for steps 0, 1, ... if every slow measurement arrives; computed at first use.
 
-    They are computed when they are first asked for, until they repeat.
-
-    model: the model, with a state of N numbers, n of them states of the shaping filter.
     first: covariance (N, N) of the state one step before step 0.
     outputs: rows (c, n) of the outputs whose covariances are wanted.
     """
@@ -236,12 +232,10 @@ def fill_rows(first, model, P, outputs, arrived, tolerance, before, filled):
     elements i and j.
 
     first: the step of the first row.
-    model: the model, a `LateModel` with a state of N numbers.
     P: covariance of the state one step before `first`, shape (N, N); overwritten.
     outputs: rows (c, n) of the outputs whose covariances are wanted.
     arrived: whether each slow measurement that is due has arrived, shape (fixes,).
-    tolerance: largest scaled difference that counts as none.
-    before: covariance one interval before P, shape (N, N); overwritten. NaN if there is none.
+    before: covariance one interval before P, shape (N, N), NaN if there is none; overwritten.
     filled: the `LateRows` to fill.
     Returns: the number of filled rows, and whether the last `interval` rows repeat.
     """
@@ -320,9 +314,9 @@ def apply_fast(model, P, gain):
 
 @njit
 def apply_slow(model, P, gain):
-    """Correct the covariance P (N, N) by a slow measurement; write its gain to `gain` (N,).
+    """Correct P (N, N) by a slow measurement; return the variance of its innovation.
 
-    Return the variance of the measurement's innovation.
+    The gain is written to `gain` (N,).
     """
     n, N, row = len(model.Q), len(P), model.slow
     if model.copies > 0:
@@ -344,9 +338,8 @@ def apply_slow(model, P, gain):
 
 @njit
 def correct_covariance(P, gain, variance):
-    """Correct the covariance P (N, N) by a measurement of one number.
+    """Correct the covariance P (N, N) by a measurement of one number, in place.
 
-    P: the covariance before the measurement; overwritten by the covariance after it.
     gain: the column P h' (N,), where h is the measurement's row; overwritten by the gain.
     variance: the innovation's variance h P h' + r.
     """

@@ -33,11 +33,11 @@ TOLD = 0.05
 class Unseen:
     """What sensors do not see at one eigenvalue.
 
-    eigenvalue: the eigenvalue of A. Of a complex pair, the one with positive imaginary part.
+    eigenvalue: of A. Of a complex pair, the one with positive imaginary part.
     lacking: by how much the rank of [A - lambda I; G] is below n.
     directions: orthonormal directions of state, shape (n, directions): first those in the null
-        space, then those of the chains. There may be more directions than `lacking` says. Complex
-        if the eigenvalue is.
+        space, then those of the chains, so there may be more than `lacking`. Complex if the
+        eigenvalue is.
     """
 
     eigenvalue: complex
@@ -55,7 +55,6 @@ class Unseen:
 class Observability:
     """What sensors see of a model with n states.
 
-    states: the number n of states.
     rank: the dimension of what sensors see: the rank of the observability matrix, n if all is seen.
     eigenvalues: the distinct eigenvalues of A, of complex pairs one each, shape (eigenvalues,).
     ranks: rank of [A - lambda I; G] for each of them, shape (eigenvalues,).
@@ -72,11 +71,10 @@ class Observability:
     unseen: tuple[Unseen, ...]
 
     def describe(self, names: Sequence[str], step: float | None = None) -> str:
-        """Say in one line what sensors do not see.
+        """Say in one line what sensors do not see, by the `names` of the n states.
 
-        names: names of the states, n of them.
-        step: time between steps of the model in s, to tell frequencies in Hz; None for a model in
-            continuous time.
+        `step` in s tells frequencies in Hz; None for a model in continuous time.
+
         Raises InputError if there are not as many names as states.
         """
         require(
@@ -150,7 +148,6 @@ def find_unobservable(
 
 
 def _balance(A: Array) -> Array:
-    """Return the sizes of states (n,) that balance a matrix."""
     from scipy.linalg import matrix_balance
 
     _, (scale, _) = matrix_balance(A, permute=False, separate=True)
@@ -160,8 +157,7 @@ def _balance(A: Array) -> Array:
 def _distinct(A: Array) -> tuple[Array, list[int]]:
     """Return the distinct eigenvalues without negative imaginary part, and their multiplicities.
 
-    Eigenvalues that rounding has split are replaced by their mean, which is far more accurate than
-    each of them.
+    Eigenvalues that rounding has split are replaced by their mean, which is far more accurate.
     """
     left = list(np.linalg.eigvals(A).astype(complex))
     values, counts = [], []
@@ -205,7 +201,6 @@ def _follow_chains(
 
 
 def _tell(unseen: Unseen, states: int, names: Sequence[str], step: float | None) -> str:
-    """Tell what is unseen at one eigenvalue, in words."""
     value = unseen.eigenvalue
     number = f"{value:.6g}" if value.imag else f"{value.real:.6g}"
     if value.imag:

@@ -37,6 +37,7 @@ def choose_gains(natural: Array, waves: Array, cutoff: Array) -> Array:
 
     natural, waves, cutoff: frequencies wn, w0 and wc in rad/s, shape (n,). wc, from which the slow
         part does not follow, is to be above w0.
+
     k_11 = -2 (1 - lambda) wc / w0, k_12 = 2 w0 (1 - lambda), k_2 = wc
     (Fossen 2011, Eqs. 11.100 to 11.102). k_4 = wc^2 / 2 damps the slow position's error by
     1 / sqrt(2) of critical. k_3 = k_4 wn / 10 keeps the order k_3/k_4 < w0 < wc that makes the
@@ -58,8 +59,8 @@ def choose_gains(natural: Array, waves: Array, cutoff: Array) -> Array:
 def find_growth(natural: float, damping: float, waves: float, gains: Array, step: float) -> float:
     """Return the factor by which the error of one degree of freedom grows per step in `observe`.
 
-    Explicit steps may be unstable where the observer is not: the factor is to be below 1.
-    `gains` has the shape (5,); `step` is the sampling interval in s.
+    Explicit steps may be unstable where the observer is not: the factor is to be below 1. `gains`
+    has the shape (5,); `step` is the sampling interval in s.
     """
     k11, k12, k2, k3, k4 = gains
     e = np.array([0.0, -1.0, -1.0, 0.0, 0.0])  # xi_1, xi_2, eta, b, nu

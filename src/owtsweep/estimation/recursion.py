@@ -7,9 +7,7 @@ from owtsweep.compiled import njit
 
 @njit
 def recur(early, settled, x):
-    """Replace each row of x by x[k] = F[k] x[k-1] + x[k], from the first row to the last.
-
-    The row before the first counts as zero.
+    """Replace each row of x by x[k] = F[k] x[k-1] + x[k], from the first row, before which is zero.
 
     early: the transposed matrices F of the first steps, shape (early steps, N, N).
     settled: the transposed matrix F of all later steps, shape (N, N).

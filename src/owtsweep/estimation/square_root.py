@@ -27,8 +27,7 @@ class Correction(NamedTuple):
     K: gain, shape (N, m).
     innovation: root of the innovation's covariance, shape (m, m), lower triangular.
     corrections: K times this root, shape (N, m).
-    predicted, filtered: roots of the states' covariance before and after the measurement, shape
-        (N, N).
+    predicted, filtered: roots of the states' covariance before and after the measurement, (N, N).
     """
 
     K: Array
@@ -78,8 +77,8 @@ def combine(*roots: Array) -> Array:
 def root_of(name: str, covariance: Array) -> Array:
     """Return a root (N, N) of a covariance, which may be singular.
 
-    Raises InputError if the matrix is not symmetric, or has a negative eigenvalue. `name` is the
-    argument's.
+    Raises InputError, with the argument's `name`, if it is not symmetric, or has a negative
+    eigenvalue.
     """
     covariance = np.asarray(covariance, dtype=np.float64)
     size = np.sqrt(np.abs(np.diagonal(covariance)))

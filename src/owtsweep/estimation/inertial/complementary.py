@@ -16,12 +16,10 @@ from owtsweep.estimation.inertial.strapdown import GYROSCOPES, move, place
 
 
 def place_poles(crossover: float, step: float) -> tuple[float, float]:
-    """Return the gains of position and velocity with a damping ratio of 1/sqrt(2).
+    """Return the gains of position and velocity: poles of s^2 + sqrt(2) w s + w^2, sampled.
 
-    The poles of the filter are those of s^2 + sqrt(2) w s + w^2, sampled.
-
-    crossover: the angular frequency w in rad/s, at which both parts count alike.
-    step: sampling interval in s.
+    `crossover` is w in rad/s, at which both parts count alike; `step` is the sampling interval in
+    s.
     """
     turn = crossover * step / np.sqrt(2.0)
     radius = np.exp(-turn)
@@ -30,10 +28,8 @@ def place_poles(crossover: float, step: float) -> tuple[float, float]:
 
 @njit
 def blend_acceleration(position, acceleration, step, gains, start, estimate):
-    """Blend positions with an acceleration.
+    """Blend positions, NaN where there is none, with an acceleration, shape (steps,) each.
 
-    position, acceleration: reported positions, NaN where there is none, and accelerations, shape
-        (steps,).
     step: sampling interval in s.
     gains: as `place_poles` returns them.
     start: position at the first sample; the velocity is 0 there.
@@ -56,10 +52,7 @@ def blend_acceleration(position, acceleration, step, gains, start, estimate):
 
 @njit
 def blend_rate(position, rate, step, gain, start, estimate):
-    """Blend positions with a rate; the velocity is the rate itself.
-
-    Parameters are those of `blend_acceleration`; `gain` is that of the position.
-    """
+    """Blend positions with a rate, which is the velocity; arguments as of `blend_acceleration`."""
     x = start
     for k in range(len(position)):
         if k > 0:
@@ -72,9 +65,8 @@ def blend_rate(position, rate, step, gain, start, estimate):
 
 @njit
 def blend_fixes(record, gains, s, states):
-    """Filter a record by the fixes of the first antenna.
+    """Filter a `strapdown.Record` by the fixes of the first antenna.
 
-    record: a `strapdown.Record`.
     gains: of position and velocity per fix, and of the levelling per second.
     s: the start, shape (16,); overwritten.
     states: filled, shape (steps, 16).

@@ -119,8 +119,9 @@ def filter_body(reported, shown, force, rate, step, noise, variances, first, sta
     step: sampling interval in s.
     noise: as of `push`, shape (3, 3).
     variances: of reports (6,) and of rates (3,).
-    first, start: the sample at which the first report arrives that is used; the state (16,) and
-        covariance (15, 15) at the time that it shows, with this report; both are overwritten.
+    first: the sample at which the first report arrives that is used.
+    start: the state (16,) and covariance (15, 15) at the time that this report shows, with this
+        report; both are overwritten.
     found: positions (steps, 6), velocities (steps, 6), covariances (steps, 6, 2, 2), squared
         innovations over their variances (steps, 6); filled from the sample `first` on.
     """

@@ -50,23 +50,18 @@ def sum_errors(
     keep_squared: bool = False,
     consistency: bool = True,
 ) -> list[Sums]:
-    """Run schemes on all replicates of some records; sum the squared errors of each scheme.
+    """Run chains on all replicates of some records; sum the squared errors of each, in their order.
 
-    The records are made span by span (10 000 steps each). All schemes run on one span before the
-    next span is made. A scheme whose estimates follow straight lines does not run if motion and
-    noise are apart: its errors are summed by `fix_lines`.
+    All chains run on one span before the next is made. A baseline does not run if motion and noise
+    are apart: its errors are summed by `sum_line_errors`.
 
-    chains: the schemes, in the form of arrays for kernels.
-    records: the records, which are simulated during the run.
     settled: number of the first step after the settling time.
-    amplitude: amplitude of the motion, m. With an amplitude, motion plus noise is run as one
-        series, and the square of its error is stored as the product noise x noise. If None, motion
-        and noise are run separately, and all three products of the two errors are summed.
+    amplitude: of the motion, m: motion plus noise is run as one series, and the square of its error
+        is stored as the product noise x noise. None: motion and noise are run separately, and all
+        three products of the two errors are summed.
     keep_squared: whether the squared position error of each step is kept; only with an amplitude.
     consistency: whether NEES is computed; otherwise NEES is zero.
-    Returns: one entry per scheme, in the order of `chains`.
-    Raises InputError if fixes may be lost: the gains of a chain are those for fixes that all
-        arrive.
+    Raises InputError if fixes may be lost: a chain has the gains for fixes that all arrive.
     """
     require(
         not records.config.sensors.gnss.loses,
