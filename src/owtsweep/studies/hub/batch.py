@@ -1,7 +1,4 @@
-"""The batch engine: runs chains on simulated records and sums the chains' squared errors.
-
-A chain is a scheme in the form of arrays for compiled kernels. A lane is one series along one axis.
-"""
+"""The batch engine: runs chains on simulated records and sums the chains' squared errors."""
 
 from __future__ import annotations
 
@@ -73,10 +70,6 @@ def sum_errors(
     weights = [weights_of(chain, consistency=consistency) for chain in others]
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
-        """Return each chain's sums and kept squared errors for the replicates first to first + 7.
-
-        `first` is an index in `part`, which may have fewer replicates left.
-        """
         feed = Feed(part, first, amplitude)
         runs = [
             ChainRun(*pair, feed, settled, keep=keep_squared)
@@ -106,10 +99,9 @@ def sum_errors(
 
 
 def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
-    """Return the weights by which kernels make NEES and NIS from a scheme's errors.
+    """Return the weights by which kernels make NEES and NIS from a chain's errors.
 
-    `chain` is the scheme in the form of arrays for kernels. If `consistency` is False, the weights
-    for NEES are zero.
+    If `consistency` is False, the weights for NEES are zero.
     """
     return Weights(
         precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
@@ -119,10 +111,8 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
 
 
 class ChainRun:
-    """A run of one scheme on up to eight replicates, whose records arrive piece by piece.
+    """A run of one chain on up to eight replicates, whose records arrive span by span.
 
-    chain, weights: the scheme in its form for the batch engine, and its weights for NEES and NIS.
-    feed: the source of the records.
     settled: number of the first step after the settling time.
     keep: whether the squared position error of each step is kept.
     """
@@ -149,14 +139,14 @@ class ChainRun:
 
     @property
     def products(self) -> Array:
-        """The sums as `layout.products` arranges them."""
+        """The sums as `layout.products` arranges them, shape (2, 6, 3, WIDTH)."""
         return products(self.sums, self.direction)
 
     def advance(self, span: Span) -> None:
-        """Run the scheme on the next span of the records; add the errors' products to `self.sums`.
+        """Run the chain on the next span of the records; add the errors' products to `self.sums`.
 
-        Kernels process whole chunks of `self.chunk` steps. Steps at the end of the span that fill
-        no chunk wait for the next span, unless the record ends with this span.
+        Kernels take whole chunks. Steps at the end of the span that fill no chunk wait for the next
+        span, unless the record ends with this one.
         """
         from owtsweep.studies.hub.kernels import runs
 
@@ -169,12 +159,7 @@ class ChainRun:
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    """Join the results of one scheme for parts of the replicates into one `Sums`.
-
-    Each element of `parts` holds the sums and the squared errors of up to eight replicates. `chain`
-    is the scheme for the batch engine, `steps` the length of a record, and `settled` the number of
-    the first step after the settling time.
-    """
+    """Join the sums and squared errors of parts of the replicates into one `Sums`."""
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     sums, squared = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
     lengths = np.array([settled, steps - settled])
@@ -188,27 +173,22 @@ def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array,
 
 
 def arrays_of(chain: Chain) -> ChainArrays:
-    """Return those arrays of a chain (a scheme for the batch engine) that kernels take."""
+    """Return those arrays of a chain that kernels take."""
     return ChainArrays(chain.filter, chain.predictor, chain.mhe)
 
 
 def chunk_of(chain: Chain) -> tuple[int, int]:
-    """Return how many steps kernels process at once, and how many rows the next span must repeat.
+    """Return the length of a chunk in steps, and how many rows the next span must repeat.
 
-    The steps that are processed at once are a chunk. A span is the piece of the records that is in
-    memory, with one row per step. Steps at the end of a span that fill no chunk are processed with
-    the next span. So the next span repeats the rows of one chunk, and the rows before that chunk to
-    which the predictor and the input delay reach back.
+    The rows are those of one chunk, for steps at the end of a span that fill none wait for the
+    next, and those before it to which the predictor and the input delay reach back.
     """
     chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
     return chunk, chunk + lead_of(chain)
 
 
 def lead_of(chain: Chain) -> int:
-    """Return how many samples of the specific force kernels need from before their first step.
-
-    The predictor and the input delay of the chain (a scheme's arrays) reach back so far.
-    """
+    """Return how many samples of the specific force kernels need from before their first step."""
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
 
 
@@ -228,8 +208,8 @@ def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels.
 
-    The gains of a kernel are those for fixes that all arrive. So where fixes are lost, a scheme
-    runs step by step.
+    A kernel has the gains for fixes that all arrive. So where fixes may be lost, schemes run step
+    by step.
     """
     return config.engine == "batch" and not config.sensors.gnss.loses and scheme.batched != ""
 
@@ -247,8 +227,8 @@ def run_batch(
 ) -> list[Result]:
     """Run schemes by kernels; return for each what its estimates of each record are worth.
 
-    Chains run together on each span of the records, while it is in the processor's cache. Motion
-    and noise are apart in a cell without an amplitude.
+    Chains run together on each span, while it is in the processor's cache. Motion and noise are
+    apart in a cell without an amplitude.
     """
     amplitude = find_amplitude(config, cell)
     known = Known(records.sensors, config, find_period(cell), amplitude)
@@ -331,8 +311,8 @@ def _make_chains(
 def _count_threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
     """Return how many threads may prepare schemes for the kernels at once.
 
-    If the sweep runs in threads, the result is the number of the sweep's workers, because the
-    workers would otherwise wait. If the sweep runs in processes or on a cluster, the result is 1.
+    In a sweep that runs in threads, they are as many as its workers, which would otherwise wait; in
+    processes or on a cluster, one.
     """
     from joblib import cpu_count
 

@@ -73,7 +73,6 @@ class Gnss(Section):
 
     @property
     def loses(self) -> bool:
-        """Whether fixes may be lost."""
         return self.loss.probability > 0.0
 
     def list_faults(self) -> dict[str, str]:
@@ -124,8 +123,7 @@ class Grid(Section):
 class MotionConfig(Section):
     """Where the motion comes from: a spectrum, or a structure under waves (the plant).
 
-    All keys but `kind` and `envelope` belong to the plant; sea states and blades are null without a
-    plant.
+    All keys but `kind` and `envelope` belong to the plant.
     """
 
     kind: Literal["spectrum", "plant"] = key(
@@ -339,9 +337,9 @@ class HubConfig(TunedConfig):
     tune: Tune = key("what the command `tune` searches", default=Tune())
 
     def check(self) -> None:
-        """Check also that each tuning has a name that can be part of a file's name.
+        """Check as `TunedConfig.check`, and that each tuning's name can be part of a file's name.
 
-        Raises InputError if not; also as `TunedConfig.check`.
+        Raises InputError if not.
         """
         super().check()
         for name in self.tunings:

@@ -28,13 +28,10 @@ SIZES = {"peak": "amplitude", "rms": "rms"}
 
 
 def compute_envelope(config: HubConfig, structure: Structure) -> pd.DataFrame:
-    """Compute the points of a structure, with records as long as those of a run.
+    """Compute the points of a structure, with the seed and the length of records of a run.
 
-    config: the configuration of the run, of which the seed and the length of a record are used.
-    structure: the structure, which stands in water.
-    Returns: the points, as `owtsweep.motion.envelope.compute_points` describes them.
-    Raises InputError if the structure does not stand in water, or the run's records are too short
-    for waves.
+    The points are as `owtsweep.motion.envelope.compute_points` describes them. Raises InputError if
+    the structure does not stand in water, or the run's records are too short for waves.
     """
     draw = partial(stream, config.seed, "hub", (), 0)
     return compute_points(structure, list_seas(), draw, duration=config.record.duration)
@@ -43,13 +40,12 @@ def compute_envelope(config: HubConfig, structure: Structure) -> pd.DataFrame:
 def find_best(config: HubConfig, best: pd.DataFrame, points: pd.DataFrame) -> list[str]:
     """Return what a run's map names at each point: a scheme, or a baseline that has less error.
 
-    A point belongs to the cell whose centre is nearest, with amplitudes on a logarithmic scale.
+    A point belongs to the cell whose centre is nearest, with amplitudes on a logarithmic scale. It
+    gets `UNNAMED` outside the map or in a cell without a result.
 
     config: the configuration of the run, of one tuning.
     best: the run's table best_scheme.
     points: the points, as `compute_envelope` returns them.
-    Returns: one name per point; `UNNAMED` if the point lies outside the map or in a cell without a
-        result.
     Raises InputError if the run has one natural period or one amplitude, so that its map has no
     area.
     """
@@ -85,7 +81,6 @@ def tell_best(points: pd.DataFrame, tuning: str, size: str = "amplitude") -> str
     """Say in two sentences which scheme is best for a structure, and in which sea.
 
     points: the points with a column `best_<tuning>`, the result of `find_best`.
-    tuning: name of the tuning.
     size: the column of the size of the motion, "amplitude" or "rms".
     """
     best = points[f"best_{tuning}"]
@@ -116,7 +111,7 @@ def _tell_range(sizes: pd.Series[float]) -> str:
 
 
 def _tell_seas(bare: pd.DataFrame, column: str) -> str:
-    """Say from which wave height on the scheme of the highest sea is best, for each peak period.
+    """Say for each peak period from which wave height on the scheme of the highest sea is best.
 
     `bare` are the points of the structure as it is described, without blades.
     """

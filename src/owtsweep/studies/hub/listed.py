@@ -91,15 +91,11 @@ def describe() -> dict[str, str]:
 
 
 def list_entries(config: HubConfig) -> list[Entry]:
-    """Return the entries of all schemes that a configuration runs: `schemes`, then baselines."""
     return [*config.schemes, *list_baselines(config)]
 
 
 def list_baselines(config: HubConfig) -> list[str]:
-    """Return the names of the baselines of a configuration.
-
-    A baseline that the key `schemes` names too is a scheme like the others, and not listed.
-    """
+    """Return the names of the baselines that the key `schemes` does not name too."""
     return [name for name in config.baselines if name not in config.schemes]
 
 
@@ -114,15 +110,12 @@ class StoredHubScheme(StoredScheme, Scheme):
         self.check_declared()
 
     def start(self, known: Known) -> NoReturn:
-        """Raise `InputError`, because the code of a stored scheme is never run."""
         self.refuse()
 
     def kernel(self, known: Known, steps: int | None = None) -> NoReturn:
-        """Raise `InputError`, because the code of a stored scheme is never run."""
         self.refuse()
 
     def own_kernel(self, known: Known, steps: int) -> NoReturn:
-        """Raise `InputError`, because the code of a stored scheme is never run."""
         self.refuse()
 
 
@@ -130,13 +123,12 @@ class HubTable(SchemeTable):
     """The hub's schemes and baselines; a scheme may have variants, for which a tuning asks."""
 
     def list_entries(self, config: HubConfig) -> list[Entry]:
-        """Return the entries of schemes and baselines."""
         return list_entries(config)
 
     def choose(self, config: HubConfig) -> list[AnyScheme]:
         """Return all schemes and baselines of the configuration of one tuning, in their variants.
 
-        Raises InputError as `resolve_all`, or if a scheme has no variant for the configuration.
+        Raises InputError as `resolve_all`.
         """
         return [*resolve_all(self.list_entries(config), config)]
 
@@ -153,10 +145,7 @@ def resolve(entry: Entry) -> Scheme:
 
 
 def resolve_all(entries: Sequence[Entry], config: HubConfig | None = None) -> list[Scheme]:
-    """Return all schemes of a run, in the order of `entries` (the value of the key `schemes`).
-
-    If `config`, the configuration of one tuning, is given, each scheme is replaced by the variant
-    that it asks for.
+    """Return the schemes of entries in order, or the variants for which `config` asks.
 
     Raises InputError as `SchemeTable.resolve_all`, or if a scheme has no variant for the
     configuration.

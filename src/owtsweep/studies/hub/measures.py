@@ -1,8 +1,4 @@
-"""Makes the rows of the hub study: MSE (Eq. 12 of Ren et al. 2019), NEES and NIS.
-
-Each measure is computed in two time windows: the whole record, and the part after the settling
-time.
-"""
+"""Makes the rows of the hub study: MSE (Eq. 12 of Ren et al. 2019), NEES and NIS."""
 
 from __future__ import annotations
 
@@ -32,11 +28,10 @@ class Sums(NamedTuple):
     products: sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after
         the settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
         motion x noise, noise x noise. SI units.
-    steps, covariances, innovations: number of steps, number of steps for which the scheme states
-        the covariance of its estimate, and number of innovations, before and after the settling
-        time, shape (2,) each.
-    squared: squared position error of each step, m^2, shape (steps, replicates). The shape is
-        (0, replicates) if `sum_errors` was called without `keep_squared`.
+    steps, covariances, innovations: numbers of steps, of stated covariances and of innovations,
+        before and after the settling time, shape (2,) each.
+    squared: squared position error of each step, m^2, shape (steps, replicates), or (0, replicates)
+        without `keep_squared`.
     """
 
     products: Array
@@ -74,8 +69,8 @@ def from_sums(sums: Sums) -> list[Means]:
 def _extremes(squared: Array) -> Array:
     """Compute largest error and 95th percentile of the error from squared errors (steps, records).
 
-    The result has the shape (2, 3, records): the two measures, the three products of `Means`,
-    the records. Only the last product, noise x noise, is set; the other two products are zero.
+    The result has the shape (2, 3, records): the two measures, the three products of `Means`, of
+    which only noise x noise is not zero, the records.
     """
     error = np.sqrt(squared)
     result = np.zeros((2, 3, error.shape[1]))

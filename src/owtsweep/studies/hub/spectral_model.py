@@ -39,8 +39,7 @@ FLOOR = 0.1
 class SpectralAxis:
     """The model of SKF along one axis.
 
-    model: the model in discrete time. Its fast measurement is the specific force, its slow one a
-        fix.
+    model: its fast measurement is the specific force, its slow one a fix.
     first: covariance (N, N) of the state one step before step 0.
     outputs: rows (2, n) of position and velocity.
     """
@@ -67,9 +66,7 @@ def make_axis(
     fixes have the sensors' own variances.
 
     shaping: the spectrum, of n states, for motion with a variance of 1 m^2.
-    variance: variance of the motion along the axis, m^2.
-    tuning: the section `skf` of the configuration.
-    sensors: the properties of IMU and GNSS.
+    variance: of the motion along the axis, m^2.
     """
     from scipy.linalg import solve_continuous_lyapunov
 
@@ -98,10 +95,7 @@ def make_axis(
 
 
 class _Last(local):
-    """What a thread made last, which it often needs again: the gains take some 0.4 s.
-
-    More is not kept, because the gains take much memory.
-    """
+    """What a thread made last, which it often needs again; more would take too much memory."""
 
     what: tuple[object, ...] | None = None
     axes: tuple[SpectralAxis, SpectralAxis]
@@ -116,7 +110,7 @@ def make_axes(
     """Make the models along x and y: one shaping filter, and the variance of each axis.
 
     The shaping filter is fitted where the motion's density is above what the sensors' noise has as
-    a position. The floor is that of the axis with the larger variance.
+    a position, along the axis with the larger variance.
     """
     told = (known.frequency, known.density, known.variance)
     what = (*(array.tobytes() for array in told), repr(tuning), sensors)
@@ -130,11 +124,9 @@ def make_axes(
 
 
 def fit_or_recall(frequency: Array, density: Array, states: int, floor: Array) -> ShapingFilter:
-    """Return what `fit_shaping_filter` returns for these arguments, from the cache if it is there.
+    """Do as `fit_shaping_filter`, or recall its result from the cache.
 
     `frequency` (Hz), `density` and `floor` (Hz^-1) have the shape (m,).
-
-    Raises InputError as `fit_shaping_filter`.
     """
     given = b"".join(np.ascontiguousarray(array).tobytes() for array in (frequency, density, floor))
     what = {"what": "shaping filter", "states": states, "given": blake2b(given).hexdigest()}

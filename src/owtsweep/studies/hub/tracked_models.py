@@ -44,9 +44,7 @@ def make_candidate(
 
     candidate: natural period, bandwidth and variance, as indices; None for a model that assumes
         next to nothing of the motion.
-    bias_variance: variance of the bias at the start, (m/s^2)^2.
-    tuning: the section `skf` of the configuration.
-    sensors: the properties of IMU and GNSS.
+    bias_variance: of the bias at the start, (m/s^2)^2.
     band: edges of the band of the motion, Hz.
     """
     tuning = changed(tuning, bias_variance=bias_variance)

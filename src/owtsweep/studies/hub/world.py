@@ -31,8 +31,7 @@ class World(ABC):
     """One kind of truth: a source of motion, and the conditions that it is swept over.
 
     name: the value of the key `motion` that chooses it.
-    conditions: the axes of the grid.
-    section: the section of the configuration that holds their values.
+    conditions, section: the axes of the grid, and the configuration's section with their values.
     has_spectrum: whether the motion has the spectrum of Eq. (1) of Ren et al. (2019).
     boundary: the schemes whose boundary is reported: the first is better at amplitudes below the
         boundary, the second above. None: there are no amplitudes.
@@ -78,7 +77,7 @@ class World(ABC):
 
     @abstractmethod
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
-        """Return the source of motion under some conditions, condition -> value.
+        """Return the source of motion under some conditions.
 
         Raises InputError if it cannot be computed; the message names the key.
         """
@@ -136,41 +135,31 @@ class SpectrumWorld(World):
     seconds_per_step = 0.0
 
     def get_grid(self, config: HubConfig) -> Grid:
-        """Return natural periods (s) and amplitudes (m)."""
         return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
 
     def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return natural period and amplitude."""
         return self.conditions
 
     def check(self, config: HubConfig) -> None:
-        """Raise `InputError` if spectrum, band, envelope and sensors do not fit together.
-
-        The keys that only the plant has are refused.
-        """
         _refuse_keys_of_plant(config)
         _check_envelope(config)
         _check_band(config)
         _check_spectrum(config)
 
     def list_content(self, config: HubConfig) -> Plain:
-        """Return spectrum, band, scale and envelope."""
         whole = as_mapping(config)
         content = {key: whole[key] for key in ("spectrum", "normalise", "band")}
         return content | {"envelope": config.motion.envelope}
 
     def list_pairing(self, config: HubConfig) -> Plain:
-        """Return spectrum, band and scale."""
         return {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
 
     def describe(self, config: HubConfig) -> str:
-        """Return the envelope of the motion in words."""
         points = config.motion.envelope or []
         told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
         return f"amplitude times {told}" if told else ""
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
-        """Return the source of motion of an amplitude of 1 m at a natural period."""
         low, high = config.band
         envelope, period = config.motion.envelope, float(conditions["natural_period"])
         shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)

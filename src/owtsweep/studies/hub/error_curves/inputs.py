@@ -23,8 +23,8 @@ class Probe:
     angle: phase advance per step of the IMU, rad, shape (n,).
     force, fix: amplitudes that a unit sinusoid has in the IMU's samples and in the position fixes,
         shape (n,) each.
-    truth: true if the sinusoid is a displacement that the estimate should follow; position fixes
-        then arrive with the delay of the GNSS. False if the estimate should stay at zero.
+    truth: true if the sinusoid is a displacement that the estimate should follow; fixes then arrive
+        with the delay of the GNSS. False if the estimate should stay at zero.
     phasor: true if both a cosine and a sine are run for each sinusoid, false if only the sine is
         run.
     shift: phase at step 0, rad.
@@ -38,16 +38,13 @@ class Probe:
     shift: float = 0.0
 
     def part(self, first: int, last: int) -> Probe:
-        """Return a test input with the sinusoids number `first` ... last - 1 of this test input."""
+        """Return a test input with the sinusoids number `first` ... last - 1."""
         some = slice(first, last)
         return replace(self, angle=self.angle[some], force=self.force[some], fix=self.fix[some])
 
 
 def motion(frequency: Array, sensors: Sensors) -> Probe:
-    """Make a probe (test input) of sinusoidal displacements of 1 m.
-
-    `frequency` are the sinusoids' frequencies, Hz, shape (n,).
-    """
+    """Make a probe of sinusoidal displacements of 1 m at frequencies in Hz, shape (n,)."""
     omega = 2.0 * np.pi * frequency
     force = force_per_displacement(omega, sensors).real  # checks.py refuses an AC coupling
     fix = np.full(len(omega), sensors.fix_scale)
@@ -57,8 +54,8 @@ def motion(frequency: Array, sensors: Sensors) -> Probe:
 def forces(number: Array, steps: int) -> Probe:
     """Make a probe of specific forces e^{2 pi i number k / steps} at steps k = 0 ... steps - 1.
 
-    `number` has the shape (n,). Divided by sqrt(steps), the vectors for all numbers are an
-    orthonormal basis of IMU noise.
+    `number` has the shape (n,). Divided by sqrt(steps), the vectors are an orthonormal basis of IMU
+    noise.
     """
     return Probe(2.0 * np.pi * number / steps, np.ones(len(number)), np.zeros(len(number)))
 
@@ -66,8 +63,8 @@ def forces(number: Array, steps: int) -> Probe:
 def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
     """Make a probe of position fixes e^{2 pi i number q / count}, fix number q = 0 ... count - 1.
 
-    `number` has the shape (n,). Divided by sqrt(count), the vectors for all numbers are an
-    orthonormal basis of noise in fixes.
+    `number` has the shape (n,). Divided by sqrt(count), the vectors are an orthonormal basis of
+    noise in fixes.
     """
     angle = 2.0 * np.pi * number / (count * sensors.fix_interval)
     return Probe(angle, np.zeros(len(number)), np.ones(len(number)))
@@ -76,16 +73,13 @@ def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
 def walks(number: Array, steps: int) -> Probe:
     """Make a probe of the eigenvectors of a Wiener process: forces sin(angle k) at steps k.
 
-    The Wiener process starts from zero at step 0 and has `steps` steps. `number`, shape (n,), are
-    the numbers of eigenvectors, from 1 on.
+    The process starts from zero at step 0 and has `steps` steps. `number`, shape (n,), counts
+    eigenvectors from 1 on.
     """
     angle = (2.0 * number - 1.0) * np.pi / (2.0 * (steps - 1) + 1.0)
     return Probe(angle, np.ones(len(number)), np.zeros(len(number)), phasor=False)
 
 
 def constant() -> Probe:
-    """Make a probe (test input) of a constant specific force of 1 m/s^2.
-
-    The force is written as sin(0 k + pi/2) at steps k.
-    """
+    """Make a probe of a constant specific force of 1 m/s^2, as sin(0 k + pi/2) at steps k."""
     return Probe(np.zeros(1), np.ones(1), np.zeros(1), phasor=False, shift=0.5 * np.pi)

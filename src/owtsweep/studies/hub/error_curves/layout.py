@@ -1,7 +1,7 @@
 """The structures that the kernels of the expected engine take.
 
-A lane is one sinusoidal test input to a scheme. Sixteen lanes run together: sixteen sines, or eight
-cosines and, behind them, their sines (phasors).
+Sixteen lanes, each a sinusoidal test input, run together: sixteen sines, or eight cosines and,
+behind them, their sines (phasors).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Waves(NamedTuple):
     now: the sinusoids of the next step; one row with the fields c and s (cosine and sine), turn_c
         and turn_s (of the angle per step), force (what turns a sine into a specific force) and rate
         (angular frequency, rad/s).
-    block: number of steps in a block, after which sinusoids start anew from `starts`.
+    block: number of steps after which sinusoids start again from `starts`.
     moving: whether any force differs from zero.
     phasor: whether the lanes are phasors.
     truth: whether the estimates should follow the sinusoids.
@@ -38,16 +38,13 @@ class Waves(NamedTuple):
 
 
 class Course(NamedTuple):
-    """The plan by which lanes are run and tested for a response that repeats.
+    """The plan by which lanes are run and tested for a response that repeats; all in steps.
 
-    A lane is one sinusoidal test input.
-
-    lead: number of steps before a chunk whose force the computation of the chunk needs.
-    chunk: number of steps computed at a time.
+    lead: number of steps before a chunk whose force the chunk needs.
+    chunk: length of a chunk.
     settled: the first settled step.
-    cycle: number of steps after which the scheme's gains, fixes and moving horizon estimator
-        repeat.
-    every: number of steps from one test to the next.
+    cycle: time after which the scheme's gains, fixes and MHE repeat.
+    every: time from one test to the next.
     lanes: number of lanes in use; for phasors, of cosines alone.
     tolerance: cycles repeat if their sums of squared errors differ by at most this, relatively.
     """
@@ -62,10 +59,9 @@ class Course(NamedTuple):
 
 
 class Buffers(NamedTuple):
-    """The working memory of sixteen lanes (test inputs).
+    """The working memory of sixteen lanes.
 
-    filled: two steps: the step in row 0 of `force` and `wave`, and the first step that is not
-        filled yet.
+    filled: the step in row 0 of `force` and `wave`, and the first step that is not filled yet.
     force, wave: specific force, shape (rows, 16), and the sinusoid itself and its rate, shape
         (rows, 32).
     fixes: position fixes, shape (fixes, 16).
@@ -73,8 +69,8 @@ class Buffers(NamedTuple):
         (sums of squared errors), which the compiler can tell apart.
     sums: sums of squared errors, shape (2, 2, 16): parts of the record (before and after settling),
         measures, lanes. For phasors, the cosines' lanes hold the sum of both.
-    ring: sums of squared errors of the newest cycles, shape (slots, 2, 16). A cycle is
-        `Course.cycle` steps. Cycle number q is in slot q modulo the number of slots.
+    ring: sums of squared errors of the newest cycles, shape (slots, 2, 16). Cycle number q is in
+        slot q modulo the number of slots.
     """
 
     filled: NDArray[np.int64]

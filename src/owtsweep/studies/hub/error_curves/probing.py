@@ -1,7 +1,7 @@
 """Runs a chain on the sinusoids of a probe and sums its squared errors in a record's windows.
 
-A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. A cosine or sine
-fills a lane; a sinusoid takes one lane or two. Kernels run sixteen lanes, a batch, at once.
+A cosine or sine fills a lane; a sinusoid takes one lane or two. Kernels run sixteen lanes, a
+pair's, at once.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ ERRORS = ("p", "v", "pp", "vv")
 
 
 class Workspace:
-    """Runs one chain (a scheme as arrays) on probes (test inputs) that are as long as a record.
+    """Runs one chain on probes as long as a record.
 
-    All runs use the same memory, because allocation takes time. Therefore only one run is allowed
-    at a time.
+    All runs use the same memory, because allocation takes time. So only one run is allowed at a
+    time.
     """
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
@@ -49,10 +49,9 @@ class Workspace:
         self.pairs: list[PairMemory] = []
 
     def pair(self, number: int) -> PairMemory:
-        """Return the memory, set to zero, of pair number `number`.
+        """Return the memory, set to zero, of pair number `number`; make it for a new pair.
 
-        A pair is sixteen lanes (test inputs) that are run together. Memory is made for a new pair;
-        pairs are numbered from 0 without gaps.
+        Pairs are numbered from 0 without gaps.
         """
         if number == len(self.pairs):
             count = self.lead + 2 * self.chunk
@@ -69,8 +68,7 @@ class Workspace:
         """Compute the sums of squared errors over a record for each of the probe's n sinusoids.
 
         The result has the shape (2, 2, n): measures position and velocity, windows full and
-        settled. For a phasor (a cosine and a sine of one frequency), the sums of cosine and sine
-        are added.
+        settled. For a phasor, the sums of cosine and sine are added.
         """
         lanes_each = 2 if probe.phasor else 1
         each = min(WIDTH // lanes_each, max(MOST_INPUTS // (self.steps * lanes_each), 1))
@@ -101,7 +99,7 @@ class Workspace:
 
 
 class PairMemory(NamedTuple):
-    """The memory of a pair (sixteen lanes): a scheme's, and `Buffers.force` and `Buffers.wave`."""
+    """The memory of a pair: a scheme's, and `Buffers.force` and `Buffers.wave`."""
 
     memory: Memory
     force: Array
@@ -109,10 +107,9 @@ class PairMemory(NamedTuple):
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs (sixteen lanes each) to the first step at which all responses repeat.
+    """Run pairs to the first step at which all responses repeat, at most `steps`; return the step.
 
-    A lane is one sinusoidal test input. If the responses do not repeat, run to the record's end,
-    `steps`. Return the step reached. Repetition is tested from the step `earliest` on.
+    Repetition is tested from the step `earliest` on.
     """
     done = place = agreeing = 0
     while agreeing < len(pairs):
@@ -132,8 +129,7 @@ class _Pair:
     """Sixteen lanes: a scheme's state for the lanes, and sums of squared errors.
 
     The lanes hold the sinusoids of `probe`: up to eight cosines and their sines, or up to sixteen
-    sines. Unused lanes are zero. `number` is the number of the memory in `space` that the pair
-    uses.
+    sines. Unused lanes are zero. `number` is that of the memory in `space`.
     """
 
     def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
@@ -156,11 +152,7 @@ class _Pair:
         self.done, self.repeats = 0, False
 
     def advance(self, stop: int, judged: int) -> None:
-        """Run until the response repeats, but at most up to step `stop`.
-
-        Repetition is tested from step `judged` on. The attributes `done` (the step reached) and
-        `repeats` are updated.
-        """
+        """Run until the response repeats, tested from step `judged` on, or to step `stop`."""
         from owtsweep.studies.hub.error_curves.kernels import advance
 
         self.done, self.repeats = advance(
@@ -170,19 +162,12 @@ class _Pair:
 
     @property
     def sums(self) -> Array:
-        """The sums of squared errors; axes are part of the record, measure, sinusoid.
-
-        The parts are before and after settling; the measures are position and velocity.
-        """
+        """The sums of squared errors; axes are part (before, after settling), measure, sinusoid."""
         return self._of_lanes(self.buffers.sums)
 
     @property
     def ring(self) -> Array:
-        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid.
-
-        A slot holds the sums of one cycle. A cycle is the time after which the scheme's gains
-        repeat. The measures are position and velocity.
-        """
+        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid."""
         return self._of_lanes(self.buffers.ring)
 
     def _of_lanes(self, sums: Array) -> Array:

@@ -1,7 +1,7 @@
 """Computes the expected settled error of SKF in a cell under the true spectrum, without records.
 
-SKF believes in a shaping filter, whose spectrum is near the true one, which has hard edges. Here
-the motion has the true spectrum, so the difference of this error from what SKF states of itself
+SKF assumes a shaping filter, whose spectrum is near the true one, which has hard edges. Here the
+motion has the true spectrum, so the difference of this error from what SKF states of itself
 measures the fit.
 
 It is the limit of long records: the start has died away, and nothing depends on the settling time.
@@ -40,7 +40,7 @@ AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 class SpectralErrors(NamedTuple):
     """The settled mean square errors of SKF along x and y, means over the time between two fixes.
 
-    true: errors of position (m^2) and velocity ((m/s)^2) under the true spectrum, shape (axes, 2).
+    true: position (m^2) and velocity ((m/s)^2) under the true spectrum, shape (axes, 2).
     stated: what SKF's covariance says they are: the solution of the periodic Riccati equation of
         SKF's own model, shape (axes, 2).
     """
@@ -81,8 +81,6 @@ def find_expected_errors(
 
 def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> pd.DataFrame:
     """Make the rows of SKF at natural periods (s) and an amplitude (m), in the settled window.
-
-    A row has the expected mean square error of one measure as its value.
 
     Raises InputError as `find_expected_errors`.
     """
@@ -145,14 +143,15 @@ def find_motion_errors(
 ) -> Array:
     """Compute the mean square errors that sinusoidal motions cause.
 
+    The result is for position and velocity per variance of the displacement, 1 and s^-2, shape
+    (2, m); means over a cycle.
+
     model, rows: the filter, with a state of N numbers, n of them states of the shaping filter, and
         its gains until they have settled.
     outputs: rows (2, n) of position and velocity.
     frequencies: the angular frequencies of the motions, rad/s, shape (m,); the fast measurement per
         displacement at each, s^-2, shape (m,); and the time of a step, s.
     scale: the slow measurement per displacement, which the filter takes for 1.
-    Returns: mean square errors of position and velocity per variance of the displacement, 1 and
-        s^-2, shape (2, m); means over a cycle.
     """
     omega, force, step = frequencies
     steps, n = close_loop(model, rows), len(model.Q)
@@ -193,10 +192,11 @@ def find_noise_errors(
 ) -> Array:
     """Compute the mean square errors of position and velocity that the sensors' noise causes.
 
-    model, rows, outputs: as for `find_motion_errors`.
+    They are in m^2 and (m/s)^2, means over a cycle, shape (2,); other parameters are as in
+    `find_motion_errors`.
+
     noise: the true variances: of the fast and of the slow measurement's noise, and that which the
         bias gains in a step.
-    Returns: mean square errors of position (m^2) and velocity ((m/s)^2), means over a cycle, (2,).
     Raises InputError if the filter does not settle: its model has a bias without a walk.
     """
     from scipy.linalg import solve_discrete_lyapunov

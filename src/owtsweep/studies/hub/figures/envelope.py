@@ -32,11 +32,10 @@ NAME = "envelope"
 def save_envelope(run: Run, structure: Structure, folder: Path) -> tuple[list[Path], list[str]]:
     """Write the map of a run with a structure's envelope, and the table of the sea states behind.
 
+    The files are envelope.png, envelope.svg and envelope.csv. Return their paths, and for each
+    tuning a sentence or two on the best scheme in which sea.
+
     run: a finished run of the hub study, over natural period and amplitude.
-    structure: the structure, which stands in water.
-    folder: folder for envelope.png, envelope.svg and envelope.csv.
-    files, sentences: the files, and for each tuning a sentence or two on the best scheme in which
-        sea.
     Raises InputError if the run is of another study, has no results, or has a map without area; or
     if the structure does not stand in water.
     """
@@ -71,7 +70,6 @@ def make_region(
     """Return the region of a structure's points as it is drawn over a map, with its explanation.
 
     points: the points of the structure, as `compute_envelope` returns them.
-    structure: the structure, for its name.
     size: the column of the size of the motion, "amplitude" or "rms".
     """
     heights, periods = points["hs"], points["tp"]

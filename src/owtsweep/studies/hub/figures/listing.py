@@ -59,11 +59,8 @@ def drawings(
 ) -> dict[str, Drawing]:
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
-    Some figures show the run's results. The other figures are simulated from the run's
-    configuration.
+    Some show the run's results. The others are simulated from its configuration.
 
-    config: the run's configuration.
-    tables: the run's tables "summary" and "best_scheme".
     rows: the run's rows, including those of failed schemes.
     metadata: texts by name to store inside the figures' files.
     """
@@ -91,7 +88,6 @@ def drawings_of_plant(
     """List all figures of a run with motion=plant: maps, a record, its spectrum, time histories.
 
     There are the maps of each combination of those conditions that are not axes of the map.
-    Parameters are those of `drawings`.
     """
     records, same = config.grid.replicates, find_coinciding(make_cube(config, rows), CRITERIA)
     found: dict[str, Draw] = {}
@@ -113,10 +109,7 @@ DRAWINGS = {"spectrum": drawings, "plant": drawings_of_plant}
 def save_each(
     figures: Mapping[str, Draw], origin: str, metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
-    """Turn functions that draw figures, by name, into functions that draw and save them.
-
-    `origin` is written above each figure: of which truth and which records it is.
-    """
+    """Turn functions that draw figures into functions that save them too, with `origin` above."""
 
     def with_origin(draw: Draw) -> Figure:
         from owtsweep.figures import style
@@ -131,9 +124,9 @@ def save_each(
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """List the two maps of the best scheme by name: judged by the run's criterion, and by velocity.
+    """List the maps of the best scheme by the run's criterion and by velocity, under their names.
 
-    `draw_map` draws a map from the name of a criterion, "position" or "velocity".
+    `draw_map` draws the map of a criterion.
     """
     return {
         MAP: partial(draw_map, config.measures.criterion),
@@ -155,13 +148,10 @@ def draw_cells(
 
     With motion=plant, the axes are two of the plant's conditions.
 
-    tables: the run's tables; "best_scheme" is drawn.
     rows: the run's rows, of which failed ones are counted.
-    criterion: the measure by which schemes are compared, "position" or "velocity".
-    coinciding: groups of schemes with equal results. The map shows each group under the last of its
-        names.
-    replicates: planned number of records per cell, for the title; None leaves the number out.
-    at: values of the conditions that are not axes of the map, condition -> value.
+    coinciding: groups of schemes with equal results, shown under the last of their names.
+    replicates: planned number of records per cell, for the title; None leaves it out.
+    at: values of the conditions that are not axes of the map.
     """
     from owtsweep.figures import best_scheme_map
 
@@ -193,8 +183,7 @@ def over_amplitude(
 ) -> dict[str, Draw]:
     """List the figures of MSE against amplitude by name, one figure per natural period (s).
 
-    `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
-    `printed` are published numbers to mark (`mse_over_amplitude.draw`).
+    `coinciding` and `printed` are those of `mse_over_amplitude.draw`.
     """
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
@@ -216,10 +205,7 @@ def over_amplitude(
 
 
 def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]:
-    """List the figure of efficiency, if the configuration asks for efficiency, by its name.
-
-    `summary` is the run's table "summary".
-    """
+    """List the figure of efficiency, if the configuration asks for it, by its name."""
     if not config.measures.efficiency:
         return {}
     from owtsweep.studies.hub.figures import efficiency
@@ -228,10 +214,7 @@ def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]
 
 
 def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]:
-    """List the figure of the errors of single records, if there are several records, by its name.
-
-    `rows` are the run's rows.
-    """
+    """List the figure of the errors of single records, if there are several, by its name."""
     from owtsweep.figures import distributions, style
     from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
 
@@ -254,11 +237,7 @@ def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
-    """List the figures that need the configuration alone: name -> function that draws the figure.
-
-    The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
-    are groups of schemes with equal results, for a footnote.
-    """
+    """List the figures that need the configuration alone: record, spectrum, histories, errors."""
     from owtsweep.studies.hub.figures import error_spectra
 
     return {
@@ -269,7 +248,6 @@ def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> di
 
 
 def _record(config: HubConfig) -> dict[str, Draw]:
-    """List the figures of a displacement record and its spectrum: name -> function that draws."""
     from owtsweep.studies.hub.figures import record_and_spectrum
 
     return {
@@ -279,7 +257,6 @@ def _record(config: HubConfig) -> dict[str, Draw]:
 
 
 def _time_histories(config: HubConfig) -> dict[str, Draw]:
-    """List the figures of one record over time: name -> function that draws the figure."""
     from owtsweep.studies.hub.figures import time_histories
     from owtsweep.studies.hub.histories import simulate_histories
 

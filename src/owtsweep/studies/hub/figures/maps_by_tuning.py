@@ -43,9 +43,9 @@ MOST_LABELS = 300
 
 @dataclass(frozen=True)
 class Region:
-    """A region of natural periods and amplitudes to outline on a map.
+    """A region to outline on a map.
 
-    natural_period: natural periods (s), increasing, shape (n,).
+    natural_period: s, increasing, shape (n,).
     low, high: lower and upper edge of the region there (m), shape (n,).
     label, text: the entry of the legend, and the sentences for the footnote.
     """
@@ -64,9 +64,8 @@ def draw(
 ) -> Figure:
     """Draw one map per tuning, with a sentence below each title.
 
-    results: the results by tuning.
-    at: condition -> value, for the conditions that are not axes of the maps; None for none.
-    region: a region to outline on every map; None for none.
+    at: values of the conditions that are not axes of the maps.
+    region: a region to outline on every map.
     Raises InputError if a tuning has no cell that the run's criterion and window judge.
     """
     config: AnyConfig = next(iter(results.values())).config
@@ -129,10 +128,7 @@ def draw(
 
 
 def _find_groups(result: Results, cells: pd.DataFrame, *, second: bool) -> list[Sequence[str]]:
-    """Find the groups of schemes with equal results that the map of a tuning names.
-
-    `second` says whether it names runners-up. Results without rows have no groups.
-    """
+    """Find the groups of schemes with equal results that a map names, as runners-up if `second`."""
     if result.rows.empty:
         return []
     config: AnyConfig = result.config
@@ -148,7 +144,6 @@ _OUTLINE: style.Look = {
 
 
 def _outline(axes: Axes, plane: Plane, region: Region) -> None:
-    """Outline a region on a map."""
     across = plane.column_of(region.natural_period)
     low, high = plane.height_of(region.low), plane.height_of(region.high)
     corners = np.concatenate([np.stack([across, low], 1), np.stack([across, high], 1)[::-1]])

@@ -31,11 +31,10 @@ def draw(
 
     summary: the table summary.csv of a run.
     natural_period: one of the natural periods in `summary`, in s.
-    schemes: schemes to draw, in the order of the legend.
-    window: the time window of the rows to draw, "full" or "settled"; also named in the title.
-    tuning: name of the tuning, for the title.
+    schemes: in the order of the legend.
+    window, tuning: for the title; rows of other windows are not drawn.
     coinciding: groups of schemes with equal results, for the footnote.
-    baselines: baselines to draw too, as thin lines.
+    baselines: drawn as thin lines.
     printed: published numbers, of which those at this natural period are drawn as hollow marks.
         Columns: table, natural_period (s), amplitude (m), scheme, measure, value, note.
     Raises InputError if `summary` has no data at that period in that window.
@@ -69,7 +68,6 @@ def draw(
 
 
 def _explain_baselines(baselines: Sequence[str]) -> list[str]:
-    """Write a sentence for the footnote on the baselines that are drawn."""
     if not baselines:
         return []
     told = "; ".join(f"{name}, {BASELINES[name]}" for name in baselines)
@@ -82,10 +80,7 @@ def _choose_marks(
     amplitudes: pd.Series[float],
     schemes: Sequence[str],
 ) -> pd.DataFrame:
-    """Return the published numbers of the schemes at a natural period (s).
-
-    Numbers at amplitudes outside the range of `amplitudes` are left out.
-    """
+    """Return the published numbers of schemes at a natural period (s), in a range of amplitudes."""
     inside = printed["amplitude"].between(amplitudes.min(), amplitudes.max())
     here = np.isclose(printed["natural_period"], natural_period) & inside
     return printed[here & printed["scheme"].isin(list(schemes))]

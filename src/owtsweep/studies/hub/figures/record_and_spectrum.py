@@ -40,11 +40,10 @@ class Displacement:
     """The displacement of the hub in record 0, and what the figures say about the record.
 
     series, step: displacement in m, shape (steps, 2), columns x and y; and the time step, s.
-    natural_period: natural period, s; that of the first mode with motion=plant.
+    natural_period: s; that of the first mode with motion=plant.
     title, made_of, size: the motion for titles; of what the record is made, and how large the
         motion is.
-    given, given_label: the spectrum of Eq. (1) of Ren et al. (2019) at this natural period, and its
-        label.
+    given, given_label: the spectrum of Eq. (1) of Ren et al. (2019) at this period, and its label.
     peaks: label -> frequency (Hz) at which a peak of the spectrum is expected.
     """
 
@@ -143,7 +142,6 @@ def draw_spectrum(config: HubConfig) -> Figure:
 
 
 def _mark_peaks(axes: Axes, peaks: dict[str, float]) -> None:
-    """Draw a vertical line at each expected peak, label -> frequency in Hz."""
     for (label, frequency), linestyle in zip(peaks.items(), ("--", ":"), strict=True):
         axes.axvline(frequency, color=EDGE, linestyle=linestyle, zorder=1.0, label=label)
 

@@ -1,9 +1,8 @@
 """The arrays that the batch engine's kernels take: a scheme, its input, its memory.
 
-A chain is a scheme as arrays. A lane is one series of numbers along one axis. Kernels run all lanes
-of a row side by side: their innermost loops run over the lanes, and LLVM makes vectors of them.
-For that, a row is a record whose fields have a fixed number of lanes, so the compiler knows that
-fields do not overlap. A chunk is a stretch of a record whose steps are computed together.
+Kernels run all lanes of a row side by side: their innermost loops run over the lanes, and LLVM
+makes vectors of them. For that, a row is a record whose fields have a fixed number of lanes, so the
+compiler knows that fields do not overlap.
 """
 
 from __future__ import annotations
@@ -32,11 +31,11 @@ class FilterArrays(NamedTuple):
         force.
     K: the filter's gains, shape (rows, 4, 2); the last axis is position, specific force.
     applied: whether the position is used at a step with this row of K, shape (rows,).
-    C, D: the smoother's gains (rows, 4, 4), and its gains for the innovations that leave the window
+    C, D: the smoother's gains (rows, 4, 4), and those for innovations that leave the window
         (rows, 4, 2).
-    cycle: K, C and D have one row per step. After the last row, the last `cycle` rows repeat.
-    input_delay, window, fix_interval: delay of the specific force, length of the smoother's window,
-        and time between fixes, all in steps.
+    cycle: after the last row of K, C and D, the last `cycle` rows repeat.
+    input_delay, window, fix_interval: delay of the specific force, the smoother's lag, and time
+        between fixes, all in steps.
     """
 
     A: Array
@@ -55,8 +54,8 @@ class FilterArrays(NamedTuple):
 class LeanTerms(NamedTuple):
     """What an IMU that leans as it moves adds in one step of integrating its specific force.
 
-    In one step the position also grows by `pp` times itself, `pv` times the velocity and `pu` times
-    the input; the velocity by `vp`, `vv` and `vu` times these three. All are zero without a lean.
+    The position also grows by `pp` times itself, `pv` times the velocity and `pu` times the input;
+    the velocity by `vp`, `vv` and `vu` times these three. All are zero without a lean.
     """
 
     pp: float
@@ -102,20 +101,18 @@ class PredictorArrays(NamedTuple):
 
 
 class HorizonArrays(NamedTuple):
-    """The moving horizon estimator (MHE) without constraints: matrices that turn data into states.
+    """The MHE without constraints: matrices that turn data into states.
 
     active: whether the scheme has an MHE.
     maps: one matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
         columns are explained in `estimation.mhe.window_map`.
-    horizon: N_m, the number of intervals between fixes in a full window of the MHE.
+    horizon: N_m, the number of intervals between fixes in a full window.
     interval: T_m, the time between the MHE's positions, in steps.
-    first: number of the first fix at which the MHE's window can be solved.
-    arrival: whether the MHE's window has an arrival state (a prior of its oldest state).
+    first: number of the first fix at which the window can be solved.
+    arrival: whether the window has an arrival state (a prior of its oldest state).
     inputs: which IMU samples are taken: ALL, AVERAGED or SAMPLED.
     step: sampling interval of the IMU, s.
-    growth: what a state at the last fix adds to position and velocity, beside itself, k steps
-        later; shape (steps between fixes, 2, 3), see `hub.horizon.growth_over`.
-    lean: what an IMU that leans adds in one step.
+    growth: as of `hub.horizon.growth_over` after the last fix, shape (steps between fixes, 2, 3).
     """
 
     active: bool
@@ -131,8 +128,6 @@ class HorizonArrays(NamedTuple):
 
 
 class ChainArrays(NamedTuple):
-    """The arrays of a whole scheme: filter with smoother, predictor, moving horizon estimator."""
-
     filter: FilterArrays
     predictor: PredictorArrays
     mhe: HorizonArrays
@@ -141,8 +136,7 @@ class ChainArrays(NamedTuple):
 class Fed(NamedTuple):
     """The data on which a scheme is run.
 
-    force: specific force, m/s^2, shape (rows, lanes).
-    base: the specific force of step k is in row k - base.
+    force: specific force, m/s^2, shape (rows, lanes); that of step k is in row k - base.
     fixes: position fixes, m, shape (fixes, lanes).
     """
 
@@ -183,12 +177,11 @@ class Weights(NamedTuple):
 class Memory(NamedTuple):
     """The memory of a running scheme, all zero at first, as the algorithms of the paper start.
 
-    steps: one row per step. Fields: the state p, v, a, b (position, velocity, acceleration, bias)
-        and the innovations r of the specific force and s of the position. Row 0 is the filter's
-        state before the chunk; the next `window` rows (the smoother's lag) are kept from the chunk
-        before; the filter writes step k0 + i, where k0 is the chunk's first step, to row
-        1 + window + i. Smoother and predictor then replace what stands in the rows 1, 2, ...: in
-        the end row 1 + i holds the estimate of step k0 + i.
+    steps: one row per step, with the fields p, v, a, b (the state) and the innovations r of the
+        specific force and s of the position. Row 0 is the filter's state before the chunk; the next
+        `window` rows are kept from the chunk before; the filter writes step k0 + i, where k0 is the
+        chunk's first step, to row 1 + window + i. Smoother and predictor then replace what stands
+        in the rows 1, 2, ...: in the end row 1 + i holds the estimate of step k0 + i.
     back: the smoother's correction p, v, a, b; one row.
     inputs: what the inputs (specific forces) of the prediction add to position and velocity: p, v;
         one row.
@@ -232,9 +225,9 @@ SUMS = (
 def new_sums(lanes: int) -> Rows:
     """Make sums, all zero, for a run of `lanes` lanes: one row before and one after settling.
 
-    The fields p, v, motion and square are the estimates, the truth and the squared position error
-    of the step whose errors are being added. Kernels copy them into the row of the sums, because
-    the compiler knows that fields of one row do not overlap.
+    The fields p, v, motion and square are those of the step whose errors are being added. Kernels
+    copy them into the row of the sums, because the compiler knows that fields of one row do not
+    overlap.
     """
     own = [("p", lanes), ("v", lanes), ("motion", 2 * WIDTH), ("square", WIDTH)]
     return make_mixed_rows(own + [(name, WIDTH) for name in SUMS], 2)
@@ -244,8 +237,7 @@ def products(sums: Rows, direction: Array) -> Array:
     """Arrange sums as (2, 6, 3, WIDTH): part of the record, quantity, product, replicate.
 
     The parts are before and after settling; the quantities x, y, vx, vy, NEES, NIS; the products
-    motion x motion, motion x noise, noise x noise. `direction` are the wave's direction cosines
-    (2,), times the amplitude.
+    motion x motion, motion x noise, noise x noise. `direction` (2,) is that of `Truth`.
     """
     cx, cy = direction
     result = np.empty((2, 6, 3, WIDTH))

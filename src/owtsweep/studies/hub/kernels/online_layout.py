@@ -27,9 +27,8 @@ PICK = (0, 1, 3)
 class OnlineEstimates(NamedTuple):
     """The output of an online estimator over some steps.
 
-    state: shape (steps, 4): x, y (m), v_x, v_y (m/s); x is north, y is east.
-    covariance: covariance of position and velocity along an axis, equal for both axes; shape
-        (steps, 2, 2).
+    state: x, y (m), v_x, v_y (m/s), shape (steps, 4); x is north, y is east.
+    covariance: of position and velocity along an axis, equal for both axes; shape (steps, 2, 2).
     innovation, innovation_variance: innovation of the position along x and y (m), shape (steps, 2),
         and its variance along each axis (m^2), shape (steps,); NaN at steps without an innovation.
     """
@@ -49,10 +48,8 @@ class FilterSettings(NamedTuple):
         of their noises.
     rule: index in `estimation.gains.RULES`: how a step without a position fix is treated.
     P0: covariance (4, 4) of the first state.
-    fix_interval, delay, window: time between position fixes, delay of the specific force, length of
-        the smoother's window.
-    predicts: whether there is a predictor.
-    predictor: the predictor's numbers.
+    fix_interval, delay, window: time between fixes, delay of the specific force, the smoother's
+        lag.
     ahead, response, added: the predictor's transition matrix over all its steps (3, 3), its
         response to the noise of each input (inputs, 3), and the covariance that noise during the
         prediction adds (3, 3).
@@ -87,7 +84,7 @@ class FilterSettings(NamedTuple):
 
 
 class HorizonSettings(NamedTuple):
-    """The settings of the moving horizon estimator (MHE), Eq. (11) of Ren et al. (2019).
+    """The settings of the MHE, Eq. (11) of Ren et al. (2019).
 
     active: whether the scheme has an MHE.
     interval: T_m, the time between the MHE's positions, in IMU steps.
@@ -99,7 +96,7 @@ class HorizonSettings(NamedTuple):
     link, inverse_sigma, prior: weights as square roots of information (inverse covariance): of a
         link (3, 3), of a fix, and of the oldest state while the window fills (3, 3).
     constrained, bounds: whether there are constraints, and the bounds (3,) of |p|, |v| and |b^b|,
-        the bias in the IMU's frame; a quantity without a bound has the bound infinity.
+        the bias in the IMU's frame; infinity for none.
     growth, lean: as in `HorizonArrays`.
     fix_rule, fix_limit: PLAIN, or HUBER: a fix counts less if its distance from the window's state
         is longer than `fix_limit` standard deviations of a fix.
@@ -126,19 +123,17 @@ class HorizonSettings(NamedTuple):
 class OnlineRegisters(NamedTuple):
     """The registers of an online estimator, for two axes, x and y.
 
-    The MHE is the moving horizon estimator. A node is a time at which a fix may come, and a link
-    leads from one node of the MHE's window to the next. T_m is the time between the MHE's
-    positions.
+    A link leads from one node of the MHE's window to the next. Row by row are the recent steps.
 
     counter: the counters STEP, ROW, LINKS, DETERMINED, BEYOND; shape (5,).
     P: the covariance (4, 4) of the filter's state.
     work: working memory (3, 4, 4) of the filter and the smoother.
     predicted, given: the predicted position and the position that the filter takes, m, shape (1, 2)
         each.
-    force, steps, K: one row per recent step: specific force in NED (rows, 2), filtered state and
-        innovations as in `Memory.steps`, with the lanes x and y, and the gains (rows, 4, 2).
-    C, Pm, Pf: one row per recent step, shape (rows, 4, 4): the smoother's gain, and the covariances
-        of the predicted and of the filtered state.
+    force, steps, K: specific force in NED (rows, 2), filtered state and innovations as in
+        `Memory.steps`, with the lanes x and y, and the gains (rows, 4, 2).
+    C, Pm, Pf: the smoother's gain, and the covariances of the predicted and of the filtered state,
+        shape (rows, 4, 4).
     back, inputs, estimate: the smoother's correction, what the predictor's inputs add, and the
         smoothed and then predicted state; one row each, as in `Memory`, the states with the fields
         of `steps`.

@@ -1,8 +1,7 @@
 """Runs a chain over records, chunk by chunk, and sums the errors during the run.
 
-A chain is a scheme as arrays; a chunk is a stretch of a record whose steps are computed together:
-so few that what filter, smoother, predictor and summation leave for the next of them stays in the
-second-level cache. Arguments are the structures of `kernels.layout`.
+A chunk has so few steps that what filter, smoother, predictor and summation leave for the next of
+them stays in the second-level cache. Arguments are the structures of `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ def estimate(k0, count, fed, chain, memory, whole):
     """Estimate the `count` steps from step k0 on: [MHE ->] filter [-> smoother] [-> predictor].
 
     The estimate of step k0 + i is left in row 1 + i of memory.steps. If `whole` is true, there is
-    no prediction: the row holds the whole state of step k0 + i - window. `leave` must be called
-    before the next chunk.
+    no prediction: the row holds the whole state of step k0 + i - window. Call `leave` before the
+    next chunk.
     """
     f, steps = chain.filter, memory.steps
     if chain.mhe.active:

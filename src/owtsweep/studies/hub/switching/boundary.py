@@ -45,8 +45,8 @@ class Boundary:
     def amplitude(self, period: float) -> float:
         """Return the amplitude (m) at a period (s), interpolated between logarithms.
 
-        Beyond its ends the table is continued by its end values. If the period is NaN, the result
-        is the least amplitude of the table.
+        The table goes on with its end values. If the period is NaN, the result is the least
+        amplitude.
         """
         if isnan(period):
             return float(np.exp(self.log_amplitude.min()))
@@ -79,9 +79,7 @@ def compute_boundary(config: HubConfig, below: str, above: str, crest: float) ->
     noise, where v is the motion's mean square and C the scheme's error by frequency
     (`error_curves.curves`). The boundary is where the two schemes' errors are equal.
 
-    config: the study's configuration.
-    below, above: names of the scheme that is used below the boundary, and of the one that is used
-        above it.
+    below, above: names of the schemes used below and above the boundary.
     crest: amplitude of the motion divided by the root mean square of the displacement.
     Raises InputError if a scheme's expected errors cannot be computed: it is not linear, or has no
     kernel.
@@ -117,10 +115,7 @@ def compute_boundary(config: HubConfig, below: str, above: str, crest: float) ->
 
 
 def check_switch(own: str, settings: Switch) -> None:
-    """Raise `InputError` unless `switch` names two schemes and its boundary is a table.
-
-    `own` is the name of the scheme that switches, which cannot be one of the two.
-    """
+    """Raise `InputError` unless `switch` names two other schemes and its boundary is a table."""
     others = ", ".join(name for name in LISTED if name != own)
     for key, name in (("below", settings.below), ("above", settings.above)):
         require(

@@ -80,15 +80,13 @@ class Supervisor:
     """The weight of the scheme above the boundary in what is handed out: 0 to 1.
 
     The scheme above the boundary is chosen when the estimated amplitude is larger than the
-    boundary's at the estimated period, times the hysteresis; the scheme below the boundary when the
-    amplitude is smaller than the boundary's divided by the hysteresis. In between the choice stays.
-    After a new choice the weight moves to 0 or 1 at a constant rate, so that nothing jumps.
+    boundary's at the estimated period, times the hysteresis; the scheme below when it is smaller
+    than the boundary's divided by the hysteresis. In between the choice stays. After a new choice
+    the weight moves to 0 or 1 at a constant rate, so that nothing jumps.
 
     Until the watch has seen a motion for its `memory`, the scheme above is chosen: it is the one
     whose error grows less with the motion.
 
-    watch: the estimated amplitude and period.
-    boundary: the amplitudes above which the second scheme is better.
     hysteresis: ratio of at least 1.
     step, memory, blend: time between two estimates, time before the first choice, and time in which
         the weight moves from 0 to 1, s. With blend 0 the weight jumps.

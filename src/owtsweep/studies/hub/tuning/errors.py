@@ -44,14 +44,13 @@ def amplitudes(config: HubConfig) -> Array:
 
 
 def has_curves(scheme: Scheme) -> bool:
-    """Return whether a scheme's errors can be computed without records."""
     return scheme.linear and scheme.batched == "chain"
 
 
 def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
     """Compute a scheme's settled MSE, m^2 or (m/s)^2, shape (periods, amplitudes).
 
-    Raises ValueError, ArithmeticError if the scheme cannot be computed with this tuning.
+    Raises ValueError or ArithmeticError if the scheme cannot be computed with this tuning.
     """
     sensors = sensing.sensors(config.sensors)
     steps, settled = (round(seconds / sensors.step) for seconds in (DURATION, SETTLING))
@@ -72,10 +71,7 @@ def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
 
 
 def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
-    """Return the criterion's index (position, velocity), and each axis' share of the motion.
-
-    An axis that the criterion leaves out has the share None.
-    """
+    """Return the criterion's index, and each axis' share of the motion; None if it is left out."""
     angle = np.deg2rad(config.wave_direction)
     x, y = float(np.cos(angle) ** 2), float(np.sin(angle) ** 2)
     criterion = config.measures.criterion
@@ -86,8 +82,8 @@ def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
 def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int) -> Array:
     """Run schemes on records; return their settled MSE by `measures.criterion`.
 
-    Returns: shape (schemes, periods, amplitudes, replicates), m^2 or (m/s)^2.
-    Raises InputError if a case fails.
+    The shape is (schemes, periods, amplitudes, replicates), m^2 or (m/s)^2. Raises InputError if a
+    case fails.
     """
     entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)

@@ -89,7 +89,6 @@ class TunedSchemes:
         return with_values(self.before, values)
 
     def text(self, name: str) -> str:
-        """Return the tuning file: each section that a tuning sets, after comments on its origin."""
         sections = {section: as_mapping(getattr(self.after, section)) for section in TUNED}
         plain = yaml.safe_dump({"tuning": name, **sections}, sort_keys=False)
         comments = "\n".join(f"# {line}" for line in self._describe())
@@ -108,7 +107,6 @@ class TunedSchemes:
         ]
 
     def judge(self) -> RenderableType:
-        """Run both tunings on the same records; return a table of what each scheme has gained."""
         from rich import box
         from rich.console import Group
         from rich.table import Table
@@ -172,8 +170,7 @@ class Gain:
 def judge(before: HubConfig, after: HubConfig, schemes: Sequence[str]) -> dict[str, Gain]:
     """Run schemes with two tunings on the same records; return what each has gained.
 
-    Records have the seed `seed` and the length `record.duration` of the configurations; there are
-    `tune.replicates` of them per natural period.
+    There are `tune.replicates` records per natural period, with the configurations' seed.
     """
     count = before.tune.replicates
     errors = [errors_on_records(config, schemes, count) for config in (before, after)]

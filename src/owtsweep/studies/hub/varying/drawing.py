@@ -57,7 +57,6 @@ def draw(errors: Errors) -> Figure:
 
 
 def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors at the motion with the index `number`."""
     of_texts = isinstance(errors.values[0], str)
     (_draw_marks if of_texts else _draw_curves)(axes, errors, number)
     curves.scale_axes(axes, errors.along, errors.values)
@@ -96,10 +95,7 @@ def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
 
 
 def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors over texts, which have no values between them.
-
-    Schemes are marks side by side; baselines and bound are short lines.
-    """
+    """Draw the errors over texts: marks for schemes, short lines for baselines and bound."""
     place = np.arange(len(errors.values))
     ends = (place - HALF_WIDTH, place + HALF_WIDTH)
     offsets = np.linspace(-0.6, 0.6, len(errors.schemes)) * HALF_WIDTH

@@ -1,7 +1,6 @@
 """Computes the errors of all schemes and baselines over the values of one key.
 
-The errors are expected ones (`studies.hub.expected`), of the settled part of a record. No record is
-simulated.
+The errors are expected ones (`studies.hub.expected`), of the settled part of a record.
 """
 
 from __future__ import annotations
@@ -33,10 +32,7 @@ from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
 
 
 def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
-    """Return the facts that hold for each configuration: tuning, sensors and truth, in this order.
-
-    A fact that differs between the configurations is left out.
-    """
+    """Return the facts that hold for each configuration: tuning, sensors, truth."""
     listed = [_list_facts(config) for config in configs]
     return tuple(fact for fact in listed[0] if all(fact in facts for facts in listed))
 
@@ -96,11 +92,8 @@ WINDOW = "settled"
 class Errors:
     """The expected settled MSE of schemes over the values of one key.
 
-    along: the key that is varied.
-    values: the values of the key, in the order of tables and figure.
-    schemes, baselines: names of the schemes and of the baselines.
+    along, values: the key that is varied, and its values in the order of tables and figure.
     motions: the motions, as pairs of natural period (s) and amplitude (m).
-    criterion: the measure that is shown: "position", "velocity", "x" or "y".
     mse: measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
     bounds: measure -> Kalman bound of the MSE at each value, shape (values,).
     facts: what holds at every value, e.g. the tuning and the sensors' properties that do not vary.
@@ -120,7 +113,6 @@ class Errors:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the schemes, then those of the baselines."""
         return (*self.schemes, *self.baselines)
 
     def rms(self) -> Array:
@@ -147,9 +139,7 @@ class Errors:
 def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
     """Compute the errors of all schemes and baselines, and the Kalman bound, at each value.
 
-    `check` has passed the configurations.
-
-    Raises InputError if a scheme cannot be computed.
+    `check` has passed the configurations. Raises InputError if a scheme cannot be computed.
     """
     one = next(iter(configs.values()))
     schemes, baselines, measures = scheme_names(one), list_baselines(one), criteria(one)

@@ -35,8 +35,7 @@ def describe_motion(period: float, amplitude: float) -> str:
 def find_best(errors: Errors, names: Sequence[str]) -> list[list[tuple[str, ...]]]:
     """Return which of `names` have the least error at each motion and, in there, each value.
 
-    They are several where the expected errors, which are accurate to `RESOLUTION`, cannot tell them
-    apart. `names` are `errors.schemes`, or `errors.names`, which has the baselines too.
+    They are several where the expected errors, accurate to `RESOLUTION`, cannot tell them apart.
     """
     mse = errors.mse[errors.criterion][: len(names)]
     best = mse <= (1.0 + RESOLUTION) * mse.min(axis=0)
@@ -62,10 +61,7 @@ def answer_each(errors: Errors) -> Iterator[str]:
 
 
 def _follow_best(errors: Errors, best: list[str], least: Array) -> str:
-    """Return a sentence on the best scheme's error over the values, and on the Kalman bound.
-
-    `best` and `least` are the best scheme's name and its rms error (m or m/s) at each value.
-    """
+    """Return a sentence on the best scheme's rms error, `least`, over the values, and the bound."""
     show, values, unit = errors.along.show, errors.values, unit_of_error(errors)
     bound = errors.rms_of_bound()
     if isinstance(values[0], str):
@@ -107,10 +103,7 @@ def _name_change(first: float, last: float) -> str:
 
 
 def _name_baselines(errors: Errors, motion: int) -> list[str]:
-    """Return a sentence on each baseline that is best, and beats every scheme, at some values.
-
-    `motion` is the index of the motion.
-    """
+    """Return a sentence on each baseline that is best, and beats every scheme, at some values."""
     mse, count = errors.mse[errors.criterion][:, :, [motion]], len(errors.schemes)
     winning, _ = find_winning(mse[count:], mse[:count].min(axis=0))
     told = []
