@@ -34,7 +34,10 @@ def augment(
 
 
 def augment_walks(model: InputStateModel, Q: Array, S: Array) -> tuple[Array, Array, Array]:
-    """Return transition, measurement and noise matrix if each input is a random walk (Eq. 23)."""
+    """Return the matrices of [x, p] if each input is a random walk (Eq. 23).
+
+    They are transition, measurement and noise, shapes (N, N), (m, N), (N, N) with N = n + inputs.
+    """
     F, H = augment(model, np.eye(model.B.shape[1]))
     return F, H, block_diag(Q, S)
 

@@ -167,10 +167,9 @@ class CasadiWindow:
         return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
-        """Solve the problem once, by one solver after the other until one finds a minimum.
+        """Solve the problem by one solver after the other until one finds a minimum.
 
-        limits: lower, then upper limits, shape (2, constrained nodes, constraints).
-        Raises ArithmeticError if no solver's answer is a minimum within the limits.
+        Raises ArithmeticError if none does. `limits` are (2, constrained nodes, constraints).
         """
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
         p = np.concatenate([packed, scale, rows.ravel("F")])

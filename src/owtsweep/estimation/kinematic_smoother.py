@@ -22,7 +22,7 @@ from owtsweep.estimation.kinematic import correct, predict
 
 
 class Links(NamedTuple):
-    """What intervals say of an error at their beginning: T, r and N for each.
+    """What intervals say of an error at their beginning.
 
     T, N: shape (intervals, 3, 3).
     r: shape (intervals, 3).

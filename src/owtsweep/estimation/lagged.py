@@ -53,10 +53,12 @@ class Lagged:
 
     @property
     def F(self) -> Array:
+        """The filter's settled closed loop, shape (N, N)."""
         return self.filter.F
 
     @property
     def K(self) -> Array:
+        """The filter's settled gain, shape (N, m)."""
         return self.filter.K
 
     @property

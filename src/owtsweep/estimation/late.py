@@ -91,8 +91,7 @@ def transition(model: LateModel) -> Array:
 def copying(model: LateModel) -> Array:
     """Return the matrix (N, N) that makes the present output the newest copy of a state.
 
-    It moves the other copies on by one place and drops the oldest; without copies it is the
-    identity.
+    It moves the other copies on by one place and drops the oldest.
     """
     n = len(model.Q)
     N = n + 1 + model.copies

@@ -88,7 +88,7 @@ def window_maps(
     fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Iterator[Array]:
-    """Yield the matrix of `window_map` for each arrival covariance, with the same bits.
+    """Yield the matrix of `window_map`, bit for bit, for each arrival covariance (states, states).
 
     The equations of fixes and links are set up once for all windows, which saves a third of the
     time.

@@ -25,8 +25,8 @@ TOLERANCE = 1e-9
 #: Rounding splits the eigenvalues of a Jordan block of size 2 by the root of the floating-point
 #: accuracy, 1e-8, and those of size 3 by 1e-5.
 SAME = 1e-5
-#: Components of a direction smaller than this part of the largest one are not told.
-TOLD = 0.05
+#: Components of a direction smaller than this part of the largest one are not named.
+NAMED = 0.05
 
 
 @dataclass(frozen=True)
@@ -217,10 +217,10 @@ def _tell(unseen: Unseen, states: int, names: Sequence[str], step: float | None)
 def _name(direction: Array, names: Sequence[str]) -> str:
     """Name the states that make up a direction, the largest first."""
     part = np.abs(direction) / np.abs(direction).max()
-    told = [k for k in np.argsort(-part, kind="stable") if part[k] >= TOLD]
-    if len(told) == 1:
-        return str(names[told[0]])
-    lead = direction[told[0]]
-    signs = ["+" if (direction[k] / lead).real >= 0.0 else "-" for k in told]
-    terms = [f"{sign} {part[k]:.2g} {names[k]}" for sign, k in zip(signs, told, strict=True)]
+    named = [k for k in np.argsort(-part, kind="stable") if part[k] >= NAMED]
+    if len(named) == 1:
+        return str(names[named[0]])
+    lead = direction[named[0]]
+    signs = ["+" if (direction[k] / lead).real >= 0.0 else "-" for k in named]
+    terms = [f"{sign} {part[k]:.2g} {names[k]}" for sign, k in zip(signs, named, strict=True)]
     return " ".join(terms).removeprefix("+ 1 ")

@@ -39,6 +39,7 @@ class CovarianceMap:
     H: Array
 
     def apply(self, P: Array) -> Array:
+        """Compute the covariance after the map from the covariance P before, shape (n, n)."""
         updated = np.linalg.solve(np.eye(len(P)) + P @ self.G, P)
         return _symmetric(self.A @ updated @ self.A.T + self.H)
 

@@ -77,8 +77,7 @@ def combine(*roots: Array) -> Array:
 def root_of(name: str, covariance: Array) -> Array:
     """Return a root (N, N) of a covariance, which may be singular.
 
-    Raises InputError, with the argument's `name`, if it is not symmetric, or has a negative
-    eigenvalue.
+    Raises InputError with `name` if it is not symmetric, or has a negative eigenvalue.
     """
     covariance = np.asarray(covariance, dtype=np.float64)
     size = np.sqrt(np.abs(np.diagonal(covariance)))

@@ -111,7 +111,7 @@ def find_body_acceleration(angles: Array, rates: Array, second: Array) -> Array:
 
 
 def require_rotations(rotations: Array) -> None:
-    """Raise an `InputError` unless each matrix is a rotation or has a NaN."""
+    """Raise an `InputError` unless each matrix (samples, 3, 3) is a rotation or has a NaN."""
     require(
         rotations.ndim == 3 and rotations.shape[1:] == (3, 3),
         f"rotations: have shape {rotations.shape}; (samples, 3, 3) would work",

@@ -18,8 +18,7 @@ from owtsweep.estimation.inertial.strapdown import GYROSCOPES, move, place
 def place_poles(crossover: float, step: float) -> tuple[float, float]:
     """Return the gains of position and velocity: poles of s^2 + sqrt(2) w s + w^2, sampled.
 
-    `crossover` is w in rad/s, at which both parts count alike; `step` is the sampling interval in
-    s.
+    `crossover` is w in rad/s, at which both parts count alike; `step` is in s.
     """
     turn = crossover * step / np.sqrt(2.0)
     radius = np.exp(-turn)

@@ -62,15 +62,15 @@ def swing(s, P, at, transition, noise):
 
 
 @njit
-def learn_fix(s, P, dx, fix, believed, variance, offset, astray, force, rate):
+def learn_fix(s, P, dx, fix, assumed, variance, offset, astray, force, rate):
     """Correct by the fix (3,) of an antenna; return the innovation's square over its variance.
 
     `offset` is the place of the clock's offset among the errors, or -1, and `astray` that of the
-    antenna's distance from its `believed` lever (3,). `force` and `rate` (3,) are those of this
+    antenna's distance from its `assumed` lever (3,). `force` and `rate` (3,) are those of this
     sample. The result is the sum over three coordinates, each given those before.
     """
     R, H, at = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    row, lever = np.zeros(len(dx)), believed.copy()
+    row, lever = np.zeros(len(dx)), assumed.copy()
     if astray >= 0:
         lever += s[astray + 1 : astray + 4]
     rotate(s[6:10], R)

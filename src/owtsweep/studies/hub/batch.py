@@ -159,7 +159,6 @@ class ChainRun:
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    """Join the sums and squared errors of parts of the replicates into one `Sums`."""
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     sums, squared = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
     lengths = np.array([settled, steps - settled])
@@ -197,9 +196,9 @@ Result = list[Judgement[Means]] | Exception
 
 
 def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
-    """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
+    """Return "threading" if all schemes run by compiled kernels, else "loky" (processes).
 
-    It is "threading" if all schemes run by compiled kernels, which release the GIL.
+    Kernels release the GIL.
     """
     compiled = all(uses_kernels(config, scheme) for scheme in schemes)
     return "threading" if compiled else "loky"
@@ -311,8 +310,7 @@ def _make_chains(
 def _count_threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
     """Return how many threads may prepare schemes for the kernels at once.
 
-    In a sweep that runs in threads, they are as many as its workers, which would otherwise wait; in
-    processes or on a cluster, one.
+    They are a threaded sweep's workers, which would otherwise wait; else it is 1.
     """
     from joblib import cpu_count
 

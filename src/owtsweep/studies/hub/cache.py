@@ -50,8 +50,7 @@ def folder() -> Path:
 def cached(what: Mapping[str, object], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
     """Return arrays by name: from memory, else from a file, else computed and then stored.
 
-    `what` is everything that the arrays depend on besides this program; it must be
-    JSON-serialisable.
+    `what` is all that they depend on besides this program; it must be JSON-serialisable.
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()

@@ -33,8 +33,7 @@ from owtsweep.studies.hub.sensors import Sensors
 def predictor_arrays(model: Discrete | None, steps: int, step: float) -> PredictorArrays:
     """Make the numbers by which the kernels predict over `steps` steps of `step` seconds.
 
-    `model` is the predictor's model over one step, with the states position, velocity and bias;
-    None without a predictor.
+    `model` is Sigma_2 over one step; None without a predictor.
     """
     if model is None or steps == 0:
         return PredictorArrays(0, step, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -133,11 +132,7 @@ class Chain:
 
     @cached_property
     def covariance(self) -> Array:
-        """The covariance of position and velocity along one axis, shape (rows, 2, 2).
-
-        There is one row per row of the gains. If the scheme states no covariance, all elements are
-        NaN.
-        """
+        """The covariance of position and velocity along one axis, shape (rows, 2, 2), or NaN."""
         return self._covariance()
 
     @property
@@ -298,7 +293,6 @@ def has_acceleration(chain: Chain) -> bool:
 def bias_of(state: Array, sensors: Sensors) -> Array:
     """Compute the bias R b^b of the IMU in NED, m/s^2, shape (n, 2), from states (n, 4, 2).
 
-    The axes of `state` are steps, four states, x and y. The fourth state is x4 = -R b^b + g, Eq.
-    (6) of Ren et al. (2019).
+    The fourth state is x4 = -R b^b + g, Eq. (6) of Ren et al. (2019).
     """
     return np.asarray(np.array(sensors.gravity) - state[:, 3])

@@ -30,10 +30,7 @@ GATED = ("ekf", "mkf", "hme1")
 
 
 def check(config: HubConfig) -> None:
-    """Check that the settings of a run can work together.
-
-    Raises InputError for the first setting that cannot work; the message says what would work.
-    """
+    """Raise InputError for the first setting of a run that cannot work, and say what would work."""
     check_grid(config)
     _check_sensors(config)
     _check_record(config)
@@ -264,10 +261,7 @@ GRAIN = 1e-6
 
 
 def check_window(config: HubConfig, key: str, window: int) -> None:
-    """Refuse a smoother's window that is longer than the record, or needs too much memory.
-
-    `window` is in IMU steps, `key` its key in the configuration. Raises InputError.
-    """
+    """Raise InputError if a smoother's window, in steps, exceeds the record or the memory."""
     steps = config.record.duration * config.sensors.imu.rate
     require(
         window < steps,
@@ -310,10 +304,7 @@ def check_mhe(config: HubConfig) -> None:
 
 
 def check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Raise InputError for settings with which the engine `expected` cannot work.
-
-    It simulates no records, and computes from the schemes' kernels, but for SKF.
-    """
+    """Raise InputError for settings with which the engine `expected` cannot work."""
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",

@@ -86,8 +86,7 @@ def get_map_conditions(config: HubConfig) -> tuple[Condition, ...]:
 def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
     """List the maps of a run: end of the map's name -> values of the conditions off its axes.
 
-    There is one for each combination of these values; the first one's name has no end. A condition
-    with a single value is not in the name.
+    The first one's name has no end. A condition with a single value is not in the name.
     """
     grid, further = get_grid(config), get_map_conditions(config)[2:]
     maps: dict[str, dict[str, Value]] = {}

@@ -49,7 +49,7 @@ class Looped(NamedTuple):
 
     def run(self, measured: Measured) -> Trajectory:
         estimator = self.scheme.start_for_runs(self.known)
-        with np.errstate(over="ignore", invalid="ignore"):  # told as the reason of a failure
+        with np.errstate(over="ignore", invalid="ignore"):  # reported as the reason of a failure
             return run_estimator(estimator, *measured, self.known.sensors.fix_interval)
 
 

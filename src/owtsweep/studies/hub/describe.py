@@ -26,8 +26,7 @@ MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 def list_sensors(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of each property of the sensors.
 
-    Noise is given as a standard deviation. What the paper's sensors do not have (tilt, faults, ...)
-    is listed only if it is there.
+    What the paper's sensors do not have, e.g. a tilt, is listed only if it is there.
     """
     known, imu = take_facts(sensors), sensors.imu
     return {
@@ -44,16 +43,16 @@ def list_sensors(sensors: SensorConfig) -> dict[str, str]:
 
 def _list_faults(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of what the paper's sensors do not have."""
-    told, imu = {}, sensors.imu
+    listed, imu = {}, sensors.imu
     if imu.tilt != 0.0:
-        told["IMU tilt"] = (
+        listed["IMU tilt"] = (
             "that of the structure" if isinstance(imu.tilt, str) else f"{imu.tilt:g} rad/m"
         )
     if imu.high_pass is not None:
-        told["IMU high-pass"] = f"{imu.high_pass:g} Hz"
+        listed["IMU high-pass"] = f"{imu.high_pass:g} Hz"
     if sensors.gnss.scale != 1.0:
-        told["GNSS scale"] = f"{sensors.gnss.scale:g}"
-    return told | sensors.gnss.list_faults()
+        listed["GNSS scale"] = f"{sensors.gnss.scale:g}"
+    return listed | sensors.gnss.list_faults()
 
 
 def describe_truth(config: HubConfig) -> str:
@@ -91,16 +90,16 @@ def describe_one_record(config: HubConfig) -> str:
 
 def list_origin(config: HubConfig) -> dict[str, str]:
     """Return name -> value, in words, of a run's tuning, sensors, truth, records and seed."""
-    told = {
+    facts = {
         "tuning": config.tuning_name,
         **list_sensors(config.sensors),
         "record length": f"{config.record.duration:g} s",
     }
     if motion := find_world(config).describe(config):
-        told["motion"] = motion
+        facts["motion"] = motion
     if config.engine == "expected":
-        return told | {"records per cell": "infinitely many (expected value)"}
-    return told | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
+        return facts | {"records per cell": "infinitely many (expected value)"}
+    return facts | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
 
 
 def _tell(config: HubConfig, draws: str) -> str:
@@ -156,10 +155,7 @@ class Winners(NamedTuple):
 
 
 def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: str) -> Winners:
-    """Find what a map shows in each cell: the best scheme, or a baseline that has less error.
-
-    `config` has one tuning; `best` is the run's table best_scheme.
-    """
+    """Find what a map shows in each cell: the best scheme, or a baseline that has less error."""
     names = scheme_names(config)
     table = best[(best["criterion"] == criterion) & (best["window"] == window)].copy()
     if "baseline_wins" not in table:
@@ -183,8 +179,8 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
         [name for name in list_baselines(config) if (cells["baseline"] == name).any()]
         for cells in (led[wins], led[~wins], led)
     )
-    told = [f"{name}: {ESTIMATES[name]} {UNDECIDED}." for name in undecided]
-    return Winners(table, names + leading, explain(winning) + told)
+    doubtful = [f"{name}: {ESTIMATES[name]} {UNDECIDED}." for name in undecided]
+    return Winners(table, names + leading, explain(winning) + doubtful)
 
 
 def explain(baselines: list[str]) -> list[str]:

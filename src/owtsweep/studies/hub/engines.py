@@ -83,13 +83,13 @@ class _Engine(Engine):
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
         conditions = get_map_conditions(config)
         shown = grid(table, names, conditions, criterion, window, notes=notes)
-        told = [Text(tell_winners(table))] if len(table) else []
-        told += [Text(line) for line in _tell_beaten(config, table, tables["summary"])]
-        told.append(Text(OTHER_WINDOW[window]))
+        sentences = [Text(tell_winners(table))] if len(table) else []
+        sentences += [Text(line) for line in _tell_beaten(config, table, tables["summary"])]
+        sentences.append(Text(OTHER_WINDOW[window]))
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         if not self.world.has_spectrum:
             origin.insert(1, self.world.describe(config))
-        return Group(*(Text(line, style="bold") for line in origin), shown, *told)
+        return Group(*(Text(line, style="bold") for line in origin), shown, *sentences)
 
     def overview(self, config: HubConfig) -> str:
         """Return the name of the map, figure 18 of Ren et al. (2019)."""

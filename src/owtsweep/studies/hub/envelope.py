@@ -80,21 +80,20 @@ def _find_cells(values: Array, centres: Array) -> Array:
 def tell_best(points: pd.DataFrame, tuning: str, size: str = "amplitude") -> str:
     """Say in two sentences which scheme is best for a structure, and in which sea.
 
-    points: the points with a column `best_<tuning>`, the result of `find_best`.
-    size: the column of the size of the motion, "amplitude" or "rms".
+    The points have a column `best_<tuning>`; `size` is the column "amplitude" or "rms".
     """
     best = points[f"best_{tuning}"]
     shares = best[best != UNNAMED].value_counts() / len(best)
     if shares.empty:
         return f"Tuning {tuning}: the map names a scheme at none of the {len(best)} points."
-    told = [
+    parts = [
         f"{name} in {100.0 * share:.0f} % ({_tell_range(points.loc[best == name, size])})"
         for name, share in shares.items()
     ]
     beyond = _tell_unnamed(best, "points")
     if beyond:
         beyond += f" ({_tell_range(points.loc[best == UNNAMED, size])})"
-    first = f"Tuning {tuning}: over all seas, blades and soils, best is {', '.join(told)}{beyond}."
+    first = f"Tuning {tuning}: over all seas, blades and soils, best is {', '.join(parts)}{beyond}."
     bare = points[(points["blades"] == 0) & points["friction_angle"].isna()]
     return f"{first} {_tell_seas(bare, f'best_{tuning}')}"
 
@@ -111,10 +110,7 @@ def _tell_range(sizes: pd.Series[float]) -> str:
 
 
 def _tell_seas(bare: pd.DataFrame, column: str) -> str:
-    """Say for each peak period from which wave height on the scheme of the highest sea is best.
-
-    `bare` are the points of the structure as it is described, without blades.
-    """
+    """Say for each peak period from which wave height on the scheme of the highest sea is best."""
     start = "Without blades and with the soil as described,"
     beyond = _tell_unnamed(bare[column], "seas")
     bare = bare[bare[column] != UNNAMED]
@@ -129,14 +125,14 @@ def _tell_seas(bare: pd.DataFrame, column: str) -> str:
         lower |= {str(name) for name in others[column]}
         hs = float(seas.loc[higher, "hs"].min()) if higher.any() else np.inf
         least.setdefault(hs, []).append(float(str(tp)))
-    told = ", ".join(
+    parts = ", ".join(
         f"{hs:g} m at Tp {_tell_periods(periods)} s"
         for hs, periods in least.items()
         if np.isfinite(hs)
     )
     never = f", in none at Tp {_tell_periods(least[np.inf])} s" if np.inf in least else ""
     rest = f"; in lower seas {' or '.join(sorted(lower))}" if lower else ""
-    return f"{start} {highest} is best in seas from Hs {told} on{never}{rest}{beyond}."
+    return f"{start} {highest} is best in seas from Hs {parts} on{never}{rest}{beyond}."
 
 
 def _tell_periods(periods: Sequence[float]) -> str:

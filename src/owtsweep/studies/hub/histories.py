@@ -92,10 +92,7 @@ def natural_period_of(config: HubConfig) -> float:
 
 
 def choose_sea(config: HubConfig, sea: Mapping[str, float] = SEA) -> dict[str, Value]:
-    """Return the plant's conditions with the sea state nearest to `sea`: `hs` (m) and `tp` (s).
-
-    Blades and friction angle are the first of the configuration.
-    """
+    """Return the plant's first conditions with the sea state nearest to `sea`: hs (m), tp (s)."""
     grid = get_grid(config)
     nearest = {
         name: min(grid[name], key=lambda value: abs(float(value) - wanted))

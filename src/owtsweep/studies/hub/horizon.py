@@ -58,8 +58,7 @@ class Horizon:
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
         """Make the kernels' form of the MHE: one matrix per position fix, until matrices repeat.
 
-        A matrix turns the window's data into the state at the newest fix. The arrival terms use the
-        covariances of the filter's `gains`.
+        A matrix turns the window's data into the state at the newest fix.
         """
         M = sensors.fix_interval
         settled = -(-gains.rows // M) if self.arrival else 0
@@ -106,10 +105,7 @@ class Horizon:
         return self.arrival and fix >= self.length
 
     def arrival_covariance(self, fix: int, gains: GainSchedule, M: int) -> Array | None:
-        """Return the covariance (3, 3) of the prior of the window at fix `fix`; None without one.
-
-        M is the number of IMU steps between fixes.
-        """
+        """Return the covariance (3, 3) of the prior of the window at fix `fix`; None for none."""
         if not self.arrival:
             return None
         if not self.uses_filter(fix):

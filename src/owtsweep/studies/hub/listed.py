@@ -80,12 +80,12 @@ LISTED = {**REGISTERED, **BASELINES, **ON_REQUEST}
 
 
 def describe() -> dict[str, str]:
-    """Return name -> sentence of each scheme and baseline, which says how it is asked for."""
+    """Return name -> sentence of each scheme and baseline, which says how to choose it."""
     kinds = {"": REGISTERED, "on request (schemes=[...]): ": ON_REQUEST}
     kinds["baseline (baselines=[...]): "] = BASELINES
     return {
-        name: f"{asked}{listed.sentence}"
-        for asked, of_kind in kinds.items()
+        name: f"{how}{listed.sentence}"
+        for how, of_kind in kinds.items()
         for name, listed in of_kind.items()
     }
 
@@ -126,10 +126,6 @@ class HubTable(SchemeTable):
         return list_entries(config)
 
     def choose(self, config: HubConfig) -> list[AnyScheme]:
-        """Return all schemes and baselines of the configuration of one tuning, in their variants.
-
-        Raises InputError as `resolve_all`.
-        """
         return [*resolve_all(self.list_entries(config), config)]
 
 
@@ -147,8 +143,7 @@ def resolve(entry: Entry) -> Scheme:
 def resolve_all(entries: Sequence[Entry], config: HubConfig | None = None) -> list[Scheme]:
     """Return the schemes of entries in order, or the variants for which `config` asks.
 
-    Raises InputError as `SchemeTable.resolve_all`, or if a scheme has no variant for the
-    configuration.
+    Raises InputError as `SchemeTable.resolve_all`, or if a scheme has no variant.
     """
     schemes = [scheme for scheme in SCHEMES.resolve_all(entries) if isinstance(scheme, Scheme)]
     return schemes if config is None else [under(scheme, config) for scheme in schemes]

@@ -33,7 +33,7 @@ STREAM = "phase of a peak factor"
 
 
 def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
-    """Compute the mean of (standard deviation / peak)^2 over records, for each natural period (s).
+    """Compute the mean of (standard deviation / peak)^2 over records, for natural periods (s).
 
     The result has the shape (periods,). It is interpolated between rungs.
     """
@@ -51,10 +51,7 @@ def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
 
 
 def _list_rungs(config: HubConfig, period: float) -> list[float]:
-    """Return the rungs, s, next to a natural period (s), below and above.
-
-    A printed spectrum exists only at a few periods; then the period itself is the only rung.
-    """
+    """Return the rungs next to a natural period, s; for a printed spectrum, the period itself."""
     if config.spectrum.kind != "translated":
         return [period]
     rung = np.log2(period) * PER_OCTAVE

@@ -137,11 +137,7 @@ PLANT = PlantWorld()
 
 
 def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
-    """Return the source of motion under some conditions.
-
-    Raises InputError if the structure or the sea state cannot be computed; the message names the
-    key.
-    """
+    """Return the source of motion under some conditions; raises InputError that names the key."""
     motion, structure = config.motion, _structure_of(config)
     angle, damping = conditions["friction_angle"], motion.damping
     if angle != LAYERS and structure.soil is not None:

@@ -104,10 +104,7 @@ class Records:
         return sensing.fix_noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
 
     def stream(self, index: int) -> Callable[[str], np.random.Generator]:
-        """Return a function that takes a name, e.g. "gnss", and returns a random stream.
-
-        `index` is the place of the replicate in `replicates`.
-        """
+        """Return a function that takes a name, e.g. "gnss", and returns a random stream."""
         return partial(stream, self.config.seed, STUDY, self.in_streams, self.replicates[index])
 
 

@@ -112,8 +112,8 @@ def make_axes(
     The shaping filter is fitted where the motion's density is above what the sensors' noise has as
     a position, along the axis with the larger variance.
     """
-    told = (known.frequency, known.density, known.variance)
-    what = (*(array.tobytes() for array in told), repr(tuning), sensors)
+    arrays = (known.frequency, known.density, known.variance)
+    what = (*(array.tobytes() for array in arrays), repr(tuning), sensors)
     if _LAST.what != what:
         variance = np.maximum(known.variance, LEAST_SHARE * np.sum(known.variance))
         floor = FLOOR * find_noise_density(sensors, known.frequency) / np.max(variance)

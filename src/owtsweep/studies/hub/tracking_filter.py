@@ -146,10 +146,7 @@ class TrackingFilter:
             self._filled = self._kept
 
     def _change(self, model: Candidate | None, above: Motion) -> None:
-        """Filter the last minute again with another model, and go on with it unless it is wrong.
-
-        `above` is the motion above the band. The model None is never wrong.
-        """
+        """Filter the last minute again with another model, and go on with it unless it is wrong."""
         interval = self._sensors.fix_interval
         first = max(self._steps - self._again, 0) // interval * interval
         bias = next(bias for step, bias in reversed(self._biases) if step <= first)

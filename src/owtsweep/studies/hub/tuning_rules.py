@@ -116,7 +116,7 @@ def fill_in(plain: Plain) -> Plain:
         tilt = find_tilt(plain, sensors.imu)
         _warn(facts, bias_walk)
     numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
-    numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter is told the truth
+    numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter knows the truth
     filled = _fill(plain, numbers)
     if plain.get("tunings"):
         filled["tunings"] = {n: _fill(part, numbers) for n, part in plain["tunings"].items()}

@@ -83,10 +83,7 @@ class World(ABC):
         """
 
     def describe_values(self, at: Mapping[str, Value]) -> str:
-        """Return values of conditions in words, e.g. "hs 2 m, blades 0"; "" for no condition.
-
-        What is as the structure's file says is not mentioned.
-        """
+        """Return values of conditions in words, e.g. "hs 2 m, blades 0", but not the file's own."""
         named = {condition.name: condition for condition in self.conditions}
         return ", ".join(
             f"{named[name].word} {named[name].show(v)}" for name, v in at.items() if v != LAYERS
@@ -156,8 +153,8 @@ class SpectrumWorld(World):
 
     def describe(self, config: HubConfig) -> str:
         points = config.motion.envelope or []
-        told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
-        return f"amplitude times {told}" if told else ""
+        factors = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
+        return f"amplitude times {factors}" if factors else ""
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
         low, high = config.band

@@ -45,10 +45,7 @@ DENSE_UP_TO, APART = 1.25, 0.01
 def find_shape(
     config: HubConfig, natural_period: float, *, roll_off: bool = False
 ) -> ShapingFilter:
-    """Fit the shaping filter of the study's motion of a natural period (s); cached in a file.
-
-    Parameters and errors are those of `find_spectrum`.
-    """
+    """Fit the shaping filter of a natural period (s), or recall it; see `find_spectrum`."""
     frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
     place = np.floor(np.log(frequency / (DENSE_UP_TO * config.band[1])) / APART)
     kept = (place < 0.0) | (np.diff(place, prepend=-1.0) > 0.0)

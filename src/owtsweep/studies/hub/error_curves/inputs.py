@@ -54,8 +54,7 @@ def motion(frequency: Array, sensors: Sensors) -> Probe:
 def forces(number: Array, steps: int) -> Probe:
     """Make a probe of specific forces e^{2 pi i number k / steps} at steps k = 0 ... steps - 1.
 
-    `number` has the shape (n,). Divided by sqrt(steps), the vectors are an orthonormal basis of IMU
-    noise.
+    Divided by sqrt(steps), the vectors are an orthonormal basis of IMU noise; `number` is (n,).
     """
     return Probe(2.0 * np.pi * number / steps, np.ones(len(number)), np.zeros(len(number)))
 
@@ -63,18 +62,16 @@ def forces(number: Array, steps: int) -> Probe:
 def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
     """Make a probe of position fixes e^{2 pi i number q / count}, fix number q = 0 ... count - 1.
 
-    `number` has the shape (n,). Divided by sqrt(count), the vectors are an orthonormal basis of
-    noise in fixes.
+    Divided by sqrt(count), the vectors are an orthonormal basis of their noise; `number` is (n,).
     """
     angle = 2.0 * np.pi * number / (count * sensors.fix_interval)
     return Probe(angle, np.zeros(len(number)), np.ones(len(number)))
 
 
 def walks(number: Array, steps: int) -> Probe:
-    """Make a probe of the eigenvectors of a Wiener process: forces sin(angle k) at steps k.
+    """Make a probe of the eigenvectors, numbered from 1 on, of a Wiener process of some steps.
 
-    The process starts from zero at step 0 and has `steps` steps. `number`, shape (n,), counts
-    eigenvectors from 1 on.
+    They are forces sin(angle k) at steps k; the process starts from zero. `number` is (n,).
     """
     angle = (2.0 * number - 1.0) * np.pi / (2.0 * (steps - 1) + 1.0)
     return Probe(angle, np.ones(len(number)), np.zeros(len(number)), phasor=False)

@@ -53,10 +53,7 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
 
 
 def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
-    """Return the first nodes in a band (Hz), both edges included, for records of a duration (s).
-
-    They increase, in Hz.
-    """
+    """Return the first nodes, Hz, increasing, in a band (Hz) with its edges; a duration in s."""
     low, high = band
     nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
     for multiple in range(1, int(high / scales.rate) + 2):

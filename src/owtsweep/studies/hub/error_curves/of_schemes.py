@@ -92,10 +92,7 @@ EXPECTED_VERSION = 2
 
 
 def curves_of(config: HubConfig, name: str) -> Curves:
-    """Compute the curves of the scheme `name`, or read them from the cache.
-
-    The cache is not used for a scheme of the user if changes of its code could not be noticed.
-    """
+    """Compute a scheme's curves, or recall them if changes of its code would be noticed."""
     sensors = sensing.sensors(config.sensors)
     steps = round(config.record.duration / sensors.step)
     settled = config.measures.find_settled(sensors.step)

@@ -28,18 +28,14 @@ MOST_INPUTS = 16_000_000
 #: in JUDGED cycles.
 TOLERANCE = 1e-7
 JUDGED = 32
-#: Number of steps after which sinusoids start anew, so that rounding errors do not accumulate.
+#: Number of steps after which sinusoids start again, so that rounding errors do not accumulate.
 BLOCK = 2048
 #: The fields of `Buffers.errors` beside the wave.
 ERRORS = ("p", "v", "pp", "vv")
 
 
 class Workspace:
-    """Runs one chain on probes as long as a record.
-
-    All runs use the same memory, because allocation takes time. So only one run is allowed at a
-    time.
-    """
+    """Runs one chain on probes as long as a record, one run at a time, in the same memory."""
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.chain, self.arrays, self.cycle = chain, batch.arrays_of(chain), cycle_of(chain)
@@ -49,10 +45,7 @@ class Workspace:
         self.pairs: list[PairMemory] = []
 
     def pair(self, number: int) -> PairMemory:
-        """Return the memory, set to zero, of pair number `number`; make it for a new pair.
-
-        Pairs are numbered from 0 without gaps.
-        """
+        """Return the memory, set to zero, of a pair, which are numbered from 0 without gaps."""
         if number == len(self.pairs):
             count = self.lead + 2 * self.chunk
             memory = new_memory(self.arrays, 2 * LANES, self.chunk)
@@ -107,10 +100,7 @@ class PairMemory(NamedTuple):
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs to the first step at which all responses repeat, at most `steps`; return the step.
-
-    Repetition is tested from the step `earliest` on.
-    """
+    """Run pairs to the first step at which all responses repeat; return this step, or `steps`."""
     done = place = agreeing = 0
     while agreeing < len(pairs):
         pair = pairs[place]
@@ -210,10 +200,7 @@ def _fixes(probe: Probe, space: Workspace) -> Array:
 
 
 def _in_lanes(values: Array, phasor: bool) -> Array:
-    """Arrange values (..., n) in lanes, (..., 16), padded with zeros.
-
-    If `phasor` is true, cosines and sines get the same values, at most eight.
-    """
+    """Arrange values (..., n), at most eight for phasors, in lanes (..., 16) padded with zeros."""
     missing = (1 if phasor else 2) * LANES - values.shape[-1]
     filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
     return np.concatenate([filled, filled], axis=-1) if phasor else filled

@@ -54,10 +54,7 @@ class Expected:
     noise: Array
 
     def at(self, amplitudes: Array) -> Array:
-        """Compute the expected mean square error at amplitudes (m), shape (n,).
-
-        The result has the shape (schemes, periods, n).
-        """
+        """Compute the mean square errors at n amplitudes (m), shape (schemes, periods, n)."""
         N = np.asarray(amplitudes, dtype=float)
         return np.asarray(superpose(self.motion[..., None], 0.0, self.noise[..., None], N))
 
@@ -174,10 +171,7 @@ def best_scheme(
 def coinciding(
     rows: pd.DataFrame, schemes: Sequence[str], window: str, criteria: Sequence[str]
 ) -> list[tuple[str, ...]]:
-    """Find groups of schemes whose errors due to motion and due to noise coincide by all criteria.
-
-    The members of a group are in the order of `schemes`.
-    """
+    """Find groups of schemes whose errors from motion and from noise coincide by all criteria."""
     curves = [expected(rows, schemes, criterion, window) for criterion in criteria]
     names = curves[0].schemes
     marks = np.concatenate([np.hstack([one.motion, one.noise]) for one in curves], axis=1)

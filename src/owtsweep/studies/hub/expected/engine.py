@@ -67,10 +67,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
 
 
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:
-    """Compute the `rows` of several schemes at natural periods (s), on all cores.
-
-    The kernels release the GIL, so threads run in parallel.
-    """
+    """Compute the `rows` of several schemes at natural periods (s), in threads on all cores."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         if config.normalise == "peak":
             for rung in ladder(config, periods):  # ready by the time that the rows need them

@@ -80,10 +80,7 @@ def find_expected_errors(
 
 
 def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> pd.DataFrame:
-    """Make the rows of SKF at natural periods (s) and an amplitude (m), in the settled window.
-
-    Raises InputError as `find_expected_errors`.
-    """
+    """Make the rows of SKF at natural periods (s) and an amplitude (m), in the settled window."""
     import pandas as pd
 
     rate = config.sensors.imu.rate

@@ -42,11 +42,7 @@ EXPLANATION = (
 
 
 def draw(config: HubConfig, summary: pd.DataFrame, measure: str = "position") -> Figure:
-    """Draw the efficiency of each scheme and baseline over natural period and amplitude.
-
-    `summary` is the run's table with the column efficiency_b. A scheme without results has no
-    panel.
-    """
+    """Draw the efficiency of schemes and baselines over natural period and amplitude."""
     rows = summary[(summary["window"] == WINDOW) & (summary["measure"] == measure)]
     names = [*scheme_names(config), *list_baselines(config)]
     names = [name for name in names if (rows["scheme"] == name).any()]

@@ -69,8 +69,7 @@ def make_region(
 ) -> maps_by_tuning.Region:
     """Return the region of a structure's points as it is drawn over a map, with its explanation.
 
-    points: the points of the structure, as `compute_envelope` returns them.
-    size: the column of the size of the motion, "amplitude" or "rms".
+    The points are those of `compute_envelope`; `size` is the column "amplitude" or "rms".
     """
     heights, periods = points["hs"], points["tp"]
     text = (

@@ -53,7 +53,7 @@ def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeError
     """
     sensors = sensing.sensors(config.sensors)
     low, high = config.band
-    # to the GNSS, a motion at a multiple of the fix rate looks like rest
+    # to the GNSS, a motion at a multiple of the fix rate is like rest
     highest = min(BEYOND[1] * high, max(high, 0.95 / sensors.fix_step))
     frequency = np.geomspace(BEYOND[0] * low, highest, points)
     phase = frequency * sensors.fix_step
@@ -171,8 +171,8 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
         )
     names = list(errors)
     for name, of_scheme in errors.items():
-        look, spectrum = style_of(name, names), of_scheme.spectrum
-        line: style.Look = {"color": look.color, "linestyle": look.line}
+        drawn, spectrum = style_of(name, names), of_scheme.spectrum
+        line: style.Look = {"color": drawn.color, "linestyle": drawn.line}
         curve = spectrum.frequency, spectrum.of(measure)
         axes.loglog(*curve, label=style.label_of(name), linewidth=1.6, **line)
         if of_scheme.floor is not None:

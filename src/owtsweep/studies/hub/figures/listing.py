@@ -85,10 +85,7 @@ def drawings_of_plant(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """List all figures of a run with motion=plant: maps, a record, its spectrum, time histories.
-
-    There are the maps of each combination of those conditions that are not axes of the map.
-    """
+    """List all figures of a run with motion=plant, with maps for all conditions off their axes."""
     records, same = config.grid.replicates, find_coinciding(make_cube(config, rows), CRITERIA)
     found: dict[str, Draw] = {}
     for end, at in list_maps(config).items():
@@ -124,10 +121,7 @@ def save_each(
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """List the maps of the best scheme by the run's criterion and by velocity, under their names.
-
-    `draw_map` draws the map of a criterion.
-    """
+    """List by name the maps of the best scheme by the run's criterion and by velocity."""
     return {
         MAP: partial(draw_map, config.measures.criterion),
         "best_scheme_velocity": partial(draw_map, "velocity"),
@@ -157,7 +151,7 @@ def draw_cells(
 
     window = config.measures.window
     best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
-    told = f", {find_world(config).describe_values(at)}" if at else ""
+    values = f", {find_world(config).describe_values(at)}" if at else ""
     return best_scheme_map.draw(
         select(best, at or {}),
         names,
@@ -165,7 +159,7 @@ def draw_cells(
         criterion=criterion,
         window=window,
         tuning=config.tuning_name,
-        quantity=f"{criterion} MSE (x + y){told}",
+        quantity=f"{criterion} MSE (x + y){values}",
         coinciding=coinciding,
         replicates=replicates,
         failures=int((rows["status"] == FAILED).sum()),
@@ -181,10 +175,7 @@ def over_amplitude(
     *,
     printed: pd.DataFrame | None = None,
 ) -> dict[str, Draw]:
-    """List the figures of MSE against amplitude by name, one figure per natural period (s).
-
-    `coinciding` and `printed` are those of `mse_over_amplitude.draw`.
-    """
+    """List the figures of MSE against amplitude by name, one figure per natural period (s)."""
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     draw = partial(

@@ -96,10 +96,10 @@ def draw(
         labels = text if len(cells) <= MOST_LABELS else "none"
         draw_cells(axes, cells.to_dict("records"), names, planes[tuning], labels=labels)
         letters = int(12 * max(width, 4.8))
-        told = "\n".join(textwrap.wrap(tell_winners(cells), letters))
+        sentence = "\n".join(textwrap.wrap(tell_winners(cells), letters))
         if region is not None:
             _outline(axes, planes[tuning], region)
-        axes.set_title(f"Tuning {tuning}\n{told}", loc="left", fontsize=10)
+        axes.set_title(f"Tuning {tuning}\n{sentence}", loc="left", fontsize=10)
     named = {str(name) for cells in shown.values() for name in cells["best"]}
     handles: list[Patch] = [
         Shades(facecolor=style_of(name, names).color, label=style.label_of(name))

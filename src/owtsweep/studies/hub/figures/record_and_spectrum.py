@@ -88,11 +88,7 @@ def draw_record(config: HubConfig) -> Figure:
 
 
 def draw_spectrum(config: HubConfig) -> Figure:
-    """Draw the spectrum of the study's first displacement record, in a panel for x and one for y.
-
-    Each panel also shows the spectrum of Eq. (1) of Ren et al. (2019), scaled to the record's
-    variance.
-    """
+    """Draw the spectra of x and y in the study's first record, and that of the paper's Eq. (1)."""
     record = _first_record(config)
     rate, series = 1.0 / record.step, record.series
     length = min(round(SEGMENT * rate), len(series))

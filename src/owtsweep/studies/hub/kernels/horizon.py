@@ -135,10 +135,7 @@ def square_root_information(P, U):
 
 @njit
 def triangularise(M, columns):
-    """Make the first `columns` columns of M (rows, width) zero below the diagonal, in place.
-
-    This is done by Householder reflections.
-    """
+    """Make M (rows, width) triangular in its first columns by Householder reflections, in place."""
     rows, width = M.shape
     for c in range(min(columns, rows - 1)):
         norm = 0.0

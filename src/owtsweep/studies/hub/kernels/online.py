@@ -54,10 +54,7 @@ def distance(fix, state, variance):
 
 @njit
 def judge(far, settings, counter):
-    """Return the weight, from 0 to 1, of a new fix that is `far` standard deviations away.
-
-    `settings` are `FilterSettings`; `counter` is that of `OnlineRegisters`.
-    """
+    """Return the weight, from 0 to 1, of a new fix that is `far` standard deviations away."""
     if far <= settings.fix_limit:
         counter[BEYOND] = 0
         return 1.0
@@ -68,7 +65,7 @@ def judge(far, settings, counter):
 
 
 @njit
-def weigh_anew(n, h, m):
+def weigh_again(n, h, m):
     """Weigh the fixes of the MHE's window, of n links, by their distances from its nodes.
 
     The square roots of the weights go to m.weight. Return whether a weight changed by more than
@@ -243,7 +240,7 @@ def take_fix(fresh, fix, f, h, m):
     if h.fix_rule == HUBER:
         for _ in range(MOST_WEIGHINGS):
             older_nodes(n, m.blocks, m.nodes)
-            if not weigh_anew(n, h, m):
+            if not weigh_again(n, h, m):
                 break
             solve_window(n, h, m, x0, prior, kind, first)
     put(m.node, 0, 0, m.nodes[n])
@@ -262,10 +259,7 @@ def horizon_has_position(f, h, m):
 
 @part
 def horizon_position(f, h, m):
-    """Put the MHE's position, if there is one at this step, into m.given.
-
-    Return False if the state of the MHE breaks a constraint; else True.
-    """
+    """Put the MHE's position, if there is one, into m.given; return whether constraints hold."""
     n = m.counter[LINKS]
     since = m.counter[STEP] % f.fix_interval
     if not m.counter[DETERMINED]:
@@ -284,7 +278,7 @@ def horizon_position(f, h, m):
         last[2, axis] = b
         m.given[0, axis] = last[0, axis]
     if h.constrained:
-        if since > 0:  # the nodes at fixes were checked, and solved anew, at the last fix
+        if since > 0:  # the nodes at fixes were checked, and solved again, at the last fix
             # with a tolerance: this node is predicted from one that may be on its bound
             return not violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
         start = 1 if h.arrival == FIXED and m.counter[STEP] >= h.length * f.fix_interval else 0

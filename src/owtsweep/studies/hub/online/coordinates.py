@@ -28,10 +28,7 @@ LEAST_RATIO = 100.0
 
 
 def check_origin(origin: object) -> Array | None:
-    """Return the origin as an array (2,) in m, or None for the first fix.
-
-    Raises InputError if the origin is neither None nor two finite numbers.
-    """
+    """Return an origin as an array (2,) in m, or None; raises InputError if it is neither."""
     if origin is None:
         return None
     wrong = f"origin: {origin!r} is not two finite numbers; give x and y in m, e.g. origin=(0, 0)"

@@ -307,11 +307,7 @@ class OnlineEstimator(RecordEstimator):
         )
 
     def _check(self, force: Array, positions: Array) -> int:
-        """Check samples; take the first fix as origin if there is no other.
-
-        Return the number of steps before the first fix, if that fix is the origin or will be; else
-        0.
-        """
+        """Check samples; return the number of steps before a first fix that is the origin."""
         if self._lost:
             raise ArithmeticError(self._lost)
         first = self._skipped + int(self._registers.counter[STEP])
@@ -341,10 +337,7 @@ class OnlineEstimator(RecordEstimator):
         self._located = True
 
     def _solve_with_constraints(self) -> None:
-        """Solve the MHE's window with its constraints; put the result into the registers.
-
-        Raises ArithmeticError if the solver cannot meet the constraints.
-        """
+        """Solve the MHE's window with its constraints; put the result into the registers."""
         from owtsweep.studies.hub import window
 
         if self._mhe is None:

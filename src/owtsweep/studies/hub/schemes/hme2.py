@@ -58,10 +58,7 @@ class MovingHorizonEstimator:
         self.fix_number = -1
 
     def take_fix(self, fix: Array | None) -> None:
-        """Begin the next node, at each step at which a fix is due; store its fix in register 2.
-
-        `fix` is a position in NED, in m, shape (2,), or None if it is missing.
-        """
+        """Begin the next node, when a fix is due; store the fix in NED, m, (2,), in register 2."""
         self.fix_number += 1
         if self.fix_number > 0:
             self.effects.append(self._effect())

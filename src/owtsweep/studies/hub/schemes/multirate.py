@@ -96,11 +96,7 @@ class MultirateKalmanFilter:
         )
 
     def _correct(self, force: Array, fix: Array | None, variance: float) -> None:
-        """Correct the state by filterpy (Joseph form), with the IMU sample and the position fix.
-
-        If `fix` is None, only the IMU sample corrects. If the IMU is an input, only the fix
-        corrects.
-        """
+        """Correct the state by filterpy (Joseph form), with the IMU sample and the fix, if any."""
         parts = []
         if fix is not None:
             parts.append((self.position_rows, fix, variance))

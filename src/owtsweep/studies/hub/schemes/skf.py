@@ -45,10 +45,7 @@ class SpectralScheme(Scheme):
         return SpectralEstimator((KalmanAxisFilter(x), KalmanAxisFilter(y)), known.sensors)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
-        """Return a new compiled estimator; `origin` is the hub at rest, m.
-
-        Raises InputError also if the origin is not stated.
-        """
+        """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
         x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
         filters = (CompiledAxisFilter(x), CompiledAxisFilter(y))
         return SpectralEstimator(filters, known.sensors, origin)
@@ -69,10 +66,7 @@ class SpectralScheme(Scheme):
 
 
 def find_motion(known: Known) -> KnownMotion:
-    """Return what SKF takes for the motion: what its keys say, else what is known.
-
-    Raises InputError if nothing says what the motion is.
-    """
+    """Return what SKF takes for the motion, by its keys or as known; raises InputError without."""
     own = known.tuning.skf
     period = known.natural_period if own.natural_period is None else own.natural_period
     amplitude = known.amplitude if own.amplitude is None else own.amplitude

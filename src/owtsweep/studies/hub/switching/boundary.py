@@ -45,8 +45,7 @@ class Boundary:
     def amplitude(self, period: float) -> float:
         """Return the amplitude (m) at a period (s), interpolated between logarithms.
 
-        The table goes on with its end values. If the period is NaN, the result is the least
-        amplitude.
+        The table goes on with its end values. For a period of NaN, it is the table's least one.
         """
         if isnan(period):
             return float(np.exp(self.log_amplitude.min()))
@@ -54,10 +53,9 @@ class Boundary:
 
 
 def read_boundary(points: Sequence[Sequence[float]]) -> Boundary:
-    """Return the boundary that the key `switch.boundary` states.
+    """Return the boundary of the key `switch.boundary`: rising periods (s) and amplitudes (m).
 
-    Raises InputError if the points are no table of rising periods (s) and amplitudes (m) above
-    zero.
+    Raises InputError if it is no table of such numbers above zero.
     """
     example = "give pairs of natural period (s) and amplitude (m), e.g. [[4,0.7],[8,1.2]]"
     if not points or any(len(point) != 2 for point in points):

@@ -82,8 +82,7 @@ def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
 def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int) -> Array:
     """Run schemes on records; return their settled MSE by `measures.criterion`.
 
-    The shape is (schemes, periods, amplitudes, replicates), m^2 or (m/s)^2. Raises InputError if a
-    case fails.
+    The shape is (schemes, periods, amplitudes, replicates). Raises InputError if a case fails.
     """
     entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)
@@ -103,7 +102,7 @@ def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int
 
 
 def score(errors: Array) -> float:
-    """Return the geometric mean of the errors of all cells; infinite if one of them is not finite.
+    """Return the geometric mean of the errors of all cells, in their unit; infinite if one is.
 
     The geometric mean weighs a percent less the same in each cell, whatever the cell's error.
     """

@@ -133,12 +133,12 @@ class TunedSchemes:
                 Text(name), f"{gain.before:.3g}", f"{gain.after:.3g}",
                 f"{100 * gain.change:+z.1f} %", reach, f"{gain.after / bound:.2f}",
             )  # fmt: skip
-        told = (
+        text = (
             f"Bound: {bound:.3g} {unit}, the least error of an estimator that assumes nothing "
             "about the motion. MSE are geometric means over natural periods and amplitudes, after "
             f"the first {config.measures.settling_time:g} s."
         )
-        return Group(table, Text(told))
+        return Group(table, Text(text))
 
     def _unit(self) -> str:
         return "(m/s)²" if self.before.measures.criterion == "velocity" else "m²"
@@ -168,10 +168,7 @@ class Gain:
 
 
 def judge(before: HubConfig, after: HubConfig, schemes: Sequence[str]) -> dict[str, Gain]:
-    """Run schemes with two tunings on the same records; return what each has gained.
-
-    There are `tune.replicates` records per natural period, with the configurations' seed.
-    """
+    """Run schemes with two tunings on the same records; return what each has gained."""
     count = before.tune.replicates
     errors = [errors_on_records(config, schemes, count) for config in (before, after)]
     return {name: _compare(*parts) for name, *parts in zip(schemes, *errors, strict=True)}

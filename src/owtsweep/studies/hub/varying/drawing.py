@@ -80,15 +80,15 @@ def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
     best = find_best(errors, errors.schemes)[number]
     for name, rms in zip(errors.names, errors.rms()[:, :, number], strict=True):
         if name in errors.baselines:
-            look = style_of(name, errors.baselines)
-            axes.plot(place, rms, label=style.label_of(name), **curves.thin_line(look))
+            drawn = style_of(name, errors.baselines)
+            axes.plot(place, rms, label=style.label_of(name), **curves.thin_line(drawn))
             continue
-        look = style_of(name, errors.schemes)
+        drawn = style_of(name, errors.schemes)
         on_top = sum(name in names for names in best) / len(
             best
         )  # of lines that coincide, the best scheme's is seen
         axes.plot(
-            place, rms, color=look.color, linestyle=look.line, marker=look.marker,
+            place, rms, color=drawn.color, linestyle=drawn.line, marker=drawn.marker,
             markersize=4.5, zorder=2.0 + on_top, label=style.label_of(name),
         )  # fmt: skip
     axes.plot(place, errors.rms_of_bound(), zorder=3.5, **BOUND_LINE)
@@ -104,9 +104,9 @@ def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
             line = curves.thin_line(style_of(name, errors.baselines))
             axes.hlines(rms, *ends, label=style.label_of(name), **line)
             continue
-        look = style_of(name, errors.schemes)
+        drawn = style_of(name, errors.schemes)
         axes.plot(
-            place + offsets[n], rms, color=look.color, linestyle="none", marker=look.marker,
+            place + offsets[n], rms, color=drawn.color, linestyle="none", marker=drawn.marker,
             markersize=6, label=style.label_of(name),
         )  # fmt: skip
     axes.hlines(errors.rms_of_bound(), *ends, **BOUND_LINE)
@@ -115,5 +115,5 @@ def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
 def _explain_baselines(errors: Errors) -> list[str]:
     if not errors.baselines:
         return []
-    told = "; ".join(f"{name}, {BASELINES[name]}" for name in errors.baselines)
-    return [f"Thin: baselines ({told})."]
+    named = "; ".join(f"{name}, {BASELINES[name]}" for name in errors.baselines)
+    return [f"Thin: baselines ({named})."]

@@ -56,21 +56,18 @@ BOUND = (
 def list_notes(
     along: Condition, configs: Mapping[Value, HubConfig], schemes: Sequence[str], mse: Array
 ) -> tuple[str, ...]:
-    """Return sentences on coinciding schemes, HME2's numbers, the bound and the window.
-
-    `mse` are the MSE of `schemes`, shape (schemes, values, motions).
-    """
+    """Return sentences on coinciding schemes, HME2's numbers, the bound and the window."""
     groups = group_coinciding(schemes, lambda i, j: bool(agree(mse[i], mse[j]).all()))
-    told = [f"{' and '.join(group)} have the same errors." for group in groups]
+    sentences = [f"{' and '.join(group)} have the same errors." for group in groups]
     recorded = [value for value, config in configs.items() if _has_recorded_numbers(config)]
     one_tuning = len({config.tuning_name for config in configs.values()}) == 1
     if RECORDED_FOR in schemes and one_tuning and 0 < len(recorded) < len(configs):
         places = " and ".join(along.show(value) for value in recorded)
-        told.append(
+        sentences.append(
             f"At {places}, {RECORDED_FOR} has the numbers that tuning=matched keeps for the "
             "paper's sensors; elsewhere its numbers follow a rule (docs/tuning.md)."
         )
-    return (*told, BOUND, OTHER_WINDOW["settled"])
+    return (*sentences, BOUND, OTHER_WINDOW["settled"])
 
 
 def _has_recorded_numbers(config: HubConfig) -> bool:
@@ -211,17 +208,14 @@ def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
 def _compute_rows(
     config: HubConfig, names: Sequence[str], periods: Sequence[float], place: str
 ) -> pd.DataFrame:
-    """Compute the rows of all schemes, on all cores; `place` says in messages which value it is.
-
-    Raises InputError if a scheme cannot be computed, or its error is not finite.
-    """
+    """Compute the rows of all schemes, on all cores; `place` says in messages which value it is."""
 
     def compute_one(name: str) -> pd.DataFrame:
         try:
             made = rows(config, name, periods)
         except Exception as error:  # a scheme of the user's may raise anything
-            told = str(error) if isinstance(error, InputError) else as_text(error)
-            raise InputError(f"schemes: {name} cannot be computed at {place}: {told}") from error
+            text = str(error) if isinstance(error, InputError) else as_text(error)
+            raise InputError(f"schemes: {name} cannot be computed at {place}: {text}") from error
         require(
             bool((made["status"] == OK).all()),
             f"schemes: the error of {name} is not finite at {place}; leave out the scheme or the "

@@ -66,14 +66,14 @@ def _follow_best(errors: Errors, best: list[str], least: Array) -> str:
     bound = errors.rms_of_bound()
     if isinstance(values[0], str):
         low, high = int(np.argmin(least)), int(np.argmax(least))
-        told = " and ".join(
+        text = " and ".join(
             f"{what} with {show(values[n])} ({best[n]}, {least[n]:.3g} {unit}; "
             f"bound {bound[n]:.3g} {unit})"
             for what, n in (("smallest", low), ("largest", high))
         )
         if not _differ(least[low], least[high]):
             return f"The best scheme's error is the same at all values: {least[low]:.3g} {unit}."
-        return f"The best scheme's error is {told}."
+        return f"The best scheme's error is {text}."
     ends = f"From {show(values[0])} to {show(values[-1])}"
     verb, verb_of_bound = (_name_change(of[0], of[-1]) for of in (least, bound))
     sentence = (
@@ -106,7 +106,7 @@ def _name_baselines(errors: Errors, motion: int) -> list[str]:
     """Return a sentence on each baseline that is best, and beats every scheme, at some values."""
     mse, count = errors.mse[errors.criterion][:, :, [motion]], len(errors.schemes)
     winning, _ = find_winning(mse[count:], mse[:count].min(axis=0))
-    told = []
+    sentences = []
     for number, name in enumerate(errors.baselines):
         places = [
             errors.along.show(value)
@@ -114,5 +114,5 @@ def _name_baselines(errors: Errors, motion: int) -> list[str]:
             if winner == number
         ]
         if places:
-            told.append(f"{name} has less error than every scheme at {', '.join(places)}.")
-    return told
+            sentences.append(f"{name} has less error than every scheme at {', '.join(places)}.")
+    return sentences

@@ -44,8 +44,8 @@ class VariedErrors:
 
         tables = [self._make_table(number) for number in range(len(self.errors.motions))]
         facts = f"At all values: {'; '.join(self.errors.facts)}"
-        told = [*answer_each(self.errors), " ".join(self.errors.notes)]
-        return Group(Text(facts), *tables, *(Text(sentence) for sentence in told))
+        sentences = [*answer_each(self.errors), " ".join(self.errors.notes)]
+        return Group(Text(facts), *tables, *(Text(sentence) for sentence in sentences))
 
     def _make_table(self, number: int) -> Table:
         from rich import box
