@@ -70,8 +70,8 @@ def draw(
 def _explain_baselines(baselines: Sequence[str]) -> list[str]:
     if not baselines:
         return []
-    named = "; ".join(f"{name}, {BASELINES[name]}" for name in baselines)
-    return [f"Thin: baselines ({named}). The axes have the range of the schemes."]
+    told = "; ".join(f"{name}, {BASELINES[name]}" for name in baselines)
+    return [f"Thin: baselines ({told}). The axes have the range of the schemes."]
 
 
 def _choose_marks(
