@@ -310,7 +310,7 @@ def _make_chains(
 def _count_threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
     """Return how many threads may prepare schemes for the kernels at once.
 
-    They are a threaded sweep's workers, which would otherwise wait; else it is 1.
+    In a threaded sweep they are as many as its workers, which would otherwise wait; else 1.
     """
     from joblib import cpu_count
 

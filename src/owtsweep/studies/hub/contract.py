@@ -140,7 +140,10 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
         return known if self.told_motion else replace(known, natural_period=None, amplitude=None)
 
     def kernel(self, known: Known, steps: int | None = None) -> Chain:
-        """Return the chain for records of `steps` IMU steps, or of any; if `batched` is "chain"."""
+        """Return the scheme as a chain for records of `steps` IMU steps; None: of any length.
+
+        Only a scheme whose `batched` is "chain" has one.
+        """
         self._lacks("kernel")
 
     def kernel_for_runs(self, known: Known, steps: int) -> Chain:
@@ -148,7 +151,10 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
         return self.kernel(known, steps)
 
     def own_kernel(self, known: Known, steps: int) -> OwnKernel:
-        """Return the kernel for records of `steps` IMU steps, if `batched` is "own"."""
+        """Return the scheme's own kernel for records of `steps` IMU steps.
+
+        Only a scheme whose `batched` is "own" has one.
+        """
         self._lacks("own_kernel")
 
     def under(self, config: HubConfig) -> Scheme:

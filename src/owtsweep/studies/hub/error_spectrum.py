@@ -86,7 +86,10 @@ def error_spectrum(
 
 
 def look_constant(cycles: Array) -> NDArray[np.bool_]:
-    """Say which sinusoids, of `cycles` (n,) per sample, are constant to a sensor."""
+    """Say which sinusoids are constant to a sensor that repeats its measurement.
+
+    `cycles` says how many periods of each sinusoid pass between two measurements, shape (n,).
+    """
     return np.asarray(np.abs(cycles - np.round(cycles)) < 1e-3)
 
 

@@ -85,14 +85,17 @@ class Histories:
 
 
 def natural_period_of(config: HubConfig) -> float:
-    """Return 3.8 s as in Ren et al. (2019), or for a printed spectrum the nearest grid's period."""
+    """Return 3.8 s as in Ren et al. (2019), or the grid's nearest period of a printed spectrum."""
     if config.spectrum.kind == "printed":
         return min(config.grid.natural_period, key=lambda period: abs(period - NATURAL_PERIOD))
     return NATURAL_PERIOD
 
 
 def choose_sea(config: HubConfig, sea: Mapping[str, float] = SEA) -> dict[str, Value]:
-    """Return the plant's first conditions with the sea state nearest to `sea`: hs (m), tp (s)."""
+    """Return the plant's conditions with the sea state nearest to `sea`: `hs` (m) and `tp` (s).
+
+    Blades and friction angle are the first of the configuration.
+    """
     grid = get_grid(config)
     nearest = {
         name: min(grid[name], key=lambda value: abs(float(value) - wanted))

@@ -86,7 +86,10 @@ class Measured(NamedTuple):
 
 
 def sensors(config: SensorConfig) -> Sensors:
-    """Return what an estimator may know of the sensors; a tilt as the structure's counts as 0."""
+    """Compute from the configuration what an estimator may know about the sensors.
+
+    The tilt is 0 if it is the structure's own, which these keys do not know.
+    """
     step = 1.0 / config.imu.rate
     deviations = 1.0 if config.accuracy == "sigma" else 3.0
     return Sensors(

@@ -83,7 +83,10 @@ class World(ABC):
         """
 
     def describe_values(self, at: Mapping[str, Value]) -> str:
-        """Return values of conditions in words, e.g. "hs 2 m, blades 0", but not the file's own."""
+        """Return values of conditions in words, e.g. "hs 2 m, blades 0"; "" for no condition.
+
+        What is as the structure's file says is not mentioned.
+        """
         named = {condition.name: condition for condition in self.conditions}
         return ", ".join(
             f"{named[name].word} {named[name].show(v)}" for name, v in at.items() if v != LAYERS

@@ -69,9 +69,9 @@ def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
 
 
 def walks(number: Array, steps: int) -> Probe:
-    """Make a probe of the eigenvectors, numbered from 1 on, of a Wiener process of some steps.
+    """Make a probe of the eigenvectors of a Wiener process: forces sin(angle k) at steps k.
 
-    They are forces sin(angle k) at steps k; the process starts from zero. `number` is (n,).
+    The process starts from zero at step 0. `number`, shape (n,), counts eigenvectors from 1 on.
     """
     angle = (2.0 * number - 1.0) * np.pi / (2.0 * (steps - 1) + 1.0)
     return Probe(angle, np.ones(len(number)), np.zeros(len(number)), phasor=False)

@@ -38,7 +38,7 @@ class Waves(NamedTuple):
 
 
 class Course(NamedTuple):
-    """The plan by which lanes are run and tested for a response that repeats; all in steps.
+    """The plan by which lanes are run and tested for a response that repeats; times are in steps.
 
     lead: number of steps before a chunk whose force the chunk needs.
     chunk: length of a chunk.

@@ -53,7 +53,10 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
 
 
 def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
-    """Return the first nodes, Hz, increasing, in a band (Hz) with its edges; a duration in s."""
+    """Return the first nodes in a band, both edges included, Hz, increasing.
+
+    `duration` is that of a record, s.
+    """
     low, high = band
     nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
     for multiple in range(1, int(high / scales.rate) + 2):

@@ -151,9 +151,8 @@ def _drift(
 ) -> tuple[list[Curve], Limits, str]:
     """Make the line of the IMU's integrated acceleration, and a note on the line's drift.
 
-    The line is left out if it lies outside the panel during the whole view. The note says when it
-    leaves the panel. Between them are the limits of the vertical axis; None if the line is not
-    drawn.
+    Return the line, unless it lies outside the panel during the whole view; the limits of the
+    vertical axis, None without the line; and the note, which says when the line leaves the panel.
     """
     time, truth = histories.time, getattr(histories, quantity)[:, axis]
     alone = getattr(histories, f"integrated_{quantity}")[:, axis]
@@ -176,7 +175,7 @@ def _drift(
 
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
-    """Make the panel of the errors of x in the `view`, or else of all accumulated errors."""
+    """Make the panel of the errors of x in the `view`, or of accumulated errors without one."""
     truth = getattr(histories, quantity)
     estimates = {name: _estimate(histories, name, quantity) for name in names}
     errors = {

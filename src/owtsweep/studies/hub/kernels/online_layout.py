@@ -123,7 +123,8 @@ class HorizonSettings(NamedTuple):
 class OnlineRegisters(NamedTuple):
     """The registers of an online estimator, for two axes, x and y.
 
-    A link leads from one node of the MHE's window to the next. Row by row are the recent steps.
+    A link leads from one node of the MHE's window to the next. Arrays with `rows` have one per
+    recent step.
 
     counter: the counters STEP, ROW, LINKS, DETERMINED, BEYOND; shape (5,).
     P: the covariance (4, 4) of the filter's state.

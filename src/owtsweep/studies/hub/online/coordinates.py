@@ -28,7 +28,10 @@ LEAST_RATIO = 100.0
 
 
 def check_origin(origin: object) -> Array | None:
-    """Return an origin as an array (2,) in m, or None; raises InputError if it is neither."""
+    """Return the origin as an array (2,) in m, or None for the first fix.
+
+    Raises InputError if the origin is neither None nor two finite numbers.
+    """
     if origin is None:
         return None
     wrong = f"origin: {origin!r} is not two finite numbers; give x and y in m, e.g. origin=(0, 0)"

@@ -66,7 +66,10 @@ class SpectralScheme(Scheme):
 
 
 def find_motion(known: Known) -> KnownMotion:
-    """Return what SKF takes for the motion, by its keys or as known; raises InputError without."""
+    """Return what SKF takes for the motion: what its keys say, else what is known.
+
+    Raises InputError if nothing says what the motion is.
+    """
     own = known.tuning.skf
     period = known.natural_period if own.natural_period is None else own.natural_period
     amplitude = known.amplitude if own.amplitude is None else own.amplitude

@@ -45,7 +45,8 @@ class Boundary:
     def amplitude(self, period: float) -> float:
         """Return the amplitude (m) at a period (s), interpolated between logarithms.
 
-        The table goes on with its end values. For a period of NaN, it is the table's least one.
+        Beyond its ends the table keeps its end values. For a period of NaN, its least amplitude is
+        taken.
         """
         if isnan(period):
             return float(np.exp(self.log_amplitude.min()))
