@@ -24,14 +24,8 @@ def augment(
 ) -> tuple[Array, Array]:
     """Return transition matrix and measurement matrix of the state [x, z] (Eqs. 18 to 22).
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs p.
-    transition
-        Transition matrix (latent, latent) of z, which makes the inputs.
-    read
-        Matrix (inputs, latent) with p = read z; None if p = z.
+    transition: of z, which makes the inputs, shape (latent, latent).
+    read: shape (inputs, latent) with p = read z; None if p = z.
     """
     n, latent = len(model.A), len(transition)
     read = np.eye(latent) if read is None else read
@@ -40,7 +34,10 @@ def augment(
 
 
 def augment_walks(model: InputStateModel, Q: Array, S: Array) -> tuple[Array, Array, Array]:
-    """Return transition, measurement and noise matrix if each input is a random walk (Eq. 23)."""
+    """Return the matrices of [x, p] if each input is a random walk (Eq. 23).
+
+    They are transition, measurement and noise, shapes (N, N), (m, N), (N, N) with N = n + inputs.
+    """
     F, H = augment(model, np.eye(model.B.shape[1]))
     return F, H, block_diag(Q, S)
 
@@ -48,24 +45,12 @@ def augment_walks(model: InputStateModel, Q: Array, S: Array) -> tuple[Array, Ar
 def make_augmented(model: InputStateModel, Q: Array, S: Array, R: Array, P0: Array) -> Filter:
     """Make the augmented Kalman filter.
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs.
-    Q
-        Covariance of the process noise w per step, shape (n, n).
-    S
-        Covariance of the inputs' change per step, shape (inputs, inputs).
-    R
-        Covariance of the sensors' noise, shape (m, m).
-    P0
-        Covariance of states and inputs one step before the first measurement, shape
+    Q: covariance of the process noise w per step, shape (n, n).
+    S: covariance of the inputs' change per step, shape (inputs, inputs).
+    R: covariance of the sensors' noise, shape (m, m).
+    P0: covariance of states and inputs one step before the first measurement, shape
         (n + inputs, n + inputs).
-
-    Raises
-    ------
-    InputError
-        If a matrix is no covariance, or R is singular.
+    Raises InputError if a matrix is no covariance, or R is singular.
     """
     F, H, noise = augment_walks(model, Q, S)
     return make_kalman(F, H, noise, R, P0)
@@ -96,17 +81,15 @@ def make_steady(model: InputStateModel, Q: Array, S: Array, R: Array) -> Filter:
 def make_lagged(
     model: InputStateModel, Q: Array, S: Array, R: Array, P0: Array, lag: int
 ) -> Lagged:
-    """Make the augmented Kalman filter with a smoother of fixed lag.
+    """Make the augmented Kalman filter with a smoother of fixed lag, in steps.
 
-    Its `run` estimates states and inputs of each step k from the measurements up to step k + lag.
-    `lag` is in steps. The other parameters, and errors, are those of `make_augmented`.
+    The other parameters, and errors, are those of `make_augmented`.
     """
     F, H, noise = augment_walks(model, Q, S)
     return make_smoother(F, H, noise, R, P0, lag)
 
 
 def _solve(F: Array, H: Array, Q: Array, R: Array) -> Array | None:
-    """Return the gain of the Riccati equation; None if it has no solution with fading errors."""
     try:
         P = solve_discrete_are(F.T, H.T, Q, R)
     except (np.linalg.LinAlgError, ValueError):

@@ -18,40 +18,24 @@ FEASIBILITY = 1e-8
 
 
 class CasadiWindow:
-    """The optimisation problem of moving horizon estimation, solved by CasADi.
+    """The optimisation problem of Eq. (11) of Ren et al. (2019) for one window, solved by CasADi.
 
-    The problem is Eq. (11) of Ren et al. (2019) for one window, a sequence of position fixes with
-    the inputs between them. A node is a time at which a state is estimated: the time of a fix, or
-    the present. Only this class can solve a window with constraints. Without constraints,
-    `window_map` solves the problem in closed form, and the class serves to test that function. The
-    hub study solves two axes at once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity
-    and bias of the accelerometer).
+    A node is the time of a fix, or the present. Only this class can solve a window with
+    constraints. Without constraints, `window_map` solves the problem in closed form, and the class
+    serves to test it. The hub study solves two axes at once: the states are x, y, v_x, v_y, b_x,
+    b_y (position, velocity and bias of the accelerometer).
 
-    Parameters
-    ----------
-    intervals
-        Number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
-    states, outputs
-        Number of components of a state, and of a fix.
-    last_node
-        Whether there is a node at the present time, t_f after the last fix.
-    arrival
-        Whether the cost has a term for the difference between the state at the oldest fix and the
-        arrival state, a state that is assumed there.
-    fixed_arrival
-        Whether the state at the oldest fix must equal the arrival state.
-    use_first_fix
-        Whether the oldest fix is used; false if the arrival state already includes this fix.
-    solver
-        "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
-    constraints
-        Number of constraints on the state of each node. With `fixed_arrival`, the oldest node has
-        no constraints.
-
-    Raises
-    ------
-    ValueError
-        If `solver` is neither "qrqp" nor "ipopt".
+    intervals: number of fixes minus one.
+    states, outputs: number of components of a state, and of a fix.
+    last_node: whether there is a node at the present time, t_f after the last fix.
+    arrival: whether the cost has a term for the difference between the oldest state and the arrival
+        state.
+    fixed_arrival: whether the oldest state must equal the arrival state.
+    use_first_fix: false if the arrival state already includes the oldest fix.
+    solver: "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
+    constraints: number of constraints on each node's state. With `fixed_arrival`, the oldest node
+        has none.
+    Raises ValueError if `solver` is neither "qrqp" nor "ipopt".
     """
 
     def __init__(
@@ -149,45 +133,26 @@ class CasadiWindow:
     ) -> Array:
         """Solve the window; return the states of all nodes, shape (states, nodes).
 
-        A node is the time of a fix, or the present. The solution is refined once: the problem is
-        solved again for the residuals of the first solution. Without refinement, the errors reach
-        1e-10 of the states if the weights differ by many decades.
+        The solution is refined once: the problem is solved again for the residuals of the first
+        solution. Without refinement, the errors reach 1e-10 of the states if the weights differ by
+        many decades.
 
-        Parameters
-        ----------
-        scale
-            Typical sizes of the states, shape (states,), by which the solver's variables are
+        scale: typical sizes of the states, shape (states,), by which the solver's variables are
             scaled.
-        z
-            Position fixes, oldest first, shape (outputs, fixes).
-        inputs
-            Effects of the inputs on the state from node to node, shape (states, nodes - 1).
-        A
-            Transition matrix (states, states) from one fix to the next.
-        A_f
-            Transition matrix (states, states) over the time t_f from the last fix to the present.
-        link
-            Square root U of an information matrix, U' U = Q^-1, for the covariance Q of the process
-            noise from one node to the next; shape (states, states).
-        fix
-            Inverse standard deviation of a fix: one number, or one number per fix, zero for a
-            missing fix.
-        x0
-            Arrival state, the state assumed at the oldest fix; shape (states,).
-        prior
-            Square root U of an information matrix, U' U = P^-1, for the covariance P of the arrival
-            state; shape (states, states).
-        rows, lower, upper
-            The constraints lower <= rows x <= upper on the state x of each node, except the oldest
-            node if its state is fixed. Shapes (constraints, states), (constraints,) and
+        z: position fixes, oldest first, shape (outputs, fixes).
+        inputs: effects of the inputs on the state from node to node, shape (states, nodes - 1).
+        A, A_f: transition matrices (states, states) between fixes, and from the last fix to the
+            present.
+        link, prior: square roots U, U' U = covariance^-1, of the process noise between nodes and of
+            the arrival state; shape (states, states).
+        fix: inverse standard deviation of all fixes, or of each; zero for a missing fix.
+        x0: arrival state, shape (states,).
+        rows, lower, upper: lower <= rows x <= upper holds for the state x of each node, except the
+            oldest if its state is fixed. Shapes (constraints, states), (constraints,) and
             (constraints,).
-
-        Raises
-        ------
-        ArithmeticError
-            If the solution does not meet the conditions of optimality: the gradient of the
-            Lagrangian is not small, a constraint is violated, or a constraint that is not active
-            has a multiplier. (The solvers' own reports of success are not reliable.)
+        Raises ArithmeticError if the solution does not meet the conditions of optimality: the
+        gradient of the Lagrangian is not small, a constraint is violated, or an inactive constraint
+        has a multiplier. (The solvers' own reports of success are not reliable.)
         """
         nodes = z.shape[1]
         fix = np.broadcast_to(fix, nodes)
@@ -202,26 +167,9 @@ class CasadiWindow:
         return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
-        """Solve the problem once; return the states of all nodes, shape (states, nodes).
+        """Solve the problem by one solver after the other until one finds a minimum.
 
-        The solvers are tried in turn until the answer of one is a minimum within the limits.
-
-        Parameters
-        ----------
-        limits
-            Limits of the constraints, shape (2, constrained nodes, constraints): lower limits, then
-            upper limits.
-        scale
-            Typical sizes of the states, shape (states,).
-        rows
-            Matrix (constraints, states); rows times a state lies within the limits.
-        *parameters
-            The other parameters of the problem, in the order in which the problem was built.
-
-        Raises
-        ------
-        ArithmeticError
-            If no solver's answer is a minimum.
+        Raises ArithmeticError if none does. `limits` are (2, constrained nodes, constraints).
         """
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
         p = np.concatenate([packed, scale, rows.ravel("F")])
@@ -239,11 +187,7 @@ class CasadiWindow:
         raise ArithmeticError(f"the MHE's solver stopped {fault}")
 
     def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
-        """Return a description of the fault if the gradient of the Lagrangian is not small.
-
-        Return "" if the gradient is small. `answer` holds the scaled states, `p` the parameters of
-        the problem, and `force` the multipliers of the constraints.
-        """
+        """Describe the fault if the gradient of the Lagrangian is not small; "" if it is small."""
         slope = np.asarray(self._gradient(answer, p)).ravel()
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
         if self._limited:
@@ -256,22 +200,7 @@ class CasadiWindow:
         return ""
 
     def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
-        """Return a description of the fault if the limits of the constraints are not respected.
-
-        A fault is a violated limit, or a limit that is not reached but has a multiplier. Return ""
-        if there is no fault.
-
-        Parameters
-        ----------
-        states
-            States of all nodes, shape (states, nodes).
-        rows
-            Matrix (constraints, states); rows times a state should lie within the limits.
-        limits
-            Limits, shape (2, constrained nodes, constraints): lower limits, then upper limits.
-        force
-            Multipliers of the constraints, shape (constrained nodes * constraints,).
-        """
+        """Describe a violated limit, or a multiplier of one that is not reached; "" for neither."""
         value = (rows @ states[:, -self._limited :]).T
         width = limits[1] - limits[0]
         below, above = (value - limits[0]) / width, (limits[1] - value) / width

@@ -20,14 +20,7 @@ HOLDS = ("zero", "first")
 class Model:
     """The model x' = A x + B u + w in continuous time, where w is white noise of intensity Q.
 
-    Attributes
-    ----------
-    A
-        System matrix, shape (states, states), in SI units.
-    B
-        Input matrix, shape (states, inputs), in SI units.
-    Q
-        Intensity of the white noise w, shape (states, states): covariance per second, in SI units.
+    A, B, Q: shapes (states, states), (states, inputs), (states, states); SI units, Q per second.
     """
 
     A: Array
@@ -37,22 +30,11 @@ class Model:
 
 @dataclass(frozen=True)
 class Discrete:
-    """The model x[k+1] = A x[k] + B u[k] + B_next u[k+1] + w[k] in discrete time.
+    """The model x[k+1] = A x[k] + B u[k] + B_next u[k+1] + w[k] in discrete time, of a `step` in s.
 
-    Attributes
-    ----------
-    A
-        Transition matrix, shape (states, states).
-    B
-        Input matrix, shape (states, inputs).
-    Q
-        Covariance of the noise w[k], shape (states, states).
-    step
-        Time from k to k + 1, in s.
-    B_next
-        Matrix of the input at the end of the step, shape (states, inputs), if the input is linear
-        from k to k + 1 (a first-order hold). None if the input u[k] is constant from k to k + 1 (a
-        zero-order hold).
+    A, Q: transition matrix and covariance of w[k], shape (states, states).
+    B, B_next: shape (states, inputs). `B_next` belongs to an input that is linear from k to k + 1
+        (a first-order hold); None if the input is constant (a zero-order hold).
     """
 
     A: Array
@@ -65,26 +47,13 @@ class Discrete:
 def discretise(model: Model, step: float, method: str = "exact", *, hold: str = "zero") -> Discrete:
     """Turn a model in continuous time into a discrete one.
 
-    Parameters
-    ----------
-    model
-        The model in continuous time.
-    step
-        Length T of a step, in s.
-    method
-        "exact" computes the integrals of Eq. (10) of Ren et al. (2019). "first_order" computes the
-        approximation printed with Eq. (10): A becomes I + A T (10c), B becomes T B + T^2/2 A B
-        (10d), and Q becomes Q T + Q A T^2 + A Q A' T^3/3 (10e). Of the new Q only the symmetric
-        part is kept, since a covariance is symmetric.
-    hold
-        What the input does between samples. "zero": the input is constant over a step (zero-order
-        hold). "first": the input is linear between the samples at both ends of a step (first-order
-        hold, also called triangle hold). The paper has the zero-order hold only.
-
-    Raises
-    ------
-    ValueError
-        If `method` is not one of `METHODS`, or `hold` not one of `HOLDS`.
+    step: length T of a step, in s.
+    method: "exact" computes the integrals of Eq. (10) of Ren et al. (2019). "first_order" computes
+        the approximation printed with Eq. (10): A becomes I + A T (10c), B becomes T B + T^2/2 A B
+        (10d), and Q becomes the symmetric part of Q T + Q A T^2 + A Q A' T^3/3 (10e).
+    hold: "zero": the input is constant over a step, as in the paper. "first": the input is linear
+        between the samples at both ends of a step (also called triangle hold).
+    Raises ValueError if `method` is not one of `METHODS`, or `hold` not one of `HOLDS`.
     """
     from scipy.linalg import expm
 
@@ -114,11 +83,10 @@ def discretise(model: Model, step: float, method: str = "exact", *, hold: str = 
 
 
 def _hold_linearly(model: Model, held: Discrete, method: str) -> Discrete:
-    """Return the discrete model with an input that is linear over a step.
+    """Make the input linear over a step in a discrete model in which it is constant, `held`.
 
-    `held` is the discrete model with an input that is constant over a step. An input that rises
-    from 0 to 1 over a step changes the state by B_next. An input that falls from 1 to 0 changes the
-    state by the rest of what a constant input of 1 does.
+    An input that rises from 0 to 1 over a step changes the state by B_next. An input that falls
+    from 1 to 0 changes it by the rest of what a constant input of 1 does.
     """
     from scipy.linalg import expm
 
@@ -135,21 +103,13 @@ def _hold_linearly(model: Model, held: Discrete, method: str) -> Discrete:
 
 
 def predict(model: Discrete, state: Array, inputs: Array) -> Array:
-    """Predict a state over some steps by the model and the inputs; return the state at the end.
+    """Predict a state (states,) over some steps by the inputs; return the state at the end.
 
     Algorithm 9 of Ren et al. (2019) prints N_d - 1 steps with the inputs of register 1, then N_s
     steps with u_s, which is the wrong order in time. Here the inputs are in order of time.
 
-    Parameters
-    ----------
-    model
-        The model in discrete time.
-    state
-        The state before the first step, shape (states,).
-    inputs
-        The inputs of the steps, shape (steps, inputs), oldest first. If the model's inputs are
-        linear over a step (`model.B_next`), there is one more row: the input at the end of the last
-        step.
+    inputs: shape (steps, inputs), oldest first. If they are linear over a step (`model.B_next`),
+        there is one more row: the input at the end of the last step.
     """
     if model.B_next is None:
         for u in inputs:
@@ -161,10 +121,7 @@ def predict(model: Discrete, state: Array, inputs: Array) -> Array:
 
 
 def powers(A: Array, count: int) -> Array:
-    """Compute the powers I, A, A^2, ..., A^count of a matrix A (states, states).
-
-    The result has the shape (count + 1, states, states).
-    """
+    """Compute I, A, A^2, ..., A^count of a matrix A (n, n); shape (count + 1, n, n)."""
     result = np.empty((count + 1, *A.shape))
     result[0] = np.eye(len(A))
     for i in range(count):
@@ -174,20 +131,13 @@ def powers(A: Array, count: int) -> Array:
 
 @dataclass(frozen=True)
 class PredictionNoise:
-    """The effects of noise on the predicted state, after a number of steps.
+    """The effects of noise on the predicted state, after a number of steps of a `Discrete` model.
 
-    A, B and B_next are the matrices of the model x[k+1] = A x[k] + B u[k] + B_next u[k+1] + w[k].
-
-    Attributes
-    ----------
-    transition
-        A^steps, shape (states, states): the effect of an error in the first state.
-    response
-        Row i is the effect of an error in input i, shape (steps, states). Without B_next, row i is
-        A^(steps-1-i) B. With B_next there is one more row: input i acts at the beginning of step i
-        and at the end of the step before.
-    process
-        Covariance of the predicted state due to the noise w of all steps, shape (states, states).
+    transition: A^steps, shape (states, states): the effect of an error in the first state.
+    response: row i is the effect of an error in input i, shape (steps, states). Without B_next, row
+        i is A^(steps-1-i) B. With B_next there is one more row: input i acts at the beginning of
+        step i and at the end of the step before.
+    process: covariance of the predicted state due to the noise w of all steps, (states, states).
     """
 
     transition: Array
@@ -196,10 +146,7 @@ class PredictionNoise:
 
 
 def prediction_noise(model: Discrete, steps: int) -> PredictionNoise:
-    """Compute the effects of noise on a prediction over `steps` steps, for a model with one input.
-
-    The noise is an error in the first state, errors in the inputs, and the process noise.
-    """
+    """Compute the effects of noise on a prediction over some steps, for a model with one input."""
     A = powers(model.A, steps)
     response = np.array([A[steps - 1 - i] @ model.B[:, 0] for i in range(steps)])
     response = response.reshape(steps, len(model.A))

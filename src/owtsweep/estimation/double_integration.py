@@ -30,17 +30,8 @@ def decimate(signal: Array, rate: float) -> Array:
     in reverse, so that nothing is delayed. Its ripple of .05 dB is that of `scipy.signal.decimate`
     and, because the order is even, a loss at 0 Hz: both runs together take up to 1.1 % of motions.
 
-    Parameters
-    ----------
-    signal
-        Shape (samples,) or (samples, axes).
-    rate
-        Its sampling rate, Hz, a whole multiple of 20 Hz. At 20 Hz, a copy is returned.
-
-    Raises
-    ------
-    InputError
-        If the rate is no such multiple, or the signal is too short or not finite.
+    rate: sampling rate, Hz, a whole multiple of 20 Hz. At 20 Hz, a copy is returned.
+    Raises InputError if the rate is no such multiple, or the signal is too short or not finite.
     """
     from scipy.signal import decimate
 
@@ -64,22 +55,13 @@ def integrate_twice(acceleration: Array, rate: float) -> Array:
     """Return displacements with mean 0, in the unit of the acceleration times s^2, same shape.
 
     The Fourier transform is divided by -omega^2. In print, the minus is missing; without it, the
-    displacement comes out with the opposite sign. The mean of the acceleration, a bias, is removed.
+    displacement has the opposite sign. The mean of the acceleration, a bias, is removed. The
+    transform takes the record as periodic. If it is not, the result differs from the motion by a
+    parabola over the record, which `pass_high` removes away from both ends.
 
-    The transform takes the record as periodic. If it is not, the result differs from the motion by
-    a parabola over the record, which `pass_high` removes away from both ends.
-
-    Parameters
-    ----------
-    acceleration
-        Shape (samples,) or (samples, axes).
-    rate
-        Sampling rate, Hz.
-
-    Raises
-    ------
-    InputError
-        If the signal or the rate is not finite, or the rate not positive.
+    acceleration: shape (samples,) or (samples, axes).
+    rate: sampling rate, Hz.
+    Raises InputError if the signal or the rate is not finite, or the rate not positive.
     """
     require_signal(acceleration)
     require_rate(rate, 0.0)
@@ -92,27 +74,17 @@ def integrate_twice(acceleration: Array, rate: float) -> Array:
 
 
 def pass_high(signal: Array, rate: float, *, zero_phase: bool = True) -> Array:
-    """Return a signal without what is slower than 0.15 Hz, same shape.
+    """Return a signal, shape (samples,) or (samples, axes), without what is slower than 0.15 Hz.
 
     The filter is Chebyshev of type I, order 5, with a ripple of .01 dB. The paper does not say
     whether it runs forward only. If it does, what passes leads, by 83 degrees at .3 Hz and 24 at
     1 Hz: an error of 1.33 and .42 times its size.
 
-    Parameters
-    ----------
-    signal
-        Shape (samples,) or (samples, axes).
-    rate
-        Sampling rate, Hz.
-    zero_phase
-        Whether to run the filter forward and in reverse. If not, it runs forward, as if the first
-        value had stood for ever before.
-
-    Raises
-    ------
-    InputError
-        If the rate is too low for the filter, or the signal is not finite or, for both directions,
-        not longer than 10 s.
+    rate: sampling rate, Hz.
+    zero_phase: whether to run the filter in reverse too. If not, it runs as if the first value had
+        stood for ever before.
+    Raises InputError if the rate is too low for the filter, or the signal is not finite or, for
+    both directions, not longer than 10 s.
     """
     from scipy.signal import cheby1, sosfilt, sosfilt_zi, sosfiltfilt
 

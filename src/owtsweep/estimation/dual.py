@@ -39,29 +39,14 @@ def make_dual(
 ) -> Filter:
     """Make the dual Kalman filter.
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs.
-    Q
-        Covariance of the process noise w per step, shape (n, n).
-    S
-        Covariance of the inputs' change per step, shape (inputs, inputs).
-    R
-        Covariance of the sensors' noise, shape (m, m).
-    P0_x, P0_p
-        Covariances of states and of inputs one step before the first measurement, shapes (n, n) and
-        (inputs, inputs).
-    reading
-        What the input filter takes for the state at k. "predicted" fits the model, in which the
-        input p[k-1] drives the state from k-1 to k: A x^[k-1] + B p^[k-1]. "previous" takes
+    Q, S, R: as of `augmented.make_augmented`.
+    P0_x, P0_p: covariances of states and of inputs one step before the first measurement, shapes
+        (n, n) and (inputs, inputs).
+    reading: what the input filter takes for the state at k. "predicted" fits the model, in which
+        the input p[k-1] drives the state from k-1 to k: A x^[k-1] + B p^[k-1]. "previous" takes
         x^[k-1] itself, and the new input p^[k] then drives the state from k-1 to k: our reading of
         the printed algorithm, whose discrete model holds the input of the step's end.
-
-    Raises
-    ------
-    InputError
-        If a matrix is no covariance, R is singular, or the reading is unknown.
+    Raises InputError if a matrix is no covariance, R is singular, or the reading is unknown.
     """
     require(reading in READINGS, f"reading: {reading!r} is not one of {', '.join(READINGS)}")
     inputs = model.B.shape[1]

@@ -1,9 +1,8 @@
 """Compute the gains of a Kalman filter with a slow and a fast measurement.
 
 The gains depend on the model and on the variances of noise, not on the measured values, so all
-records share the gains. After a transient the gains are periodic: the period, here called a cycle,
-is the time from one slow measurement to the next. A gain schedule therefore stores the gains of the
-transient and of one cycle.
+records share them. After a transient the gains are periodic: a cycle is the time from one slow
+measurement to the next.
 """
 
 from __future__ import annotations
@@ -32,27 +31,17 @@ TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class GainSchedule:
-    """The gains and covariances of a filter with a slow and a fast measurement.
+    """The gains and covariances of a filter with a slow and a fast measurement, a row per step.
 
-    There is one row per step. After the last row, the last `cycle` rows repeat for ever.
-
-    Attributes
-    ----------
-    K
-        Gains, shape (rows, states, 2): columns of the slow and of the fast measurement.
-    applied
-        Shape (rows,): whether a slow measurement corrects the state, new or old.
-    fresh
-        Shape (rows,): whether there is a new slow measurement. At steps without a new slow
-        measurement, the rule "mask_rows" applies the last slow measurement again.
-    innovation_variance
-        Shape (rows,): variance H P H' + R of the slow measurement's innovation, for measurement
-        row H, covariance P of the predicted state and noise variance R.
-    predicted, filtered
-        Covariances of the state before and after the measurements of a step, shape
+    K: gains, shape (rows, states, 2): columns of the slow and of the fast measurement.
+    applied: whether a slow measurement corrects the state, new or old, shape (rows,).
+    fresh: whether there is a new slow measurement, shape (rows,). At the other steps, the rule
+        "mask_rows" applies the last one again.
+    innovation_variance: variance H P H' + R of the slow measurement's innovation, shape (rows,).
+    predicted, filtered: covariances of the state before and after the measurements of a step, shape
         (rows, states, states).
-    cycle
-        Number of rows that repeat, i.e. steps from one slow measurement to the next.
+    cycle: number of rows at the end that repeat for ever, i.e. steps from one slow measurement to
+        the next.
     """
 
     K: Array
@@ -65,7 +54,6 @@ class GainSchedule:
 
     @property
     def rows(self) -> int:
-        """The number of stored rows."""
         return len(self.K)
 
     def row(self, step: NDArray[np.int64] | int) -> NDArray[np.int64]:
@@ -99,37 +87,19 @@ def schedule(
 ) -> GainSchedule:
     """Compute a filter's gains by the covariance recursion of Algorithm 6 of Ren et al. (2019).
 
-    Each step of the recursion predicts the covariance and then corrects it with the measurements
-    of the step. The recursion stops when the covariances repeat, or after `steps` steps (rounded
-    up to a multiple of `interval`).
+    The recursion stops when the covariances repeat, or after `steps` steps, the length of the
+    longest record (rounded up to a multiple of `interval`).
 
-    Parameters
-    ----------
-    model
-        The model of the filter in discrete time.
-    slow, fast
-        Rows (states,) of the measurement matrix for the slow and the fast measurement. If `fast`
-        is all zero, the fast signal is an input of the model and not a measurement.
-    slow_variance, fast_variance
-        Variances of the noise of the two measurements.
-    initial_covariance
-        Covariance (states, states) of the state one step before the first step.
-    interval
-        Number of steps from one slow measurement to the next; step 0 has one.
-    steps
-        Number of steps of the longest record.
-    rule
-        How a step without a slow measurement is treated: "proper", "mask_columns", "mask_rows" or
-        "every_step", as described at `RULES`.
-    start_interval, start_steps
-        In the first `start_steps` steps, slow measurements come every `start_interval` steps
-        instead of every `interval` steps. If `start_interval` is None, `interval` is used.
-
-    Raises
-    ------
-    InputError
-        If a variance of a state becomes negative or not finite, because the rule or the noise
-        variances make the recursion unstable.
+    slow, fast: rows (states,) of the measurement matrix. If `fast` is all zero, the fast signal is
+        an input of the model and not a measurement.
+    slow_variance, fast_variance: variances of the noise of the two measurements.
+    initial_covariance: covariance (states, states) of the state one step before the first step.
+    interval: number of steps from one slow measurement to the next; step 0 has one.
+    rule: how a step without a slow measurement is treated, one of `RULES`.
+    start_interval, start_steps: in the first `start_steps` steps, slow measurements come every
+        `start_interval` steps (None: every `interval`).
+    Raises InputError if a variance of a state becomes negative or not finite, because the rule or
+    the noise variances make the recursion unstable.
     """
     from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates, recursion
 
@@ -157,7 +127,6 @@ def schedule(
 
 
 def _lengthen(array: Array, rows: int, filled: int) -> Array:
-    """Return an array of `rows` rows that begins with the first `filled` rows of `array`."""
     result = aligned(rows, *array.shape[1:])
     result[:filled] = array[:filled]
     return result

@@ -1,7 +1,7 @@
 """The joint input and state filter of Gillijns and De Moor, for models with direct feedthrough.
 
 Gillijns and De Moor, "Unbiased minimum-variance input and state estimation for linear discrete-time
-systems with direct feedthrough", Automatica 43 (2007). Nothing is believed of the inputs: at each
+systems with direct feedthrough", Automatica 43 (2007). Nothing is assumed of the inputs: at each
 step, weighted least squares solve the innovation for them; what is left of the innovation corrects
 the state. Estimates are unbiased whatever the inputs are, and no linear unbiased estimate has less
 variance.
@@ -30,23 +30,11 @@ RANK_TOLERANCE = 1e-9
 def make_gillijns(model: InputStateModel, Q: Array, R: Array, P0: Array) -> Filter:
     """Make the joint input and state filter.
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs. The feedthrough J needs as many independent columns as
-        there are inputs.
-    Q
-        Covariance of the process noise w per step, shape (n, n).
-    R
-        Covariance of the sensors' noise, shape (m, m).
-    P0
-        Covariance of the state at the first measurement, shape (n, n). (A step before the first
+    model: its feedthrough J needs as many independent columns as there are inputs.
+    Q, R: as of `augmented.make_augmented`.
+    P0: covariance of the state at the first measurement, shape (n, n). (A step before the first
         measurement, as in the other filters, would need the input there.)
-
-    Raises
-    ------
-    InputError
-        If the rank of J is too small, a matrix is no covariance, or R is singular.
+    Raises InputError if the rank of J is too small, a matrix is no covariance, or R is singular.
     """
     rank, inputs = find_feedthrough_rank(model.J), model.J.shape[1]
     require(

@@ -33,21 +33,12 @@ LONGEST = 6000
 class InputStateModel:
     """The model x[k+1] = A x[k] + B p[k] + w[k], y[k] = G x[k] + J p[k] + v[k] in discrete time.
 
-    These are Eqs. (14) and (15) of Simpson et al. (2025), for n states x, inputs p that nobody
-    measures, and m measurements y.
+    Eqs. (14) and (15) of Simpson et al. (2025), for n states x, inputs p that nobody measures, and
+    m measurements y.
 
-    Attributes
-    ----------
-    A
-        Transition matrix, shape (n, n).
-    B
-        Input matrix, shape (n, inputs).
-    G
-        Measurement matrix, shape (m, n).
-    J
-        Direct feedthrough of inputs to measurements, shape (m, inputs).
-    step
-        Time from k to k + 1, in s.
+    A, B: transition matrix (n, n) and input matrix (n, inputs).
+    G, J: measurement matrix (m, n) and direct feedthrough (m, inputs).
+    step: time from k to k + 1, in s.
     """
 
     A: Array
@@ -63,16 +54,7 @@ def hold_inputs(A: Array, B: Array, G: Array, J: Array, step: float) -> InputSta
     The exponential of the block matrix [[A, B], [0, 0]] serves any A (Van Loan 1978). Eq. (16) of
     Simpson et al. (2025) needs the inverse of A, and a structure that is free to move has none.
     (`discretise` is not used: its covariance takes the exponential of -A, which overflows for
-    stiffly damped modes.)
-
-    Parameters
-    ----------
-    A, B
-        System and input matrix in continuous time, shapes (n, n) and (n, inputs).
-    G, J
-        Measurement matrix and direct feedthrough, shapes (m, n) and (m, inputs).
-    step
-        Length of a step in s.
+    stiffly damped modes.) Shapes are those of `InputStateModel`; `step` is in s.
     """
     from scipy.linalg import expm
 
@@ -101,17 +83,11 @@ class Step(NamedTuple):
 class Filter:
     """A linear filter x^[k] = F[k] x^[k-1] + K[k] y[k] that begins with x^ = 0.
 
-    Attributes
-    ----------
-    F, K
-        The closed loop (N, N) and the gain (N, m) once the gains have settled.
-    early_F, early_K
-        Closed loops (steps, N, N) and gains (steps, N, m) of the first steps.
-    settled
-        Whether the gains settled within `LONGEST` steps. If not, F and K are those of the last
+    F, K: the closed loop (N, N) and the gain (N, m) once the gains have settled.
+    early_F, early_K: closed loops (steps, N, N) and gains (steps, N, m) of the first steps.
+    settled: whether the gains settled within `LONGEST` steps. If not, F and K are those of the last
         step that was computed.
-    outputs
-        Matrix (n + inputs, N) that takes states and inputs of the model from the filter's own
+    outputs: matrix (n + inputs, N) that takes states and inputs of the model from the filter's own
         states; None if these are the same.
     """
 
@@ -130,23 +106,11 @@ class Filter:
         return float(np.abs(np.linalg.eigvals(self.F)).max())
 
     def run(self, y: Array) -> Array:
-        """Filter a record.
+        """Return estimates of each step from the measurements y (steps, m) up to this step.
 
-        Parameters
-        ----------
-        y
-            Measurements, shape (steps, m).
+        The shape is (steps, n + inputs): the states of the model, then its inputs.
 
-        Returns
-        -------
-        Array
-            Estimates of each step from the measurements up to this step, shape
-            (steps, n + inputs): the states of the model, then its inputs.
-
-        Raises
-        ------
-        InputError
-            If y has another shape, or holds a value that is not finite.
+        Raises InputError if y has another shape, or holds a value that is not finite.
         """
         x = self.run_states(y)
         return x if self.outputs is None else x @ self.outputs.T
@@ -182,8 +146,7 @@ def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
     The gain counts as settled after `QUIET_STEPS` steps with changes below `TOLERANCE`. Gains are
     watched rather than covariances: where sensors do not see a direction of state, its variance
     grows for ever while the gain settles. If the gain has not settled after `LONGEST` steps, or
-    when covariances have grown beyond what numbers can hold, the last gain stays, and the filter's
-    `settled` is False.
+    when covariances have grown beyond what numbers can hold, the last gain stays.
     """
     made: list[Step] = []
     quiet = 0
@@ -207,7 +170,6 @@ def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:
 
 
 def _is_quiet(before: Step, step: Step) -> bool:
-    """Return whether the gain has changed by no more than `TOLERANCE` says."""
     change = np.max(np.abs(step.corrections - before.corrections), axis=1)
     return bool(np.all(change <= TOLERANCE * step.states))
 

@@ -22,14 +22,10 @@ from owtsweep.compiled import njit
 class Noise(NamedTuple):
     """The noise of one degree of freedom.
 
-    Attributes
-    ----------
-    acceleration
-        Intensity of the acceleration's white noise: variance per sample times sampling interval.
-    walk
-        Intensity of the noise that moves the bias: its change of variance per second.
-    position, rate
-        Variances of a reported position and of a measured rate.
+    acceleration: intensity of the acceleration's white noise: variance per sample times sampling
+        interval.
+    walk: intensity of the noise that moves the bias: its change of variance per second.
+    position, rate: variances of a reported position and of a measured rate.
     """
 
     acceleration: float
@@ -78,9 +74,9 @@ def predict(s, d, first, last, noise):
 
 @njit
 def correct(s, measured, hp, hv, variance):
-    """Correct the state s by a measurement of hp p + hv v; return it, the innovation, its variance.
+    """Correct the state s by a measurement of hp p + hv v, whose noise has a `variance`.
 
-    `variance` is that of the measurement's noise.
+    Return the state, the innovation and the innovation's variance.
     """
     e = measured - hp * s.p - hv * s.v
     p, v, b = hp * s.pp + hv * s.pv, hp * s.pv + hv * s.vv, hp * s.pb + hv * s.vb  # P H'
@@ -138,24 +134,14 @@ def filter_one(position, shown, acceleration, rate, step, noise, first, start, f
     now. A report that shows an earlier time than one before (irregular sampling), or a time after
     its arrival, is taken as one of position and velocity at the nearest time that fits.
 
-    Parameters
-    ----------
-    position, shown
-        Reported position and the time in samples that it shows, shape (steps,), by arrival;
-        positions are NaN where no report arrives.
-    acceleration, rate
-        Measured acceleration, shape (steps,), and rate, shape (steps,) or (0,).
-    step
-        Sampling interval in s.
-    noise
-        A `Noise`.
-    first, start
-        The sample at which the first report arrives that is used, and the `State` of the time that
-        it shows, with this report.
-    found
-        Estimates (steps, 2), their covariances (steps, 2, 2), and the squared innovation of a
-        report over its variance, shape (steps,); all are filled from the sample `first` on, the
-        last where a report arrives.
+    position, shown: reported position and the time in samples that it shows, shape (steps,), by
+        arrival; positions are NaN where no report arrives.
+    acceleration, rate: measured acceleration, shape (steps,), and rate, shape (steps,) or (0,).
+    step: sampling interval in s.
+    first: the sample at which the first report arrives that is used.
+    start: the `State` of the time that this report shows, with this report.
+    found: estimates (steps, 2), their covariances (steps, 2, 2), and, where a report arrives, its
+        squared innovation over its variance, shape (steps,); filled from the sample `first` on.
     """
     estimate, covariance, nis = found
     kept, known = start, shown[first]

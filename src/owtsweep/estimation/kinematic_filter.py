@@ -18,14 +18,9 @@ from owtsweep.estimation.kinematic_smoother import Links, filter_in_order, look_
 class Found(NamedTuple):
     """What a filter or smoother finds.
 
-    Attributes
-    ----------
-    estimate
-        Position and velocity, shape (columns, steps, 2).
-    covariance
-        Their covariance, shape (columns, steps, 2, 2).
-    nis
-        Squared innovations of reports over their variance, shape (columns, steps); NaN where no
+    estimate, covariance: of position and velocity, shapes (columns, steps, 2) and
+        (columns, steps, 2, 2).
+    nis: squared innovations of reports over their variance, shape (columns, steps); NaN where no
         report was used.
     """
 
@@ -37,18 +32,11 @@ class Found(NamedTuple):
 class Record(NamedTuple):
     """What is measured of several degrees of freedom, one per row.
 
-    Attributes
-    ----------
-    position
-        Reported positions by arrival, shape (columns, steps), NaN where none arrives.
-    shown
-        The time in samples that the report of a sample shows, shape (steps,).
-    acceleration
-        Shape (columns, steps).
-    rate
-        For each column, measured rates (steps,), or an empty array.
-    step
-        Sampling interval in s.
+    position: reported positions by arrival, shape (columns, steps), NaN where none arrives.
+    shown: the time in samples that the report of a sample shows, shape (steps,).
+    acceleration: shape (columns, steps).
+    rate: for each column, measured rates (steps,), or an empty array.
+    step: sampling interval in s.
     """
 
     position: Array
@@ -69,18 +57,12 @@ def snap(times: Array) -> Array:
 
 
 def begin(position: float, noise: Noise, velocity: float, bias: float) -> State:
-    """Return the state at a report: variances of the report, a velocity and a bias about zero.
-
-    `velocity` and `bias` are their standard deviations.
-    """
+    """Return the state at a report; `velocity` and `bias` are standard deviations about zero."""
     return State(position, 0.0, 0.0, noise.position, 0.0, 0.0, velocity**2, 0.0, bias**2)
 
 
 def find_first(record: Record) -> int:
-    """Return the arrival of the first report that shows a time of the record; -1 if there is none.
-
-    A report is one of all columns.
-    """
+    """Return the arrival of the first report that shows a time of the record, or -1."""
     usable = np.all(np.isfinite(record.position), axis=0) & (record.shown >= 0.0)
     usable &= record.shown <= np.arange(len(usable))
     return int(np.argmax(usable)) if usable.any() else -1
@@ -90,14 +72,8 @@ def prepare(record: Record, noises: list[Noise], prior: Array) -> tuple[int, lis
     """Return the first report used, the states there, and arrays with what holds until then.
 
     Until the first usable report, position is that of the first report of all (0 if there is none),
-    velocity is 0, and variances are those of the motion.
-
-    Parameters
-    ----------
-    record, noises
-        What is measured, and its noise, one per column.
-    prior
-        Standard deviations of position, velocity and bias, shape (columns, 3).
+    velocity is 0, and variances are those of the prior: standard deviations of position, velocity
+    and bias, shape (columns, 3).
     """
     columns, steps = record.position.shape
     first = find_first(record)
@@ -132,14 +108,9 @@ def filter_all(record: Record, noises: list[Noise], prior: Array) -> Found:
 
 
 def smooth_all(record: Record, noises: list[Noise], prior: Array, lag: int) -> Found:
-    """Estimate the states of all samples from what has arrived `lag` samples later.
+    """Estimate the states of all samples from what has arrived `lag` samples later; see `prepare`.
 
-    Parameters
-    ----------
-    record, noises, prior
-        As of `prepare`.
-    lag
-        In samples. With reports older than that, this is a filter that predicts by less.
+    With reports older than the lag, this is a filter that predicts by less.
     """
     first = find_first(record)
     if first < 0:

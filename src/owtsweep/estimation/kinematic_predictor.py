@@ -29,8 +29,7 @@ def make_transition(step: float) -> Array:
 def make_noise(step: float, sigma: Array) -> Array:
     """Return Q = G_d diag(sigma^2) G_d' for one degree of freedom, shape (2, 2).
 
-    `sigma` has the standard deviations of the noise on the position's derivative and on the
-    velocity's derivative, shape (2,), for each sample.
+    `sigma` (2,): standard deviations of the noise on the derivatives of position and velocity.
     """
     G = np.array([[step, 0.5 * step**2], [0.0, step]])
     return np.asarray((G * sigma**2) @ G.T)
@@ -39,17 +38,9 @@ def make_noise(step: float, sigma: Array) -> Array:
 def solve_steady(A: Array, C: Array, Q: Array, R: Array) -> tuple[Array, Array]:
     """Return the steady gain and covariance of Eqs. (17) and (18), shapes (2, m) and (2, 2).
 
-    Parameters
-    ----------
-    A, C
-        A_d (2, 2) and C_d (m, 2) for one degree of freedom.
-    Q, R
-        Covariances of the noise of process (2, 2) and measurement (m, m).
-
-    Raises
-    ------
-    LinAlgError
-        If there is no steady state, as without process noise.
+    A, C: A_d (2, 2) and C_d (m, 2) for one degree of freedom.
+    Q, R: covariances of the noise of process (2, 2) and measurement (m, m).
+    Raises LinAlgError if there is no steady state, as without process noise.
     """
     from scipy.linalg import solve_discrete_are
 
@@ -72,23 +63,14 @@ def solve_steady(A: Array, C: Array, Q: Array, R: Array) -> tuple[Array, Array]:
 def predict_steady(position, acceleration, rate, step, gain, variance, start, found):
     """Run the predictor of Eq. (16) over a record of one degree of freedom.
 
-    Parameters
-    ----------
-    position
-        Reported positions, shape (steps,); a NaN is left out.
-    acceleration, rate
-        Measured acceleration, shape (steps,), and rate, shape (steps,) or (0,).
-    step
-        Sampling interval in s.
-    gain
-        Shape (2, 2): the columns of position and rate; the second is not read without rates.
-    variance
-        Variance of a position's innovation.
-    start
-        Position and velocity at sample 0, before its measurements, shape (2,).
-    found
-        Estimates (steps, 2), and squared innovations of positions over their variance, shape
-        (steps,); overwritten.
+    position: reported positions, shape (steps,); a NaN is left out.
+    acceleration, rate: measured acceleration, shape (steps,), and rate, shape (steps,) or (0,).
+    step: sampling interval in s.
+    gain: the columns of position and rate, shape (2, 2); the second is not read without rates.
+    variance: variance of a position's innovation.
+    start: position and velocity at sample 0, before its measurements, shape (2,).
+    found: estimates (steps, 2), and squared innovations of positions over their variance, (steps,);
+        overwritten.
     """
     estimate, nis = found
     p, v = start
@@ -106,23 +88,13 @@ def predict_steady(position, acceleration, rate, step, gain, variance, start, fo
 
 @njit
 def predict_varying(position, acceleration, rate, step, Q, R, factor, start, P, found):
-    """Run the predictor of Eqs. (11) to (14) over a record of one degree of freedom.
+    """Run the predictor of Eqs. (11) to (14); parameters that `predict_steady` has not:
 
-    Parameters that `predict_steady` has not:
-
-    Parameters
-    ----------
-    Q
-        Covariance of the process noise, shape (2, 2).
-    R
-        Variances of the noise of position and rate, shape (2,).
-    factor
-        By what R is multiplied at each sample, shape (steps,).
-    P
-        Covariance of `start`, shape (2, 2).
-    found
-        Estimates (steps, 2), their covariances (steps, 2, 2), and squared innovations of positions
-        over their variance, shape (steps,); overwritten.
+    Q: covariance of the process noise, shape (2, 2).
+    R: variances of the noise of position and rate, shape (2,).
+    factor: by what R is multiplied at each sample, shape (steps,).
+    P: covariance of `start`, shape (2, 2).
+    found: as there, with covariances (steps, 2, 2) in second place; overwritten.
     """
     estimate, covariance, nis = found
     p, v = start

@@ -22,14 +22,10 @@ from owtsweep.estimation.kinematic import correct, predict
 
 
 class Links(NamedTuple):
-    """What intervals say of an error at their beginning: T, r and N for each.
+    """What intervals say of an error at their beginning.
 
-    Attributes
-    ----------
-    T, N
-        Shape (intervals, 3, 3).
-    r
-        Shape (intervals, 3).
+    T, N: shape (intervals, 3, 3).
+    r: shape (intervals, 3).
     """
 
     T: Array
@@ -76,26 +72,15 @@ def keep(s, x, P):
 
 @njit
 def filter_in_order(position, shown, arrival, acceleration, rate, step, noise, start, out):
-    """Filter reports in the order of the times that they show.
+    """Filter reports in the order of the times that they show; return the first sample filled.
 
-    Parameters
-    ----------
-    position, shown, arrival
-        Reports after the first, sorted by the times that they show, shape (reports,) each:
-        positions, times in samples, and the samples at which they arrive.
-    acceleration, rate, step, noise
-        As of `kinematic.filter_one`.
-    start
-        The time in samples of the first report, and the `State` there.
-    out
-        States (steps, 3) of samples and their covariances (steps, 3, 3); the `Links`, zeros, that
-        of the interval before sample k in row k; and squared innovations (steps,) by arrival.
-        Filled from the first sample at or after the time of `start`.
-
-    Returns
-    -------
-    int
-        This sample.
+    position, shown, arrival: reports after the first, sorted by the times that they show, shape
+        (reports,) each: positions, times in samples, and the samples at which they arrive.
+    acceleration, rate, step, noise: as of `kinematic.filter_one`.
+    start: the time in samples of the first report, and the `State` there.
+    out: states (steps, 3) and their covariances (steps, 3, 3); the `Links`, zeros, that of the
+        interval before sample k in row k; and squared innovations (steps,) by arrival. Filled from
+        the first sample at or after the time of `start`.
     """
     x, P, links, nis = out
     time, s = start
@@ -158,18 +143,11 @@ def multiply(A, B, out):
 def look_ahead(x, P, links, begin, window, estimate, covariance):
     """Correct the states of samples by what the `window` intervals after them say.
 
-    Parameters
-    ----------
-    x, P
-        Filtered states (steps, 3) and their covariances (steps, 3, 3).
-    links
-        `Links`, that of the interval before sample k in row k.
-    begin
-        The first sample to smooth.
-    window
-        Number of intervals; less at the record's end.
-    estimate, covariance
-        Position and velocity (steps, 2), and their covariance (steps, 2, 2); overwritten from
+    x, P: filtered states (steps, 3) and their covariances (steps, 3, 3).
+    links: `Links`, that of the interval before sample k in row k.
+    begin: the first sample to smooth.
+    window: number of intervals; less at the record's end.
+    estimate, covariance: of position and velocity, (steps, 2) and (steps, 2, 2); overwritten from
         `begin` on.
     """
     steps = len(x)

@@ -37,18 +37,11 @@ CHUNK = 4096
 class Lagged:
     """A Kalman filter with a smoother of fixed lag.
 
-    Attributes
-    ----------
-    filter
-        The filter, with gains of `rows` early steps; the last row stays for all later steps.
-    transition, measuring
-        Transition matrix F (N, N) and measurement matrix H (m, N).
-    predicted
-        Covariances of the predicted state in the early steps, shape (rows, N, N).
-    weights
-        H' S^-1 in the early steps, shape (rows, N, m).
-    lag
-        Lag in steps.
+    filter: the filter, with gains of `rows` early steps; the last row stays for all later steps.
+    transition, measuring: transition matrix F (N, N) and measurement matrix H (m, N).
+    predicted: covariances of the predicted state in the early steps, shape (rows, N, N).
+    weights: H' S^-1 in the early steps, shape (rows, N, m).
+    lag: in steps.
     """
 
     filter: Filter
@@ -70,32 +63,16 @@ class Lagged:
 
     @property
     def settled(self) -> bool:
-        """Whether the filter's gains have settled."""
         return self.filter.settled
 
     @property
     def radius(self) -> float:
-        """The spectral radius of the filter's settled closed loop."""
         return self.filter.radius
 
     def run(self, y: Array) -> Array:
-        """Smooth a record.
+        """Return estimates (steps, N) from measurements y (steps, m) up to `lag` steps after each.
 
-        Parameters
-        ----------
-        y
-            Measurements, shape (steps, m).
-
-        Returns
-        -------
-        Array
-            Estimates of each step from the measurements up to `lag` steps later (up to the end in
-            the last steps), shape (steps, N).
-
-        Raises
-        ------
-        InputError
-            If y has another shape, or holds a value that is not finite.
+        Raises InputError if y has another shape, or holds a value that is not finite.
         """
         y = check_record(y, self.filter.K.shape[1])
         x = self.filter.run_states(y)
@@ -142,12 +119,9 @@ class Lagged:
 def make_smoother(F: Array, H: Array, Q: Array, R: Array, P0: Array, lag: int) -> Lagged:
     """Make the fixed-lag smoother of x[k+1] = F x[k] + w[k], y[k] = H x[k] + v[k].
 
-    Parameters are those of `square_root.kalman`; `lag` is in steps, at least 0.
+    Parameters are those of `square_root.kalman`; `lag` is in steps.
 
-    Raises
-    ------
-    InputError
-        If the lag is negative, a matrix is no covariance, or R is singular.
+    Raises InputError if the lag is negative, a matrix is no covariance, or R is singular.
     """
     if lag < 0:
         raise InputError(f"lag: {lag} steps; give 0 or more")

@@ -38,24 +38,15 @@ CHUNK = 8192
 class LateModel(NamedTuple):
     """A model in discrete time with a fast measurement and a slow measurement that comes late.
 
-    Attributes
-    ----------
-    A
-        Transition matrix of the shaping filter as blocks along its diagonal, shape (n / 2, 2, 2).
-    Q
-        Covariance of the shaping filter's process noise, shape (n, n).
-    walk
-        Variance that the bias of the fast sensor gains in a step.
-    fast, slow
-        Rows (n,): the fast measurement without bias and noise, and the output that the slow
+    A: transition matrix of the shaping filter as blocks along its diagonal, shape (n / 2, 2, 2).
+    Q: covariance of the shaping filter's process noise, shape (n, n).
+    walk: variance that the bias of the fast sensor gains in a step.
+    fast, slow: rows (n,): the fast measurement without bias and noise, and the output that the slow
         measurement reports.
-    r_fast, r_slow
-        Variances of the noise of the two measurements.
-    interval, delay
-        Steps from one slow measurement to the next, and age of the output that it reports, in
-        steps. Slow measurements come at steps 0, interval, 2 interval, ...
-    copies
-        Number of copies in the state: delay / interval, rounded up.
+    r_fast, r_slow: variances of the noise of the two measurements.
+    interval, delay: steps from one slow measurement to the next, the first at step 0, and age of
+        the output that it reports, in steps.
+    copies: number of copies in the state: delay / interval, rounded up.
     """
 
     A: Array
@@ -73,17 +64,13 @@ class LateModel(NamedTuple):
 class LateRows(NamedTuple):
     """The gains and covariances of successive steps.
 
-    Attributes
-    ----------
-    fast
-        Gains of the fast measurement, shape (rows, N), one row per step.
-    slow
-        Gains of the slow measurement, shape (fixes, N), one row per step at which one is due; 0 if
-        it has not arrived.
-    variance
-        Variance of the slow measurement's innovation, shape (fixes,); NaN if it has not arrived.
-    outputs
-        Covariance of the c chosen outputs after the measurements of a step, shape (rows, c, c).
+    fast: gains of the fast measurement, shape (rows, N), one row per step.
+    slow: gains of the slow measurement, shape (fixes, N), one row per step at which one is due; 0
+        if it has not arrived.
+    variance: variance of the slow measurement's innovation, shape (fixes,); NaN if it has not
+        arrived.
+    outputs: covariance of the c chosen outputs after the measurements of a step, shape
+        (rows, c, c).
     """
 
     fast: Array
@@ -104,8 +91,7 @@ def transition(model: LateModel) -> Array:
 def copying(model: LateModel) -> Array:
     """Return the matrix (N, N) that makes the present output the newest copy of a state.
 
-    The matrix moves the other copies on by one place and drops the oldest. It is the identity if
-    the model has no copies.
+    It moves the other copies on by one place and drops the oldest.
     """
     n = len(model.Q)
     N = n + 1 + model.copies
@@ -132,9 +118,8 @@ def measurement_rows(model: LateModel) -> tuple[Array, Array]:
 def find_first_covariance(model: LateModel, stationary: Array, bias_variance: float) -> Array:
     """Compute the covariance (N, N) of the state one step before step 0.
 
-    Nothing is measured before step 0. But the first slow measurements report outputs of before step
-    0, so the state already has their copies. `stationary` (n, n) is the covariance of the shaping
-    filter's states; `bias_variance` is the variance of the bias one step before step 0.
+    The first slow measurements report outputs of before step 0, so the state already has their
+    copies. `stationary` (n, n) is the covariance of the shaping filter's states.
     """
     n = len(model.Q)
     N = n + 1 + model.copies
@@ -153,18 +138,10 @@ def find_first_covariance(model: LateModel, stationary: Array, bias_variance: fl
 
 
 class LateGains:
-    """The gains of a filter for steps 0, 1, ... if every slow measurement arrives.
+    """The gains for steps 0, 1, ... if every slow measurement arrives; computed at first use.
 
-    They are computed when they are first asked for, until they repeat.
-
-    Parameters
-    ----------
-    model
-        The model, with a state of N numbers, n of them states of the shaping filter.
-    first
-        Covariance (N, N) of the state one step before step 0.
-    outputs
-        Rows (c, n) of the outputs whose covariances are wanted.
+    first: covariance (N, N) of the state one step before step 0.
+    outputs: rows (c, n) of the outputs whose covariances are wanted.
     """
 
     def __init__(self, model: LateModel, first: Array, outputs: Array) -> None:
@@ -180,11 +157,8 @@ class LateGains:
 
         The number of rows is a multiple of the interval between slow measurements.
 
-        Raises
-        ------
-        InputError
-            If a variance of an output becomes negative or not finite, because the numbers of the
-            model differ too much in magnitude.
+        Raises InputError if a variance of an output becomes negative or not finite, because the
+        numbers of the model differ too much in magnitude.
         """
         while len(self._rows.fast) < steps and not self.repeats:
             filled = len(self._rows.fast)
@@ -212,12 +186,9 @@ class LateGains:
     ) -> LateRows:
         """Compute the gains of some steps from `first` on, at which slow measurements may miss.
 
-        Parameters
-        ----------
-        arrived
-            Whether each slow measurement that is due at these steps has arrived, shape (fixes,).
-        P
-            Covariance (N, N) before step `first`; overwritten by that before the next step.
+        arrived: whether each slow measurement that is due at these steps has arrived, shape
+            (fixes,).
+        P: covariance (N, N) before step `first`; overwritten by that before the next step.
         """
         rows = self._make_rows(steps, len(arrived))
         never = np.full_like(P, np.nan)
@@ -259,29 +230,13 @@ def fill_rows(first, model, P, outputs, arrived, tolerance, before, filled):
     more than `tolerance`. Elements (i, j) are divided by the root of the product of the diagonal
     elements i and j.
 
-    Parameters
-    ----------
-    first
-        The step of the first row.
-    model
-        The model, a `LateModel` with a state of N numbers.
-    P
-        Covariance of the state one step before `first`, shape (N, N); overwritten.
-    outputs
-        Rows (c, n) of the outputs whose covariances are wanted.
-    arrived
-        Whether each slow measurement that is due has arrived, shape (fixes,).
-    tolerance
-        Largest scaled difference that counts as none.
-    before
-        Covariance one interval before P, shape (N, N); overwritten. NaN if there is none.
-    filled
-        The `LateRows` to fill.
-
-    Returns
-    -------
-    int, bool
-        The number of filled rows, and whether the last `interval` rows repeat.
+    first: the step of the first row.
+    P: covariance of the state one step before `first`, shape (N, N); overwritten.
+    outputs: rows (c, n) of the outputs whose covariances are wanted.
+    arrived: whether each slow measurement that is due has arrived, shape (fixes,).
+    before: covariance one interval before P, shape (N, N), NaN if there is none; overwritten.
+    filled: the `LateRows` to fill.
+    Returns: the number of filled rows, and whether the last `interval` rows repeat.
     """
     n, N, interval, steps = len(model.Q), len(P), model.interval, len(filled.fast)
     work, q = np.empty(n), 0
@@ -358,9 +313,9 @@ def apply_fast(model, P, gain):
 
 @njit
 def apply_slow(model, P, gain):
-    """Correct the covariance P (N, N) by a slow measurement; write its gain to `gain` (N,).
+    """Correct P (N, N) by a slow measurement; return the variance of its innovation.
 
-    Return the variance of the measurement's innovation.
+    The gain is written to `gain` (N,).
     """
     n, N, row = len(model.Q), len(P), model.slow
     if model.copies > 0:
@@ -382,16 +337,10 @@ def apply_slow(model, P, gain):
 
 @njit
 def correct_covariance(P, gain, variance):
-    """Correct the covariance P (N, N) by a measurement of one number.
+    """Correct the covariance P (N, N) by a measurement of one number, in place.
 
-    Parameters
-    ----------
-    P
-        The covariance before the measurement; overwritten by the covariance after it.
-    gain
-        The column P h' (N,), where h is the measurement's row; overwritten by the gain.
-    variance
-        The innovation's variance h P h' + r.
+    gain: the column P h' (N,), where h is the measurement's row; overwritten by the gain.
+    variance: the innovation's variance h P h' + r.
     """
     N, root = len(P), np.sqrt(variance)
     for i in range(N):
@@ -469,12 +418,8 @@ def symmetrise(P):
 class LateState(NamedTuple):
     """The state of filters that run side by side, one lane each.
 
-    Attributes
-    ----------
-    x
-        N rows with the field x, one number per lane.
-    step
-        One row for the step that is being computed: r and odd, two sums that make the innovation;
+    x: N rows with the field x, one number per lane.
+    step: one row for the step that is being computed: r and odd, two sums that make the innovation;
         p and v, the outputs.
     """
 
@@ -490,13 +435,10 @@ def start_lanes(states: int, lanes: int) -> LateState:
 class LateEstimates(NamedTuple):
     """What filters that run side by side make of the measurements of some steps.
 
-    Attributes
-    ----------
-    outputs, covariance
-        The two outputs, shape (steps, 2, lanes), and the covariance of each lane's, (steps, 2, 2).
-    innovation, variance
-        Innovations of the slow measurements that are due, shape (fixes, lanes), and their variance,
-        shape (fixes,); the variance is NaN where none has arrived.
+    outputs, covariance: the two outputs, shape (steps, 2, lanes), and the covariance of each
+        lane's, (steps, 2, 2).
+    innovation, variance: innovations of the slow measurements that are due, shape (fixes, lanes),
+        and their variance, shape (fixes,); the variance is NaN where none has arrived.
     """
 
     outputs: Array
@@ -517,20 +459,14 @@ def prepare_estimates(steps: int, fixes: int, lanes: int) -> LateEstimates:
 def follow(first, base, force, fixes, column, model, outputs, rows, state, filled):
     """Run the filter on some lanes, with gains that are computed before.
 
-    Parameters
-    ----------
-    first
-        Number of the first step.
-    base
-        The step whose gains stand in the first row. After the last row, the rows of the last
+    first: number of the first step.
+    base: the step whose gains stand in the first row. After the last row, the rows of the last
         interval repeat.
-    force, fixes
-        Fast measurements, one row per step, and slow ones, one row for each that is due; those of
-        the first lane are in column `column`, those of the others beside it.
-    model, outputs, rows, state
-        The `LateModel`, the rows (2, n) of its two outputs, `LateRows` and `LateState`.
-    filled
-        The `LateEstimates` to fill.
+    force, fixes: fast measurements, one row per step, and slow ones, one row for each that is due;
+        those of the first lane are in column `column`, those of the others beside it.
+    model, outputs, rows, state: the `LateModel`, the rows (2, n) of its two outputs, `LateRows` and
+        `LateState`.
+    filled: the `LateEstimates` to fill.
     """
     A, h, C, copies, interval = model.A, model.fast, outputs, model.copies, model.interval
     fast, slow, variance, covariance = rows.fast, rows.slow, rows.variance, rows.outputs

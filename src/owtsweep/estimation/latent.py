@@ -39,35 +39,17 @@ def make_latent(
 ) -> Filter:
     """Make the augmented Kalman filter whose inputs are independent Gaussian processes.
 
-    Parameters
-    ----------
-    model
-        The model of n states and its inputs.
-    Q
-        Covariance of the process noise w per step, shape (n, n).
-    R
-        Covariance of the sensors' noise, shape (m, m).
-    kernel
-        "matern12" (exponential correlation, rough paths) or "matern32" (paths with a rate).
-    sigma
-        Standard deviation of each input about zero, in the input's unit, shape (inputs,).
-    length
-        Correlation time of each input in s, shape (inputs,).
-    P0
-        Covariance of the states one step before the first measurement, shape (n, n). None means
+    The filter's own states are those of the model, and one or two per input (with "matern32" value
+    and rate times length / sqrt(3), input by input). Its `run` returns states, then inputs.
+
+    Q, R: as of `augmented.make_augmented`.
+    kernel: "matern12" (exponential correlation, rough paths) or "matern32" (paths with a rate).
+    sigma: standard deviation of each input about zero, in the input's unit, shape (inputs,).
+    length: correlation time of each input in s, shape (inputs,).
+    P0: covariance of the states one step before the first measurement, shape (n, n). None means
         `WIDE` for every state. The inputs begin with `sigma`.
-
-    Returns
-    -------
-    Filter
-        Its own states are those of the model, and one or two per input (with "matern32" value and
-        rate times length / sqrt(3), input by input). Its `run` returns states, then inputs.
-
-    Raises
-    ------
-    InputError
-        If the kernel is unknown, sigma or length is not one positive number per input, a matrix is
-        no covariance, or R is singular.
+    Raises InputError if the kernel is unknown, sigma or length is not one positive number per
+    input, a matrix is no covariance, or R is singular.
     """
     require(kernel in KERNELS, f"kernel: {kernel!r} is not one of {', '.join(KERNELS)}")
     n, inputs = model.B.shape

@@ -24,20 +24,13 @@ from owtsweep.arrays import Array
 
 @dataclass(frozen=True)
 class WindowWeights:
-    """The weights in the cost of moving horizon estimation, Eq. (11a) of Ren et al. (2019).
+    """The weights of one axis in the cost of Eq. (11a) of Ren et al. (2019).
 
-    The weights are for one axis of the motion.
-
-    Attributes
-    ----------
-    transition
-        Transition matrix (states, states) from one position fix to the next.
-    link_covariance
-        Covariance (states, states) of the process noise from one fix to the next; the inverse of
-        the paper's weight Q.
-    fix_variance
-        Variance of a fix, in m^2; the inverse of the paper's weight R. A fix measures the first
-        state.
+    transition: transition matrix (states, states) from one position fix to the next.
+    link_covariance: covariance (states, states) of the process noise from one fix to the next; the
+        inverse of the paper's weight Q.
+    fix_variance: variance of a fix, in m^2; the inverse of the paper's weight R. A fix measures the
+        first state.
     """
 
     transition: Array
@@ -46,12 +39,9 @@ class WindowWeights:
 
 
 def square_root_information(covariance: Array) -> Array:
-    """Compute a lower triangular matrix U with U' U = covariance^-1.
+    """Compute a lower triangular matrix U (n, n) with U' U = covariance^-1.
 
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If `covariance` is not positive definite.
+    Raises numpy.linalg.LinAlgError if `covariance` is not positive definite.
     """
     lower = np.linalg.cholesky(covariance)
     return np.linalg.solve(lower, np.eye(len(covariance)))
@@ -67,34 +57,17 @@ def window_map(
 ) -> Array:
     """Compute the matrix that turns the data of a window into the state at its last fix.
 
-    A window is a sequence of position fixes, with the inputs between them. The state is the
-    solution of Eq. (11) of Ren et al. (2019) without constraints, for one axis of the motion.
+    The state solves Eq. (11) of Ren et al. (2019) without constraints, for one axis of the motion.
+    The matrix has the shape (states, intervals + 1 + states * intervals + states). Its columns
+    belong to the fixes, oldest first, then to the effects of the inputs on the state over each
+    interval, then to the arrival state. The columns of data that is not used are zero.
 
-    Parameters
-    ----------
-    weights
-        The weights of fixes and inputs.
-    intervals
-        Number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
-    arrival_covariance
-        Covariance (states, states) of the arrival state, the state assumed at the oldest fix; None
-        if the cost has no term for the arrival state.
-    fixed_arrival
-        Whether the state at the oldest fix must equal the arrival state.
-    use_first_fix
-        Whether the oldest fix is used; false if the arrival state already includes this fix.
-
-    Returns
-    -------
-    array
-        Shape (states, intervals + 1 + states * intervals + states). The columns belong to the
-        fixes, oldest first, then to the effects of the inputs on the state over each interval, then
-        to the arrival state. The columns of data that is not used are zero.
-
-    Raises
-    ------
-    ValueError
-        If the data of the window do not determine the states.
+    intervals: number of fixes minus one.
+    arrival_covariance: covariance (states, states) of the arrival state; None if the cost has no
+        term for it.
+    fixed_arrival: whether the state at the oldest fix must equal the arrival state.
+    use_first_fix: false if the arrival state already includes the oldest fix.
+    Raises ValueError if the data of the window do not determine the states.
     """
     return next(
         window_maps(
@@ -115,27 +88,12 @@ def window_maps(
     fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Iterator[Array]:
-    """Compute the matrices of `window_map` for windows that differ in their arrival covariance.
+    """Yield the matrix of `window_map`, bit for bit, for each arrival covariance (states, states).
 
     The equations of fixes and links are set up once for all windows, which saves a third of the
-    time. Each matrix has the same bits as that of `window_map`.
+    time.
 
-    Parameters
-    ----------
-    weights, intervals, fixed_arrival, use_first_fix
-        As in `window_map`.
-    arrival_covariances
-        For each window, what `window_map` takes as `arrival_covariance`.
-
-    Yields
-    ------
-    array
-        The matrix of each window, as `window_map` returns it.
-
-    Raises
-    ------
-    ValueError
-        If the data of a window do not determine the window's states.
+    Raises ValueError if the data of a window do not determine the window's states.
     """
     n = len(weights.transition)
     nodes = intervals + 1
@@ -170,10 +128,7 @@ def window_maps(
 def _solve_for_last(J: Array, D: Array, n: int) -> Array:
     """Return the matrix from data d to the last n of the unknowns x that minimise |J x - D d|.
 
-    Raises
-    ------
-    ValueError
-        If the data do not determine the unknowns.
+    Raises ValueError if the data do not determine the unknowns.
     """
     scale = np.linalg.norm(J, axis=0)
     if np.any(scale == 0.0):

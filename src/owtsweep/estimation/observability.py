@@ -25,23 +25,18 @@ TOLERANCE = 1e-9
 #: Rounding splits the eigenvalues of a Jordan block of size 2 by the root of the floating-point
 #: accuracy, 1e-8, and those of size 3 by 1e-5.
 SAME = 1e-5
-#: Components of a direction smaller than this part of the largest one are not told.
-TOLD = 0.05
+#: Components of a direction smaller than this part of the largest one are not named.
+NAMED = 0.05
 
 
 @dataclass(frozen=True)
 class Unseen:
     """What sensors do not see at one eigenvalue.
 
-    Attributes
-    ----------
-    eigenvalue
-        The eigenvalue of A. Of a complex pair, the one with positive imaginary part.
-    lacking
-        By how much the rank of [A - lambda I; G] is below n.
-    directions
-        Orthonormal directions of state, shape (n, directions): first those in the null space, then
-        those of the chains. There may be more directions than `lacking` says. Complex if the
+    eigenvalue: of A. Of a complex pair, the one with positive imaginary part.
+    lacking: by how much the rank of [A - lambda I; G] is below n.
+    directions: orthonormal directions of state, shape (n, directions): first those in the null
+        space, then those of the chains, so there may be more than `lacking`. Complex if the
         eigenvalue is.
     """
 
@@ -60,21 +55,12 @@ class Unseen:
 class Observability:
     """What sensors see of a model with n states.
 
-    Attributes
-    ----------
-    states
-        The number n of states.
-    rank
-        The dimension of what sensors see: the rank of the observability matrix, n if all is seen.
-    eigenvalues
-        The distinct eigenvalues of A, of complex pairs one each, shape (eigenvalues,).
-    ranks
-        Rank of [A - lambda I; G] for each of them, shape (eigenvalues,).
-    conditions
-        Largest singular value of this matrix over the smallest one that is not zero, shape
+    rank: the dimension of what sensors see: the rank of the observability matrix, n if all is seen.
+    eigenvalues: the distinct eigenvalues of A, of complex pairs one each, shape (eigenvalues,).
+    ranks: rank of [A - lambda I; G] for each of them, shape (eigenvalues,).
+    conditions: largest singular value of this matrix over the smallest one that is not zero, shape
         (eigenvalues,). If large, the eigenvalue's directions are seen, but badly.
-    unseen
-        What is not seen, per eigenvalue.
+    unseen: what is not seen, per eigenvalue.
     """
 
     states: int
@@ -85,20 +71,11 @@ class Observability:
     unseen: tuple[Unseen, ...]
 
     def describe(self, names: Sequence[str], step: float | None = None) -> str:
-        """Say in one line what sensors do not see.
+        """Say in one line what sensors do not see, by the `names` of the n states.
 
-        Parameters
-        ----------
-        names
-            Names of the states, n of them.
-        step
-            Time between steps of the model in s, to tell frequencies in Hz; None for a model in
-            continuous time.
+        `step` in s tells frequencies in Hz; None for a model in continuous time.
 
-        Raises
-        ------
-        InputError
-            If there are not as many names as states.
+        Raises InputError if there are not as many names as states.
         """
         require(
             len(names) == self.states,
@@ -119,25 +96,15 @@ def find_unobservable(
 ) -> Observability:
     """Find the directions of state that sensors never see, by the test of Popov-Belevitch-Hautus.
 
-    Parameters
-    ----------
-    A
-        Matrix of a model in discrete time (x[k+1] = A x[k]) or in continuous time (x' = A x), shape
+    A: matrix of a model in discrete time (x[k+1] = A x[k]) or in continuous time (x' = A x), shape
         (n, n). For inputs too, give the augmented matrices (`augmented.augment`).
-    G
-        Measurement matrix, shape (m, n).
-    tolerance
-        A singular value counts as zero below this part of the largest one. Rows of G are divided by
-        their norms before, since the unit of a sensor does not matter.
-    size
-        Typical size of each state, in which states are counted, shape (n,). None: the sizes that
+    G: measurement matrix, shape (m, n).
+    tolerance: a singular value counts as zero below this part of the largest one. Rows of G are
+        divided by their norms before, since the unit of a sensor does not matter.
+    size: typical size of each state, in which states are counted, shape (n,). None: the sizes that
         balance A (`scipy.linalg.matrix_balance`). They serve unless states that are coupled one way
         only (position and velocity of a free body) are in units many orders of magnitude apart.
-
-    Raises
-    ------
-    InputError
-        If shapes do not fit, or a matrix holds a value that is not finite.
+    Raises InputError if shapes do not fit, or a matrix holds a value that is not finite.
     """
     A, G = np.asarray(A, dtype=np.float64), np.asarray(G, dtype=np.float64)
     n = len(A)
@@ -181,7 +148,6 @@ def find_unobservable(
 
 
 def _balance(A: Array) -> Array:
-    """Return the sizes of states (n,) that balance a matrix."""
     from scipy.linalg import matrix_balance
 
     _, (scale, _) = matrix_balance(A, permute=False, separate=True)
@@ -191,8 +157,7 @@ def _balance(A: Array) -> Array:
 def _distinct(A: Array) -> tuple[Array, list[int]]:
     """Return the distinct eigenvalues without negative imaginary part, and their multiplicities.
 
-    Eigenvalues that rounding has split are replaced by their mean, which is far more accurate than
-    each of them.
+    Eigenvalues that rounding has split are replaced by their mean, which is far more accurate.
     """
     left = list(np.linalg.eigvals(A).astype(complex))
     values, counts = [], []
@@ -236,7 +201,6 @@ def _follow_chains(
 
 
 def _tell(unseen: Unseen, states: int, names: Sequence[str], step: float | None) -> str:
-    """Tell what is unseen at one eigenvalue, in words."""
     value = unseen.eigenvalue
     number = f"{value:.6g}" if value.imag else f"{value.real:.6g}"
     if value.imag:
@@ -253,10 +217,10 @@ def _tell(unseen: Unseen, states: int, names: Sequence[str], step: float | None)
 def _name(direction: Array, names: Sequence[str]) -> str:
     """Name the states that make up a direction, the largest first."""
     part = np.abs(direction) / np.abs(direction).max()
-    told = [k for k in np.argsort(-part, kind="stable") if part[k] >= TOLD]
-    if len(told) == 1:
-        return str(names[told[0]])
-    lead = direction[told[0]]
-    signs = ["+" if (direction[k] / lead).real >= 0.0 else "-" for k in told]
-    terms = [f"{sign} {part[k]:.2g} {names[k]}" for sign, k in zip(signs, told, strict=True)]
+    named = [k for k in np.argsort(-part, kind="stable") if part[k] >= NAMED]
+    if len(named) == 1:
+        return str(names[named[0]])
+    lead = direction[named[0]]
+    signs = ["+" if (direction[k] / lead).real >= 0.0 else "-" for k in named]
+    terms = [f"{sign} {part[k]:.2g} {names[k]}" for sign, k in zip(signs, named, strict=True)]
     return " ".join(terms).removeprefix("+ 1 ")

@@ -35,18 +35,14 @@ LAMBDA, NOTCH = 0.1, 1.0
 def choose_gains(natural: Array, waves: Array, cutoff: Array) -> Array:
     """Return k_11, k_12, k_2, k_3, k_4 of each degree of freedom, shape (5, n).
 
-    Parameters
-    ----------
-    natural, waves, cutoff
-        Frequencies wn, w0 and wc in rad/s, shape (n,). wc, from which the slow part does not
-        follow, is to be above w0.
+    natural, waves, cutoff: frequencies wn, w0 and wc in rad/s, shape (n,). wc, from which the slow
+        part does not follow, is to be above w0.
 
-    Notes
-    -----
-    k_11 = -2 (1 - lambda) wc / w0, k_12 = 2 w0 (1 - lambda), k_2 = wc (Fossen 2011, Eqs. 11.100 to
-    11.102). k_4 = wc^2 / 2 damps the slow position's error by 1 / sqrt(2) of critical. k_3 = k_4 wn
-    / 10 keeps the order k_3/k_4 < w0 < wc that makes the observer passive; Fossen's own example has
-    k_3 = k_4 / 10 at w0 = .9 rad/s (MSS toolbox, ExPassiveObs.m, which has the same k_1 and k_2).
+    k_11 = -2 (1 - lambda) wc / w0, k_12 = 2 w0 (1 - lambda), k_2 = wc
+    (Fossen 2011, Eqs. 11.100 to 11.102). k_4 = wc^2 / 2 damps the slow position's error by
+    1 / sqrt(2) of critical. k_3 = k_4 wn / 10 keeps the order k_3/k_4 < w0 < wc that makes the
+    observer passive; Fossen's own example has k_3 = k_4 / 10 at w0 = .9 rad/s (MSS toolbox,
+    ExPassiveObs.m, which has the same k_1 and k_2).
     """
     k4 = 0.5 * cutoff**2
     return np.stack(
@@ -63,8 +59,8 @@ def choose_gains(natural: Array, waves: Array, cutoff: Array) -> Array:
 def find_growth(natural: float, damping: float, waves: float, gains: Array, step: float) -> float:
     """Return the factor by which the error of one degree of freedom grows per step in `observe`.
 
-    Explicit steps may be unstable where the observer is not: the factor is to be below 1.
-    `gains` has the shape (5,); `step` is the sampling interval in s.
+    Explicit steps may be unstable where the observer is not: the factor is to be below 1. `gains`
+    has the shape (5,); `step` is the sampling interval in s.
     """
     k11, k12, k2, k3, k4 = gains
     e = np.array([0.0, -1.0, -1.0, 0.0, 0.0])  # xi_1, xi_2, eta, b, nu
@@ -86,20 +82,13 @@ def find_growth(natural: float, damping: float, waves: float, gains: Array, step
 def observe(reported, step, natural, damping, waves, gains, start, found):
     """Run the observer over a record of six degrees of freedom.
 
-    Parameters
-    ----------
-    reported
-        Positions and angles, shape (steps, 6); a sample that is NaN has no report.
-    step
-        Sampling interval in s.
-    natural, damping, waves
-        Natural frequencies (rad/s), damping ratios and wave frequencies (rad/s), shape (6,).
-    gains
-        As `choose_gains` returns them, shape (5, 6).
-    start
-        Positions at the first sample, shape (6,).
-    found
-        Positions and velocities, shape (steps, 6) each; overwritten. Those of a sample know the
+    reported: positions and angles, shape (steps, 6); a sample that is NaN has no report.
+    step: sampling interval in s.
+    natural, damping, waves: natural frequencies (rad/s), damping ratios and wave frequencies
+        (rad/s), shape (6,).
+    gains: as `choose_gains` returns them, shape (5, 6).
+    start: positions at the first sample, shape (6,).
+    found: positions and velocities, shape (steps, 6) each; overwritten. Those of a sample know the
         reports before it.
     """
     position, velocity = found

@@ -29,14 +29,9 @@ STEADY = 1e-10
 class CovarianceMap:
     """The map P -> A P (I + G P)^-1 A' + H of a covariance; A, G and H have the shape (n, n).
 
-    Attributes
-    ----------
-    A
-        Transition of the state's error.
-    G
-        Information of the measurements about the first state, symmetric.
-    H
-        Covariance of the last state if the first state is known exactly, symmetric.
+    A: transition of the state's error.
+    G: information of the measurements about the first state, symmetric.
+    H: covariance of the last state if the first state is known exactly, symmetric.
     """
 
     A: Array
@@ -87,10 +82,7 @@ def make_update(row: Array, variance: float) -> CovarianceMap:
 def find_steady_covariance(period: CovarianceMap) -> Array:
     """Compute the covariance (n, n) that the map of a period returns unchanged.
 
-    Raises
-    ------
-    InputError
-        If the covariance grows without end: the measurements do not see all states.
+    Raises InputError if the covariance grows without end: the measurements do not see all states.
     """
     before = np.diagonal(period.H)
     for _ in range(DOUBLINGS):

@@ -7,18 +7,11 @@ from owtsweep.compiled import njit
 
 @njit
 def recur(early, settled, x):
-    """Replace each row of x by x[k] = F[k] x[k-1] + x[k], from the first row to the last.
+    """Replace each row of x by x[k] = F[k] x[k-1] + x[k], from the first row, before which is zero.
 
-    The row before the first counts as zero.
-
-    Parameters
-    ----------
-    early
-        The transposed matrices F of the first steps, shape (early steps, N, N).
-    settled
-        The transposed matrix F of all later steps, shape (N, N).
-    x
-        What enters at each step, shape (steps, N); overwritten by the result.
+    early: the transposed matrices F of the first steps, shape (early steps, N, N).
+    settled: the transposed matrix F of all later steps, shape (N, N).
+    x: what enters at each step, shape (steps, N); overwritten by the result.
     """
     steps, N = x.shape
     for k in range(1, steps):

@@ -21,17 +21,11 @@ PROPER, MASK_COLUMNS, MASK_ROWS, EVERY_STEP = 0, 1, 2, 3
 class TwoRates(NamedTuple):
     """A model in discrete time with a slow and a fast measurement.
 
-    Attributes
-    ----------
-    A, Q
-        Transition matrix and covariance of the process noise, shape (n, n) each.
-    slow, fast
-        Rows (n,) of the measurement matrix for the slow and the fast measurement. If `fast` is all
-        zero, there is no fast measurement: the fast signal is an input of the model.
-    r_slow, r_fast
-        Variances of the noise of the two measurements.
-    rule
-        How a step without a slow measurement is treated: PROPER, MASK_COLUMNS, MASK_ROWS or
+    A, Q: transition matrix and covariance of the process noise, shape (n, n) each.
+    slow, fast: rows (n,) of the measurement matrix. If `fast` is all zero, there is no fast
+        measurement: the fast signal is an input of the model.
+    r_slow, r_fast: variances of the noise of the two measurements.
+    rule: how a step without a slow measurement is treated: PROPER, MASK_COLUMNS, MASK_ROWS or
         EVERY_STEP, explained at `estimation.gains.RULES`.
     """
 
@@ -47,8 +41,8 @@ class TwoRates(NamedTuple):
 class Pattern(NamedTuple):
     """The steps at which slow measurements come.
 
-    Before the step `start_steps`, they come at multiples of `start_interval` steps, and from the
-    step `start_steps` on at multiples of `interval` steps.
+    Before the step `start_steps`, they come at multiples of `start_interval` steps, and from this
+    step on at multiples of `interval` steps.
     """
 
     interval: int
@@ -59,14 +53,10 @@ class Pattern(NamedTuple):
 class GainRows(NamedTuple):
     """The arrays that the covariance recursion fills: one row per step.
 
-    Attributes
-    ----------
-    K
-        Gains, shape (rows, n, 2): columns of the slow and of the fast measurement.
-    S
-        Variance of the slow measurement's innovation, shape (rows,).
-    Pm, Pf
-        Covariances of the state before and after the measurements of a step, shape (rows, n, n).
+    K: gains, shape (rows, n, 2): columns of the slow and of the fast measurement.
+    S: variance of the slow measurement's innovation, shape (rows,).
+    Pm, Pf: covariances of the state before and after the measurements of a step, shape
+        (rows, n, n).
     """
 
     K: Array
@@ -77,27 +67,14 @@ class GainRows(NamedTuple):
 
 @part
 def riccati_step(model, P, is_slow, K, Pm, Pf, work):
-    """Predict the covariance of a state over one step, and correct it by the step's measurements.
+    """Predict a covariance over one step, and correct it; return the slow innovation's variance.
 
-    Parameters
-    ----------
-    model
-        The model, a `TwoRates` with n states, a slow and a fast measurement.
-    P
-        Covariance of the state after the measurements of the previous step, shape (n, n).
-    is_slow
-        Whether this step has a slow measurement.
-    K
-        Array (n, 2) for the gains of the slow and of the fast measurement; overwritten.
-    Pm, Pf
-        Arrays (n, n) for the predicted and the corrected covariance; overwritten.
-    work
-        Array (3, n, n) for intermediate results; overwritten.
-
-    Returns
-    -------
-    float
-        The variance of the slow measurement's innovation.
+    model: a `TwoRates` with n states.
+    P: covariance of the state after the measurements of the previous step, shape (n, n).
+    is_slow: whether this step has a slow measurement.
+    K: array (n, 2) for the gains of the slow and of the fast measurement; overwritten.
+    Pm, Pf: arrays (n, n) for the predicted and the corrected covariance; overwritten.
+    work: array (3, n, n) for intermediate results; overwritten.
     """
     A, Q, slow, fast = model.A, model.Q, model.slow, model.fast
     r_slow, r_fast, rule = model.r_slow, model.r_fast, model.rule
@@ -187,33 +164,18 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
 def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
     """Compute the filter's gains and covariances step by step, until they are periodic.
 
-    The period is `pattern.interval` steps, from one slow measurement to the next. Gains and
-    covariances are periodic if, for a whole period, no element of Pf differs by more than
-    `tolerance` from the element one period earlier. Elements (i, j) are divided by the root of
-    the product of the diagonal elements i and j.
+    The period is `pattern.interval` steps. Gains and covariances are periodic if, for a whole
+    period, no element of Pf differs by more than `tolerance` from the element one period earlier.
+    Elements (i, j) are divided by the root of the product of the diagonal elements i and j.
 
-    Parameters
-    ----------
-    first, stop
-        The first step to compute, and the step before which to stop in any case.
-    quiet
-        The number of successive steps before `first` at which Pf did not differ from one period
+    first, stop: the first step to compute, and the step before which to stop in any case.
+    quiet: the number of successive steps before `first` at which Pf did not differ from one period
         earlier: 0 in the first call, then what the previous call returned.
-    model
-        The model, a `TwoRates` with n states.
-    P0
-        Covariance of the state one step before step 0, shape (n, n).
-    pattern
-        The steps at which slow measurements come, a `Pattern`.
-    tolerance
-        Largest scaled difference that counts as none.
-    filled
-        The arrays to fill, a `GainRows`. Their rows before `first` must have been filled.
-
-    Returns
-    -------
-    int, bool, int
-        The number of filled rows; whether the gains are periodic; and `quiet` for the next call.
+    model: a `TwoRates` with n states.
+    P0: covariance of the state one step before step 0, shape (n, n).
+    filled: the arrays to fill, a `GainRows`. Their rows before `first` must have been filled.
+    Returns: the number of filled rows; whether the gains are periodic; and `quiet` for the next
+        call.
     """
     interval, start_interval, start_steps = pattern
     K, S, Pm, Pf = filled

@@ -21,16 +21,10 @@ _ROWS_AT_ONCE = 8192
 class FixedLagSmoother:
     """A smoother with a fixed lag of N_s steps, Algorithms 7 and 8 of Ren et al. (2019).
 
-    The smoother stores the newest filtered state and the N_s filtered states before it, each with
+    It stores the newest filtered state and the N_s (`window`) filtered states before it, each with
     its covariance (register 4 of the paper). The loop printed in the paper runs over columns
     N_s - 1 ... 0 of registers that have columns 1 ... N_s; here the lag is taken to be N_s steps.
-
-    Parameters
-    ----------
-    transition
-        The model's transition matrix A, shape (states, states).
-    window
-        The lag N_s in steps.
+    `transition` is the model's A, shape (states, states).
     """
 
     def __init__(self, transition: Array, window: int) -> None:
@@ -41,20 +35,10 @@ class FixedLagSmoother:
     def update(
         self, x: Array, P: Array, x_predicted: Array, P_predicted: Array
     ) -> tuple[Array, Array] | None:
-        """Take the filtered state of a new step; return the smoothed state `window` steps earlier.
+        """Take a new step; return the smoothed state `window` steps earlier and its covariance.
 
-        Parameters
-        ----------
-        x, P
-            State (states,) and covariance (states, states) after the measurement of the new step.
-        x_predicted, P_predicted
-            State (states,) and covariance (states, states) before the measurement of the new step.
-
-        Returns
-        -------
-        tuple of array, or None
-            Smoothed state (states,) and its covariance (states, states). None in the first `window`
-            calls, when there is no earlier step to return.
+        The result is None in the first `window` calls. x, P and x_predicted, P_predicted are state
+        (states,) and covariance (states, states) after and before the measurement of the new step.
         """
         self.register.append((x, P, x_predicted, P_predicted))
         if len(self.register) <= self.window:
@@ -70,28 +54,17 @@ class FixedLagSmoother:
 
 
 def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple[Array, Array]:
-    """Compute the gains C and D of a recursion for a smoother with a fixed lag.
+    """Compute the gains C and D of a recursion for a smoother with a fixed lag of `window` steps.
 
     The recursion goes backwards in time, from the smoothed state of step k to that of step k - 1.
-    C_k is the gain of the Rauch-Tung-Striebel smoother at step k. D_k is
-    -C_k ... C_{k+window-1} K_{k+window}, with the filter's gain K. The smoothed state of step k
-    depends on the innovations of step k + window, but the smoothed state of step k - 1 must not;
-    D_k times these innovations removes their contribution.
+    C_k is the gain of the Rauch-Tung-Striebel smoother at step k. D_k is -C_k ... C_{k+window-1}
+    K_{k+window}, with the filter's gain K. The smoothed state of step k depends on the innovations
+    of step k + window, but the smoothed state of step k - 1 must not; D_k times these innovations
+    removes their contribution.
 
-    Parameters
-    ----------
-    gains
-        Gains and covariances of the filter, one row per step until the rows repeat.
-    transition
-        The model's transition matrix A, shape (states, states).
-    window
-        The lag in steps.
-
-    Returns
-    -------
-    C, D
-        One row per row of `gains`: C has the shape (rows, states, states), D (rows, states, 2). The
-        two columns of D_k belong to the slow and to the fast measurement.
+    transition: the model's transition matrix A, shape (states, states).
+    C, D: one row per row of `gains`: C has the shape (rows, states, states), D (rows, states, 2).
+        The two columns of D_k belong to the slow and to the fast measurement.
     """
     from owtsweep.estimation.windowing import leaving
 

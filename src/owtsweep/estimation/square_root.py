@@ -24,16 +24,10 @@ OVERFLOW = 1e100
 class Correction(NamedTuple):
     """The time update and the measurement update of a step of a Kalman filter.
 
-    Attributes
-    ----------
-    K
-        Gain, shape (N, m).
-    innovation
-        Root of the innovation's covariance, shape (m, m), lower triangular.
-    corrections
-        K times this root, shape (N, m).
-    predicted, filtered
-        Roots of the states' covariance before and after the measurement, shape (N, N).
+    K: gain, shape (N, m).
+    innovation: root of the innovation's covariance, shape (m, m), lower triangular.
+    corrections: K times this root, shape (N, m).
+    predicted, filtered: roots of the states' covariance before and after the measurement, (N, N).
     """
 
     K: Array
@@ -46,19 +40,10 @@ class Correction(NamedTuple):
 def kalman(F: Array, H: Array, Q: Array, R: Array, P0: Array) -> Iterator[Correction]:
     """Yield the Kalman filter's gains and covariances, step by step, until they overflow.
 
-    Parameters
-    ----------
-    F, H
-        Transition matrix (N, N) and measurement matrix (m, N).
-    Q, R
-        Covariances of the noise of process and measurement, shapes (N, N) and (m, m).
-    P0
-        Covariance of the state one step before the first measurement, shape (N, N).
-
-    Raises
-    ------
-    InputError
-        If a matrix is no covariance, or R is singular.
+    F, H: transition matrix (N, N) and measurement matrix (m, N).
+    Q, R: covariances of the noise of process and measurement, shapes (N, N) and (m, m).
+    P0: covariance of the state one step before the first measurement, shape (N, N).
+    Raises InputError if a matrix is no covariance, or R is singular.
     """
     root_Q, root_R, root = root_of("Q", Q), check_noise(R), root_of("P0", P0)
     m, N = H.shape
@@ -92,10 +77,7 @@ def combine(*roots: Array) -> Array:
 def root_of(name: str, covariance: Array) -> Array:
     """Return a root (N, N) of a covariance, which may be singular.
 
-    Raises
-    ------
-    InputError
-        If the matrix is not symmetric, or has a negative eigenvalue. `name` is the argument's.
+    Raises InputError with `name` if it is not symmetric, or has a negative eigenvalue.
     """
     covariance = np.asarray(covariance, dtype=np.float64)
     size = np.sqrt(np.abs(np.diagonal(covariance)))
@@ -116,10 +98,7 @@ def root_of(name: str, covariance: Array) -> Array:
 def check_noise(R: Array) -> Array:
     """Return the lower triangular root of R, the covariance (m, m) of the sensors' noise.
 
-    Raises
-    ------
-    InputError
-        If R is singular: a sensor without noise.
+    Raises InputError if R is singular: a sensor without noise.
     """
     try:
         return np.linalg.cholesky(R)

@@ -33,32 +33,19 @@ def find_pose(
 ) -> tuple[Array, Array]:
     """Return the positions and rotations that carry reference points to observed ones.
 
-    Parameters
-    ----------
-    reference
-        Coordinates of the points in the reference frame, m, shape (points, 3), at least 3 points.
-    observed
-        Their observed coordinates, m, shape (samples, points, 3). A sample in which any of them is
-        not finite gets a pose of NaN.
-    about
-        What differences are taken to: "centroid", or "first" as in the paper.
-    weights
-        Weights of the points, shape (points,), by default all 1. With "first", the first weight
-        has no effect, for there is no difference of the first point to itself.
+    Positions of the reference frame's origin are in m, shape (samples, 3). Rotation matrices turn
+    vectors of the reference frame into the frame at rest, with determinant +1, shape
+    (samples, 3, 3).
 
-    Returns
-    -------
-    positions
-        Positions of the reference frame's origin, m, shape (samples, 3).
-    rotations
-        Rotation matrices, which turn vectors of the reference frame into the frame at rest, with
-        determinant +1, shape (samples, 3, 3).
-
-    Raises
-    ------
-    InputError
-        If shapes do not match, weights are negative, or the points of the reference or of a sample
-        are collinear, so that any turn about their line explains them as well.
+    reference: coordinates of the points in the reference frame, m, shape (points, 3), at least 3
+        points.
+    observed: their observed coordinates, m, shape (samples, points, 3). A sample in which any of
+        them is not finite gets a pose of NaN.
+    about: what differences are taken to: "centroid", or "first" as in the paper.
+    weights: of the points, shape (points,), by default all 1. With "first", the first weight has no
+        effect, for there is no difference of the first point to itself.
+    Raises InputError if shapes do not match, weights are negative, or the points of the reference
+    or of a sample are collinear, so that any turn about their line explains them as well.
     """
     require(
         observed.ndim == 3 and observed.shape[1:] == reference.shape,
@@ -94,34 +81,22 @@ def find_pose(
 
 
 def carry_point(position: Array, rotation: Array, point: Array) -> Array:
-    """Return where a point of the body is, m, shape (samples, 3): Eqs. 2 and 8.
+    """Return where a point (3,) of the body is, m, shape (samples, 3): Eqs. 2 and 8.
 
     The paper calls the left-hand sides translations (u, v, w). As printed, both equations return
-    positions: they add a turned difference of coordinates to what is measured of one point, which
-    gives the translation only after the point's reference coordinates are subtracted. Positions
-    are what is returned here.
+    positions: they add a turned difference of coordinates to what is measured of one point. That is
+    a translation only after the point's reference coordinates are subtracted.
 
-    Parameters
-    ----------
-    position
-        Positions of the reference frame's origin, m, shape (samples, 3).
-    rotation
-        Rotation matrices, shape (samples, 3, 3).
-    point
-        The point in the reference frame, m, shape (3,).
+    position, rotation: poses as `find_pose` returns them.
+    point: in the reference frame, m.
     """
     return np.asarray(position + rotation @ point)
 
 
 def find_anchor(reference: Array, about: About, weights: Array | None) -> tuple[Array, Array]:
-    """Return the parts of the points in the one that differences are taken to, and the weights.
+    """Return the points' parts in the one that differences are taken to, and their weights.
 
-    Both have the shape (points,).
-
-    Raises
-    ------
-    InputError
-        As of `find_pose`.
+    Both have the shape (points,). Raises InputError as `find_pose`.
     """
     require(
         reference.ndim == 2 and reference.shape[1] == 3 and len(reference) >= 3,

@@ -20,16 +20,10 @@ _ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 
 
 
 class FilterRows(NamedTuple):
-    """The arrays from which a smoother's covariances are computed, one row per step.
+    """The arrays from which a smoother's covariances are computed, shape (rows, 4, 4) each.
 
-    Each array has the shape (rows, 4, 4), for four states.
-
-    Attributes
-    ----------
-    filtered, predicted
-        Covariances of the state after and before the measurements of a step.
-    C
-        Gains of the Rauch-Tung-Striebel smoother.
+    filtered, predicted: covariances of the state after and before the measurements of a step.
+    C: gains of the Rauch-Tung-Striebel smoother.
     """
 
     filtered: Array
@@ -39,11 +33,7 @@ class FilterRows(NamedTuple):
 
 @part
 def schedule_row(k, rows, cycle):
-    """Return the index of the row with the gains of step k.
-
-    The gains have `rows` rows, one per step. After the last row, the last `cycle` rows repeat for
-    ever.
-    """
+    """Return the row of a schedule of `rows` rows, of which the last `cycle` repeat, for step k."""
     if k < rows:
         return k
     settled = rows - cycle
@@ -57,20 +47,10 @@ def leaving(first, stop, C, K, window, cycle, D):
     D_k times the innovations of step k + window removes their contribution from the smoothed state
     of step k.
 
-    Parameters
-    ----------
-    first, stop
-        The first step k, and the step after the last.
-    C
-        Gains of the smoother, shape (rows, 4, 4), for four states.
-    K
-        Gains of the filter, shape (rows, 4, 2), for two measurements.
-    window
-        The lag of the smoother in steps.
-    cycle
-        Number of rows, at the end of C and of K, that repeat for ever.
-    D
-        Array of shape (rows, 4, 2), into whose row k the result D_k is written.
+    C, K: gains of the smoother, shape (rows, 4, 4), and of the filter, shape (rows, 4, 2).
+    window: the lag of the smoother in steps.
+    cycle: number of rows, at the end of C and of K, that repeat for ever.
+    D: array of shape (rows, 4, 2), into whose row k the result D_k is written.
     """
     rows = C.shape[0]
     for k in range(first, stop):
@@ -88,29 +68,19 @@ def leaving(first, stop, C, K, window, cycle, D):
 def covariances(rows, window, h, response, smoothed, coupling, first=0):
     """Compute covariances of smoothed states, and their coupling to errors of a prediction.
 
-    A smoother estimates the state of step s = k - window from the measurements up to step k. The
-    result is computed for the steps k = first, first + 1, ...; row i of both outputs belongs to
-    k = first + i. Rows with k < window are left unchanged, because s would be negative.
+    A smoother estimates the state of step s = k - window from the measurements up to step k. Row i
+    of both outputs belongs to k = first + i. Rows with k < window are left unchanged, because s
+    would be negative.
 
-    Parameters
-    ----------
-    rows
-        Covariances of the filter and gains C of the smoother, as `FilterRows`.
-    window
-        The lag of the smoother in steps.
-    h
-        Row (4,) of the measurement matrix, for measurements h x + v of the state x with noise v.
-    response
-        Shape (steps, outputs): row i is the effect of the noise v of step s + i on the prediction
-        from step s on.
-    smoothed
-        Output, shape (rows, 4, 4): the covariances P_{s|k} of the smoothed states.
-    coupling
-        Output, shape (rows, 4, outputs): the cross-covariances between the error of the smoothed
-        state and the error of the prediction due to v. They are the sum over i of
-        C_s ... C_{s+i-1} P_{s+i|k} h response_i'.
-    first
-        The first step k.
+    rows: covariances of the filter and gains C of the smoother, as `FilterRows`.
+    window: the lag of the smoother in steps.
+    h: row (4,) of the measurement matrix, for measurements h x + v of the state x with noise v.
+    response: shape (steps, outputs): row i is the effect of the noise v of step s + i on the
+        prediction from step s on.
+    smoothed: filled, shape (rows, 4, 4): the covariances P_{s|k} of the smoothed states.
+    coupling: filled, shape (rows, 4, outputs): the cross-covariances between the error of the
+        smoothed state and the error of the prediction due to v. They are the sum over i of C_s ...
+        C_{s+i-1} P_{s+i|k} h response_i'.
     """
     Pf, Pm, C = rows
     outputs = response.shape[1]
@@ -143,7 +113,6 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
 
 @part
 def _matrix(A, k):
-    """Return the matrix A[k] of an array A, shape (rows, 4, 4), as a tuple of four rows."""
     return (
         (A[k, 0, 0], A[k, 0, 1], A[k, 0, 2], A[k, 0, 3]),
         (A[k, 1, 0], A[k, 1, 1], A[k, 1, 2], A[k, 1, 3]),

@@ -32,7 +32,7 @@ def to_heading(angles: Array) -> Array:
 
 
 def make_rotation(angles: Array) -> Array:
-    """Return the rotation matrices, shape (samples, 3, 3), of angles in rad, shape (samples, 3).
+    """Return the matrices, shape (samples, 3, 3), of angles in rad, shape (samples, 3).
 
     scipy's `Rotation.from_euler` gives the same in six times the time.
     """
@@ -46,21 +46,13 @@ def make_rotation(angles: Array) -> Array:
 
 
 def find_angles(rotations: Array) -> Array:
-    """Return roll, pitch and yaw, rad, shape (samples, 3), of rotation matrices.
+    """Return roll, pitch and yaw, rad, shape (samples, 3), of rotation matrices (samples, 3, 3).
 
-    Rolls and yaws are in [-pi, pi], pitches in [-pi/2, pi/2]. A matrix of NaN gives NaN. At a
-    pitch of 90 degrees only a sum of yaw and roll is defined; what is returned there gives the
-    same matrix, which scipy's angles do not within 1e-7 rad of it.
+    Rolls and yaws are in [-pi, pi], pitches in [-pi/2, pi/2]. A matrix of NaN gives NaN. At a pitch
+    of 90 degrees only a sum of yaw and roll is defined; what is returned there gives the same
+    matrix, which scipy's angles do not within 1e-7 rad of it.
 
-    Parameters
-    ----------
-    rotations
-        Shape (samples, 3, 3).
-
-    Raises
-    ------
-    InputError
-        If a matrix is no rotation.
+    Raises InputError if a matrix is no rotation.
     """
     require_rotations(rotations)
     # Maes et al. (2018), Eqs. 9-11, take arccos, whose slope is infinite at 1: rounding of 1e-16
@@ -77,14 +69,9 @@ def find_angles(rotations: Array) -> Array:
 
 
 def find_body_rates(angles: Array, rates: Array) -> Array:
-    """Return the angular velocities w in the body's frame, rad/s, shape (samples, 3).
+    """Return the angular velocities w in the body's frame, rad/s, of angles, rad, and rates, rad/s.
 
-    They are exact: R' = R [w]x (Mehammer et al. 2018, Eq. 2, the other way round).
-
-    Parameters
-    ----------
-    angles, rates
-        Angles, rad, and their derivatives, rad/s, shape (samples, 3) each.
+    All have the shape (samples, 3). Exact: R' = R [w]x (Mehammer et al. 2018, Eq. 2, inverted).
     """
     phi, theta, _ = angles.T
     roll, pitch, yaw = rates.T
@@ -98,12 +85,9 @@ def find_body_rates(angles: Array, rates: Array) -> Array:
 
 
 def find_angle_rates(angles: Array, body_rates: Array) -> Array:
-    """Return the derivatives of angles, rad/s, shape (samples, 3): Mehammer et al. (2018), Eq. 2.
+    """Return the derivatives of angles, rad/s, of body rates, rad/s: Mehammer et al. (2018), Eq. 2.
 
-    Parameters
-    ----------
-    angles, body_rates
-        Angles, rad, and angular velocities in the body's frame, rad/s, shape (samples, 3) each.
+    All have the shape (samples, 3); angles are in rad.
     """
     phi, theta, _ = angles.T
     p, q, r = body_rates.T
@@ -116,13 +100,8 @@ def find_angle_rates(angles: Array, body_rates: Array) -> Array:
 def find_body_acceleration(angles: Array, rates: Array, second: Array) -> Array:
     """Return the angular accelerations w' in the body's frame, rad/s^2, shape (samples, 3).
 
-    They are the exact time derivatives of `find_body_rates`.
-
-    Parameters
-    ----------
-    angles, rates, second
-        Angles, rad, and their first and second derivatives, rad/s and rad/s^2, shape (samples, 3)
-        each.
+    They are the exact derivatives of `find_body_rates`. The arguments are angles, rad, and their
+    first and second derivatives, rad/s and rad/s^2, shape (samples, 3) each.
     """
     # Each of the three turns carries the axes of those before it: seen from the body, these
     # change by minus the cross product.
@@ -132,7 +111,7 @@ def find_body_acceleration(angles: Array, rates: Array, second: Array) -> Array:
 
 
 def require_rotations(rotations: Array) -> None:
-    """Raise an `InputError` unless each matrix is a rotation or has a NaN."""
+    """Raise an `InputError` unless each matrix (samples, 3, 3) is a rotation or has a NaN."""
     require(
         rotations.ndim == 3 and rotations.shape[1:] == (3, 3),
         f"rotations: have shape {rotations.shape}; (samples, 3, 3) would work",

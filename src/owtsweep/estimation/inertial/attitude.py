@@ -66,8 +66,8 @@ def lean(R, v, H):
 def read_angles(q, angles, T):
     """Write roll, pitch and yaw of q into `angles` (3,), and their rates' matrix into T (3, 3).
 
-    They are turned in the order yaw, pitch, roll. T turns body rates into rates of the angles
-    (Fossen 2011, section 2.2), and small rotation vectors of the body into changes of the angles.
+    T turns body rates into rates of the angles (Fossen 2011, section 2.2), and small rotation
+    vectors of the body into changes of the angles.
     """
     w, x, y, z = q
     angles[0] = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))

@@ -16,16 +16,9 @@ from owtsweep.estimation.inertial.strapdown import GYROSCOPES, move, place
 
 
 def place_poles(crossover: float, step: float) -> tuple[float, float]:
-    """Return the gains of position and velocity with a damping ratio of 1/sqrt(2).
+    """Return the gains of position and velocity: poles of s^2 + sqrt(2) w s + w^2, sampled.
 
-    The poles of the filter are those of s^2 + sqrt(2) w s + w^2, sampled.
-
-    Parameters
-    ----------
-    crossover
-        The angular frequency w in rad/s, at which both parts count alike.
-    step
-        Sampling interval in s.
+    `crossover` is w in rad/s, at which both parts count alike; `step` is in s.
     """
     turn = crossover * step / np.sqrt(2.0)
     radius = np.exp(-turn)
@@ -34,20 +27,13 @@ def place_poles(crossover: float, step: float) -> tuple[float, float]:
 
 @njit
 def blend_acceleration(position, acceleration, step, gains, start, estimate):
-    """Blend positions with an acceleration.
+    """Blend positions, NaN where there is none, with an acceleration, shape (steps,) each.
 
-    Parameters
-    ----------
-    position, acceleration
-        Reported positions, NaN where there is none, and accelerations, shape (steps,).
-    step
-        Sampling interval in s.
-    gains
-        As `place_poles` returns them.
-    start
-        Position at the first sample; the velocity is 0 there.
-    estimate
-        Position and velocity of each sample, its report counted, shape (steps, 2); overwritten.
+    step: sampling interval in s.
+    gains: as `place_poles` returns them.
+    start: position at the first sample; the velocity is 0 there.
+    estimate: position and velocity of each sample, its report counted, shape (steps, 2);
+        overwritten.
     """
     x, v = start, 0.0
     alpha, beta = gains
@@ -65,10 +51,7 @@ def blend_acceleration(position, acceleration, step, gains, start, estimate):
 
 @njit
 def blend_rate(position, rate, step, gain, start, estimate):
-    """Blend positions with a rate; the velocity is the rate itself.
-
-    Parameters are those of `blend_acceleration`; `gain` is that of the position.
-    """
+    """Blend positions with a rate, which is the velocity; arguments as of `blend_acceleration`."""
     x = start
     for k in range(len(position)):
         if k > 0:
@@ -81,18 +64,11 @@ def blend_rate(position, rate, step, gain, start, estimate):
 
 @njit
 def blend_fixes(record, gains, s, states):
-    """Filter a record by the fixes of the first antenna.
+    """Filter a `strapdown.Record` by the fixes of the first antenna.
 
-    Parameters
-    ----------
-    record
-        A `strapdown.Record`.
-    gains
-        Of position and velocity per fix, and of the levelling per second.
-    s
-        The start, shape (16,); overwritten.
-    states
-        Filled, shape (steps, 16).
+    gains: of position and velocity per fix, and of the levelling per second.
+    s: the start, shape (16,); overwritten.
+    states: filled, shape (steps, 16).
     """
     fixes, levers, _, due, force, rate, step, _ = record
     R, new, at = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)

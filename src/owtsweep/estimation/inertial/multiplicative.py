@@ -5,11 +5,11 @@ Attitude error representations for Kalman filtering). Behind them may stand furt
 
 - the clock's offset tau: a fix with the time stamp t shows the antenna at t - tau, so a delay of
   fixes is the same state;
-- by what the first antenna stands elsewhere on the body than believed, three lengths;
+- by what the first antenna stands elsewhere on the body than assumed, three lengths;
 - how the hook lets the body swing: the point on which the hook acts is at c + m, where m is an
-  oscillator driven by white noise in each direction, and c wanders slowly. What an inertial unit
-  says of the accelerations and what the oscillator says of the motion are independent, so both
-  hold at once: the filter is told at each due time of a fix, lost or not, that the two agree.
+  oscillator driven by white noise in each direction, and c wanders slowly. At each due time of a
+  fix, lost or not, the filter takes as a measurement that this place and that of the inertial unit
+  agree.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ SWING = 9
 
 @njit
 def swing(s, P, at, transition, noise):
-    """Predict the states of the swing, in place.
+    """Predict the states of the swing, which begin at the error `at`, in place.
 
-    They begin at the error `at`. `transition` and `noise` (3, 2, 2) are of m and its velocity;
-    `noise` (3, 3, 3) has that of c in its last place.
+    `transition` and `noise` (3, 2, 2) are of m and its velocity; `noise` (3, 3, 3) has that of c in
+    its last place.
     """
     x = at + 1  # a quaternion has one element more than its error
     for i in range(3):
@@ -62,15 +62,15 @@ def swing(s, P, at, transition, noise):
 
 
 @njit
-def learn_fix(s, P, dx, fix, believed, variance, offset, astray, force, rate):
-    """Learn from the fix (3,) of an antenna; return the innovation's square over its variance.
+def learn_fix(s, P, dx, fix, assumed, variance, offset, astray, force, rate):
+    """Correct by the fix (3,) of an antenna; return the innovation's square over its variance.
 
     `offset` is the place of the clock's offset among the errors, or -1, and `astray` that of the
-    antenna's distance from its `believed` lever (3,). `force` and `rate` (3,) are those of this
+    antenna's distance from its `assumed` lever (3,). `force` and `rate` (3,) are those of this
     sample. The result is the sum over three coordinates, each given those before.
     """
     R, H, at = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    row, lever = np.zeros(len(dx)), believed.copy()
+    row, lever = np.zeros(len(dx)), assumed.copy()
     if astray >= 0:
         lever += s[astray + 1 : astray + 4]
     rotate(s[6:10], R)
@@ -103,7 +103,7 @@ def learn_fix(s, P, dx, fix, believed, variance, offset, astray, force, rate):
 
 @njit
 def learn_swing(s, P, dx, lever, at, variance):
-    """Learn that the point at `lever` (3,) is where the swing's states have it."""
+    """Correct by the fact that the point at `lever` (3,) is where the swing's states have it."""
     R, H, point = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     row = np.zeros(len(dx))
     rotate(s[6:10], R)
@@ -120,24 +120,15 @@ def learn_swing(s, P, dx, lever, at, variance):
 
 @njit
 def filter_fixes(record, start, offset, astray, swinging, found):
-    """Filter a record.
+    """Filter a `strapdown.Record`.
 
-    Parameters
-    ----------
-    record
-        A `strapdown.Record`.
-    start
-        State and covariance before the first fix; both are overwritten.
-    offset
-        Place of the clock's offset among the errors, or -1.
-    astray
-        Place of the first antenna's distance from its lever among the errors, or -1.
-    swinging
-        Place of the swing's first error, or -1; lever of the point on which the hook acts, shape
+    start: state and covariance before the first fix; both are overwritten.
+    offset, astray: places among the errors of the clock's offset and of the first antenna's
+        distance from its lever, or -1.
+    swinging: place of the swing's first error, or -1; lever of the point on which the hook acts,
         (3,); transition (3, 2, 2) and noise (3, 3, 3) of a sample; variance with which both agree.
-    found
-        States (steps, n + 1) and covariances (steps, n, n), filled; squared innovations over their
-        variance (steps,), to which those of a sample are added.
+    found: states (steps, n + 1) and covariances (steps, n, n), filled; squared innovations over
+        their variance (steps,), to which those of a sample are added.
     """
     fixes, levers, variance, due, force, rate, step, noise = record
     s, P = start

@@ -25,12 +25,8 @@ from owtsweep.estimation.inertial.strapdown import (
 def push(s, P, d, first, last, noise):
     """Predict the state s (16,) and its covariance P (15, 15) by d seconds, in place.
 
-    Parameters
-    ----------
-    first, last
-        Specific force at the beginning and the end, linear between them, shape (3,).
-    noise
-        Intensities of the noise of accelerations, of angular accelerations and of the bias:
+    first, last: specific force at the beginning and the end, linear between them, shape (3,).
+    noise: intensities of the noise of accelerations, of angular accelerations and of the bias:
         variance of a sample times its interval, or change of the variance per second, shape (3, 3).
     """
     predict(s, P, d, first, last, np.zeros(3), RATE_AS_STATE)
@@ -117,24 +113,16 @@ def write(s, P, position, velocity, covariance):
 def filter_body(reported, shown, force, rate, step, noise, variances, first, start, found):
     """Filter a record in the order in which reports arrive.
 
-    Parameters
-    ----------
-    reported, shown
-        Positions and Euler angles by arrival, shape (steps, 6), NaN where none arrives, and the
-        times in samples that they show, shape (steps,).
-    force, rate
-        Specific force and angular velocity of the body, shape (steps, 3) each.
-    step
-        Sampling interval in s.
-    noise
-        As of `push`, shape (3, 3).
-    variances
-        Of reports (6,) and of rates (3,).
-    first, start
-        The sample at which the first report arrives that is used; the state (16,) and covariance
-        (15, 15) at the time that it shows, with this report; both are overwritten.
-    found
-        Positions (steps, 6), velocities (steps, 6), covariances (steps, 6, 2, 2), squared
+    reported, shown: positions and Euler angles by arrival, shape (steps, 6), NaN where none
+        arrives, and the times in samples that they show, shape (steps,).
+    force, rate: specific force and angular velocity of the body, shape (steps, 3) each.
+    step: sampling interval in s.
+    noise: as of `push`, shape (3, 3).
+    variances: of reports (6,) and of rates (3,).
+    first: the sample at which the first report arrives that is used.
+    start: the state (16,) and covariance (15, 15) at the time that this report shows, with this
+        report; both are overwritten.
+    found: positions (steps, 6), velocities (steps, 6), covariances (steps, 6, 2, 2), squared
         innovations over their variances (steps, 6); filled from the sample `first` on.
     """
     position, velocity, covariance, nis = found

@@ -25,16 +25,10 @@ from owtsweep.estimation.inertial.strapdown import (
 def link(states, covariances, record, links):
     """Compute how each sample follows from what later ones say.
 
-    Parameters
-    ----------
-    states, covariances
-        Of the filter, shapes (steps, 16) and (steps, 15, 15).
-    record
-        A `strapdown.Record`.
-    links
-        Filled for all samples but the last: the states that the filter predicts from a sample for
-        the next one (steps, 16), their covariances (steps, 15, 15), and the smoother's gains, in
-        the same shape.
+    states, covariances: of the filter, shapes (steps, 16) and (steps, 15, 15).
+    record: a `strapdown.Record`.
+    links: filled for all samples but the last: the predicted states of the next sample (steps, 16),
+        their covariances (steps, 15, 15), and the smoother's gains, in the same shape.
     """
     _, _, _, _, force, rate, step, noise = record
     predicted, predicted_P, gains = links
@@ -58,8 +52,7 @@ def link(states, covariances, record, links):
 def carry_back(s, P, state, covariance, predicted, predicted_P, gain):
     """Carry the smoothed state s (16,) and covariance P of a sample to the one before, in place.
 
-    `state` and `covariance` are those of the filter at the sample before, the others those of
-    `link`.
+    `state` and `covariance` are the filter's at the sample before, the others those of `link`.
     """
     dx = np.empty(ERRORS)
     subtract(s, predicted, dx)

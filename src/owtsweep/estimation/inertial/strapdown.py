@@ -11,13 +11,13 @@ velocity turns the body; c is the gyroscopes' bias. With `RATE_AS_STATE`, z poin
 itself, and gyroscopes measure it.
 
 Errors (dp, dv, da, db, dc) have R_true = R Exp([da]x) (Sola 2017, Quaternion kinematics for the
-error-state Kalman filter, chapters 5 and 6; Markley 2003, Attitude error representations for
-Kalman filtering). Earth's rotation, .0042 deg/s, is left out. It is constant in the frame, so a
-bias of the gyroscopes takes it up while the heading stays, but only if as large a bias is believed:
-not that of a fibre-optic or tactical unit (docs/blade.md, section 4).
+error-state Kalman filter, chapters 5 and 6; Markley 2003, Attitude error representations for Kalman
+filtering). Earth's rotation, .0042 deg/s, is left out. It is constant in the frame, so a bias of
+the gyroscopes takes it up while the heading stays, but only if as large a bias is assumed: not that
+of a fibre-optic or tactical unit (docs/blade.md, section 4).
 
 State vectors have 16 elements: p, v, quaternion (scalar first), b, c. Errors have 15. More may
-stand behind them: what moves a state lets them stand, what corrects it corrects them, too.
+    stand behind them: what moves a state lets them stand, what corrects it corrects them, too.
 """
 
 from __future__ import annotations
@@ -49,22 +49,13 @@ GYROSCOPES, RATE_AS_STATE = Model(-GRAVITY, -1.0), Model(GRAVITY, 1.0)
 class Record(NamedTuple):
     """What filters get that are corrected by GNSS fixes.
 
-    Attributes
-    ----------
-    fixes
-        Positions of antennas at samples, shape (steps, antennas, 3), NaN where none is.
-    levers
-        Where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
-    variance
-        Of the noise of a fix at each sample, shape (steps, 3).
-    due
-        Whether a fix is due at a sample, lost or not, shape (steps,).
-    force, rate
-        Specific force and angular velocity of the body, shape (steps, 3) each.
-    step
-        Sampling interval in s.
-    noise
-        As of `add_noise`, shape (4,).
+    fixes: positions of antennas at samples, shape (steps, antennas, 3), NaN where none is.
+    levers: where the antennas are from the inertial unit, in the body's frame, shape (antennas, 3).
+    variance: of the noise of a fix at each sample, shape (steps, 3).
+    due: whether a fix is due at a sample, lost or not, shape (steps,).
+    force, rate: specific force and angular velocity of the body, shape (steps, 3) each.
+    step: sampling interval in s.
+    noise: as of `add_noise`, shape (4,).
     """
 
     fixes: Array
@@ -81,16 +72,9 @@ class Record(NamedTuple):
 def move(s, d, force, next_force, rate, model, old, new):
     """Move the state s (16,) by d seconds, in place.
 
-    Parameters
-    ----------
-    force, next_force
-        Specific force at the beginning and the end, linear between them, shape (3,).
-    rate
-        Mean of the measured angular velocity, shape (3,); 0 if c is the angular velocity.
-    model
-        A `Model`.
-    old, new
-        Results (3, 3): the attitude's matrices at the beginning and the end.
+    force, next_force: specific force at the beginning and the end, linear between them, shape (3,).
+    rate: mean of the measured angular velocity, shape (3,); 0 if c is the angular velocity.
+    old, new: filled with the attitude's matrices (3, 3) at the beginning and the end.
     """
     rotate(s[6:10], old)
     turn(
@@ -116,7 +100,7 @@ def move(s, d, force, next_force, rate, model, old, new):
 def linearise(s, force, next_force, old, new, M, R, back):
     """Write by what errors change over a step; arguments are those of `move`.
 
-    `M`, `R` and `back` are results (3, 3): change of the acceleration with da, the mean attitude,
+    `M`, `R` and `back` are filled, (3, 3): change of the acceleration with da, the mean attitude,
     and the turn of the body back by its own rotation.
     """
     lean(old, force - s[10:13], M)
@@ -147,7 +131,7 @@ def carry(P, d, M, R, back, model):
 
 @njit
 def predict(s, P, d, force, next_force, rate, model):
-    """Predict s (16 or more,) and P by d seconds without noise, in place; arguments as of `move`.
+    """Predict s (16 or more,) and P by d seconds without noise, in place; see `move`.
 
     States and errors behind the first stay as they are.
     """
@@ -204,16 +188,11 @@ def place(s, R, lever, out):
 
 @njit
 def learn(P, dx, row, e, variance):
-    """Learn from an innovation; return its square over its variance.
+    """Correct by an innovation; return its square over its variance.
 
-    Parameters
-    ----------
-    P, dx
-        Covariance (n, n) and the error found so far (n,); both are changed in place.
-    row
-        By what each error enters the measurement, shape (n,).
-    e, variance
-        The innovation before any correction, and the variance of the measurement's noise.
+    P, dx: covariance (n, n) and the error found so far (n,); both are changed in place.
+    row: by what each error enters the measurement, shape (n,).
+    e, variance: the innovation before any correction, and the variance of the measurement's noise.
     """
     n = len(dx)
     column = np.zeros(n)

@@ -57,7 +57,7 @@ def average(points, s, P, errors):
 
 @njit
 def learn_unscented(s, P, points, errors, fix, lever, variance):
-    """Learn from the fix (3,) of an antenna, in place; return the normalised squared innovation.
+    """Correct by the fix (3,) of an antenna, in place; return the normalised squared innovation.
 
     `points` and `errors` are room for sigma points.
     """

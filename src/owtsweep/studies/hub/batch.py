@@ -1,7 +1,4 @@
-"""The batch engine: runs chains on simulated records and sums the chains' squared errors.
-
-A chain is a scheme in the form of arrays for compiled kernels. A lane is one series along one axis.
-"""
+"""The batch engine: runs chains on simulated records and sums the chains' squared errors."""
 
 from __future__ import annotations
 
@@ -50,38 +47,18 @@ def sum_errors(
     keep_squared: bool = False,
     consistency: bool = True,
 ) -> list[Sums]:
-    """Run schemes on all replicates of some records; sum the squared errors of each scheme.
+    """Run chains on all replicates of some records; sum the squared errors of each, in their order.
 
-    The records are made span by span (10 000 steps each). All schemes run on one span before the
-    next span is made. A scheme whose estimates follow straight lines does not run if motion and
-    noise are apart: its errors are summed by `fix_lines`.
+    All chains run on one span before the next is made. A baseline does not run if motion and noise
+    are apart: its errors are summed by `sum_line_errors`.
 
-    Parameters
-    ----------
-    chains
-        The schemes, in the form of arrays for kernels.
-    records
-        The records, which are simulated during the run.
-    settled
-        Number of the first step after the settling time.
-    amplitude
-        Amplitude of the motion, m. With an amplitude, motion plus noise is run as one series, and
-        the square of its error is stored as the product noise x noise. If None, motion and noise
-        are run separately, and all three products of the two errors are summed.
-    keep_squared
-        Whether the squared position error of each step is kept; only with an amplitude.
-    consistency
-        Whether NEES is computed; otherwise NEES is zero.
-
-    Returns
-    -------
-    list of Sums
-        One entry per scheme, in the order of `chains`.
-
-    Raises
-    ------
-    InputError
-        If fixes may be lost: the gains of a chain are those for fixes that all arrive.
+    settled: number of the first step after the settling time.
+    amplitude: of the motion, m: motion plus noise is run as one series, and the square of its error
+        is stored as the product noise x noise. None: motion and noise are run separately, and all
+        three products of the two errors are summed.
+    keep_squared: whether the squared position error of each step is kept; only with an amplitude.
+    consistency: whether NEES is computed; otherwise NEES is zero.
+    Raises InputError if fixes may be lost: a chain has the gains for fixes that all arrive.
     """
     require(
         not records.config.sensors.gnss.loses,
@@ -93,10 +70,6 @@ def sum_errors(
     weights = [weights_of(chain, consistency=consistency) for chain in others]
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
-        """Return each chain's sums and kept squared errors for the replicates first to first + 7.
-
-        `first` is an index in `part`, which may have fewer replicates left.
-        """
         feed = Feed(part, first, amplitude)
         runs = [
             ChainRun(*pair, feed, settled, keep=keep_squared)
@@ -126,10 +99,9 @@ def sum_errors(
 
 
 def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
-    """Return the weights by which kernels make NEES and NIS from a scheme's errors.
+    """Return the weights by which kernels make NEES and NIS from a chain's errors.
 
-    `chain` is the scheme in the form of arrays for kernels. If `consistency` is False, the weights
-    for NEES are zero.
+    If `consistency` is False, the weights for NEES are zero.
     """
     return Weights(
         precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
@@ -139,18 +111,10 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
 
 
 class ChainRun:
-    """A run of one scheme on up to eight replicates, whose records arrive piece by piece.
+    """A run of one chain on up to eight replicates, whose records arrive span by span.
 
-    Parameters
-    ----------
-    chain, weights
-        The scheme in its form for the batch engine, and its weights for NEES and NIS.
-    feed
-        The source of the records.
-    settled
-        Number of the first step after the settling time.
-    keep
-        Whether the squared position error of each step is kept.
+    settled: number of the first step after the settling time.
+    keep: whether the squared position error of each step is kept.
     """
 
     def __init__(
@@ -175,14 +139,14 @@ class ChainRun:
 
     @property
     def products(self) -> Array:
-        """The sums as `layout.products` arranges them."""
+        """The sums as `layout.products` arranges them, shape (2, 6, 3, WIDTH)."""
         return products(self.sums, self.direction)
 
     def advance(self, span: Span) -> None:
-        """Run the scheme on the next span of the records; add the errors' products to `self.sums`.
+        """Run the chain on the next span of the records; add the errors' products to `self.sums`.
 
-        Kernels process whole chunks of `self.chunk` steps. Steps at the end of the span that fill
-        no chunk wait for the next span, unless the record ends with this span.
+        Kernels take whole chunks. Steps at the end of the span that fill no chunk wait for the next
+        span, unless the record ends with this one.
         """
         from owtsweep.studies.hub.kernels import runs
 
@@ -195,12 +159,6 @@ class ChainRun:
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    """Join the results of one scheme for parts of the replicates into one `Sums`.
-
-    Each element of `parts` holds the sums and the squared errors of up to eight replicates. `chain`
-    is the scheme for the batch engine, `steps` the length of a record, and `settled` the number of
-    the first step after the settling time.
-    """
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     sums, squared = (np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
     lengths = np.array([settled, steps - settled])
@@ -214,27 +172,22 @@ def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array,
 
 
 def arrays_of(chain: Chain) -> ChainArrays:
-    """Return those arrays of a chain (a scheme for the batch engine) that kernels take."""
+    """Return those arrays of a chain that kernels take."""
     return ChainArrays(chain.filter, chain.predictor, chain.mhe)
 
 
 def chunk_of(chain: Chain) -> tuple[int, int]:
-    """Return how many steps kernels process at once, and how many rows the next span must repeat.
+    """Return the length of a chunk in steps, and how many rows the next span must repeat.
 
-    The steps that are processed at once are a chunk. A span is the piece of the records that is in
-    memory, with one row per step. Steps at the end of a span that fill no chunk are processed with
-    the next span. So the next span repeats the rows of one chunk, and the rows before that chunk to
-    which the predictor and the input delay reach back.
+    The rows are those of one chunk, for steps at the end of a span that fill none wait for the
+    next, and those before it to which the predictor and the input delay reach back.
     """
     chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
     return chunk, chunk + lead_of(chain)
 
 
 def lead_of(chain: Chain) -> int:
-    """Return how many samples of the specific force kernels need from before their first step.
-
-    The predictor and the input delay of the chain (a scheme's arrays) reach back so far.
-    """
+    """Return how many samples of the specific force kernels need from before their first step."""
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
 
 
@@ -243,9 +196,9 @@ Result = list[Judgement[Means]] | Exception
 
 
 def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
-    """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
+    """Return "threading" if all schemes run by compiled kernels, else "loky" (processes).
 
-    It is "threading" if all schemes run by compiled kernels, which release the GIL.
+    Kernels release the GIL.
     """
     compiled = all(uses_kernels(config, scheme) for scheme in schemes)
     return "threading" if compiled else "loky"
@@ -254,8 +207,8 @@ def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels.
 
-    The gains of a kernel are those for fixes that all arrive. So where fixes are lost, a scheme
-    runs step by step.
+    A kernel has the gains for fixes that all arrive. So where fixes may be lost, schemes run step
+    by step.
     """
     return config.engine == "batch" and not config.sensors.gnss.loses and scheme.batched != ""
 
@@ -273,8 +226,8 @@ def run_batch(
 ) -> list[Result]:
     """Run schemes by kernels; return for each what its estimates of each record are worth.
 
-    Chains run together on each span of the records, while it is in the processor's cache. Motion
-    and noise are apart in a cell without an amplitude.
+    Chains run together on each span, while it is in the processor's cache. Motion and noise are
+    apart in a cell without an amplitude.
     """
     amplitude = find_amplitude(config, cell)
     known = Known(records.sensors, config, find_period(cell), amplitude)
@@ -357,8 +310,7 @@ def _make_chains(
 def _count_threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
     """Return how many threads may prepare schemes for the kernels at once.
 
-    If the sweep runs in threads, the result is the number of the sweep's workers, because the
-    workers would otherwise wait. If the sweep runs in processes or on a cluster, the result is 1.
+    In a threaded sweep they are as many as its workers, which would otherwise wait; else 1.
     """
     from joblib import cpu_count
 

@@ -1,8 +1,7 @@
 """Caches results that take seconds to compute, in memory and in the user's cache folder.
 
-A file's name is a hash of everything that the file's numbers depend on, including this program's
-source. So an edited program never reads old numbers. If a file is damaged, its numbers are computed
-again.
+A file's name is a hash of everything that its numbers depend on, including this program's source.
+So an edited program never reads old numbers. If a file is damaged, its numbers are computed again.
 """
 
 from __future__ import annotations
@@ -30,10 +29,7 @@ SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
 
 @dataclass
 class Entry:
-    """An entry of the cache in memory: arrays by name, None until the arrays are known.
-
-    The thread that reads or computes the arrays holds the lock.
-    """
+    """Arrays by name, None until they are known; whoever reads or computes them holds the lock."""
 
     lock: threading.Lock = field(default_factory=threading.Lock)
     arrays: dict[str, Array] | None = None
@@ -41,18 +37,12 @@ class Entry:
 
 @lru_cache(KEPT)
 def find_entry(key: str) -> Entry:
-    """Return the cache's entry in memory for a key; make an entry without arrays if there is none.
-
-    A key is a hash. `find_entry.cache_clear` forgets all entries.
-    """
+    """Return the cache's entry in memory for a key, a hash; make an empty one if there is none."""
     return Entry()
 
 
 def folder() -> Path:
-    """Return the folder of the cached files: owtsweep/expected in $XDG_CACHE_HOME or ~/.cache.
-
-    The folder need not exist.
-    """
+    """Return the folder of the cached files: owtsweep/expected in $XDG_CACHE_HOME or ~/.cache."""
     base = os.environ.get("XDG_CACHE_HOME")
     return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
 
@@ -60,12 +50,7 @@ def folder() -> Path:
 def cached(what: Mapping[str, object], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
     """Return arrays by name: from memory, else from a file, else computed and then stored.
 
-    Parameters
-    ----------
-    what
-        Everything that the arrays depend on besides this program; must be JSON-serialisable.
-    compute
-        Function that computes the arrays; it is called only if the arrays are not stored.
+    `what` is all that they depend on besides this program; it must be JSON-serialisable.
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
@@ -105,10 +90,7 @@ def _write(path: Path, arrays: Mapping[str, Array]) -> None:
 
 @cache
 def source_hash() -> str:
-    """Return a hash of the code that expected errors depend on, and of the libraries' versions.
-
-    The code is that of the files and folders in `SOURCES`; the libraries are NumPy and SciPy.
-    """
+    """Return a hash of the code in `SOURCES`, and of the versions of NumPy and SciPy."""
     import scipy
 
     package = Path(__file__).resolve().parents[2]

@@ -1,8 +1,8 @@
 """Makes chains: linear schemes as arrays for the batch kernels.
 
-Every linear scheme of the study is the same chain with some of the parts in brackets left out:
-[MHE ->] multirate Kalman filter [-> fixed-lag smoother] [-> predictor]. A chain is computed once
-for given sensors and tuning. The gains of a chain serve all periods, amplitudes and records.
+Every linear scheme of the study is the same chain with some of the parts in brackets left out: [MHE
+->] multirate Kalman filter [-> fixed-lag smoother] [-> predictor]. Its gains depend on sensors and
+tuning, and serve all periods, amplitudes and records.
 """
 
 from __future__ import annotations
@@ -33,8 +33,7 @@ from owtsweep.studies.hub.sensors import Sensors
 def predictor_arrays(model: Discrete | None, steps: int, step: float) -> PredictorArrays:
     """Make the numbers by which the kernels predict over `steps` steps of `step` seconds.
 
-    `model` is the predictor's model over one step, with the states position, velocity and bias, or
-    None without a predictor. Its input is held over a step or linear (`model.B_next`).
+    `model` is Sigma_2 over one step; None without a predictor.
     """
     if model is None or steps == 0:
         return PredictorArrays(0, step, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -89,12 +88,8 @@ LONGEST_TRANSIENT = 2**18
 class Line(NamedTuple):
     """The straight line that an estimate follows from one position fix to the next.
 
-    Attributes
-    ----------
-    holds
-        Whether the line starts from the last fix; otherwise it is zero.
-    moves
-        Whether the line has the slope between the last two fixes, and is at the present, a delay
+    holds: whether the line starts from the last fix; otherwise it is zero.
+    moves: whether the line has the slope between the last two fixes, and is at the present, a delay
         ahead of the last fix; otherwise its slope is zero.
     """
 
@@ -102,10 +97,9 @@ class Line(NamedTuple):
     moves: bool
 
     def through(self, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
-        """Return the lines' positions when a fix arrives (m) and their slopes (m/s).
+        """Return the lines' positions when a fix arrives, m, and slopes, m/s, shaped as `fixes`.
 
-        Both have the shape of `fixes`, which are positions in m, shape (..., fixes). Before the
-        second fix the slope is zero.
+        Before the second fix the slope is zero.
         """
         slope = np.zeros_like(fixes)
         if self.moves:
@@ -115,25 +109,17 @@ class Line(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """The form of a scheme for the batch engine: [MHE ->] filter [-> smoother] [-> predictor].
+    """A scheme as arrays: [MHE ->] filter [-> smoother] [-> predictor].
 
-    Parts in brackets may be absent. Two chains are equal only if they are the same object, so that
-    chains can be keys of caches.
+    Two chains are equal only if they are the same object, so that they can be keys of caches.
 
-    Attributes
-    ----------
-    gains
-        The filter's gains and covariances, one row per step until the rows repeat. The covariances
-        are NaN if the scheme states none.
-    filter, predictor, mhe
-        The arrays that kernels take for filter and smoother, predictor, and MHE.
-    axis
-        The filter's model and variances for one axis.
-    input_model
-        The predictor's model; None without a predictor or without covariances.
-    line
-        The straight line that the estimates follow between position fixes, if they do; then
-        superposed errors are summed without running the chain. None for all other chains.
+    gains: the filter's gains and covariances. The covariances are NaN if the scheme states none.
+    filter, predictor, mhe: the arrays that kernels take for filter and smoother, predictor, and
+        MHE.
+    axis: the filter's model and variances for one axis.
+    input_model: the predictor's model; None without a predictor or without covariances.
+    line: the straight line that the estimates follow between fixes, if they do; then superposed
+        errors are summed without running the chain.
     """
 
     gains: GainSchedule
@@ -146,12 +132,7 @@ class Chain:
 
     @cached_property
     def covariance(self) -> Array:
-        """The covariance of the estimate's error along one axis, shape (rows, 2, 2).
-
-        The two components are position and velocity. There is one row per row of the filter's
-        gains, i.e. one per step until the gains repeat. If the scheme states no covariance, all
-        elements are NaN.
-        """
+        """The covariance of position and velocity along one axis, shape (rows, 2, 2), perhaps NaN."""
         return self._covariance()
 
     @property
@@ -161,27 +142,20 @@ class Chain:
 
     @cached_property
     def precision(self) -> Array:
-        """The elements pp, pv, vv of the inverse of `covariance`, shape (rows, 3).
-
-        p is position and v is velocity. There is one row per row of `covariance`. If the scheme
-        states no covariance, all elements are zero.
-        """
+        """The elements pp, pv, vv of the inverse of `covariance`, shape (rows, 3); zero for NaN."""
         return _precision(self.covariance)
 
     @cached_property
     def innovation_weight(self) -> Array:
-        """The inverse of the innovation's variance, 1/m^2, shape (rows,).
-
-        There is one row per row of the filter's gains, i.e. one per step until the gains repeat.
-        """
+        """The inverse of the innovation's variance, 1/m^2, shape (rows,), as rows of the gains."""
         return np.asarray(1.0 / self.gains.innovation_variance)
 
     def for_runs(self) -> Chain:
         """Return this chain without the filter's covariances, which a run does not need.
 
-        The result takes half the memory. The properties `covariance` and `precision` are computed
-        by this method. If the properties were computed at first use, threads would wait for each
-        other: before Python 3.12, all chains share one lock for cached properties.
+        The result takes half the memory. `covariance` and `precision` are computed here. At first
+        use, threads would wait for each other: before Python 3.12, all chains share one lock for
+        cached properties.
         """
         none, covariance = np.empty((0, 4, 4)), self._covariance()
         result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
@@ -223,11 +197,7 @@ class Chain:
 
 
 def _precision(covariance: Array) -> Array:
-    """Invert covariances (rows, 2, 2) of position p and velocity v; return pp, pv, vv, (rows, 3).
-
-    pp, pv and vv are the elements of each inverse, which is symmetric. If the covariances are NaN,
-    the elements are zero.
-    """
+    """Invert covariances (rows, 2, 2); return pp, pv, vv (rows, 3), which are zero for NaN."""
     result = aligned(len(covariance), 3)
     if np.isnan(covariance[0, 0, 0]):
         return result
@@ -252,26 +222,16 @@ def chain(
     horizon: Horizon | None = None,
     steps: int = LONGEST_TRANSIENT,
 ) -> Chain:
-    """Make a chain, the form of a scheme for the batch engine, from the models of its parts.
+    """Make a chain from the models of its parts.
 
-    Parameters
-    ----------
-    axis
-        The filter's model and variances for one axis.
-    rule
-        How a step without a position fix is treated, one of `estimation.gains.RULES`.
-    input_delay
-        Number of steps by which the specific force is delayed (the paper's register 1).
-    window
-        The smoother's lag N_s in steps; 0 for no smoother.
-    predict
-        The predictor's model over one step, with the states position, velocity, bias; its input
-        is held over a step or linear. The predictor covers input_delay + window steps. None for no
-        predictor.
-    horizon
-        The MHE whose positions replace the position fixes; None for no MHE.
-    steps
-        Length of the longest record. Gains are stored for at most so many steps.
+    axis: the filter's model and variances for one axis.
+    rule: how a step without a position fix is treated, one of `estimation.gains.RULES`.
+    input_delay: number of steps by which the specific force is delayed (the paper's register 1).
+    window: the smoother's lag N_s in steps; 0 for no smoother.
+    predict: the predictor's model over one step, with the states position, velocity, bias. It
+        predicts over input_delay + window steps.
+    horizon: the MHE whose positions replace the position fixes.
+    steps: length of the longest record. Gains are stored for at most so many steps.
     """
     M = sensors.fix_interval
     gains = schedule(
@@ -321,25 +281,18 @@ NO_HORIZON = HorizonArrays(
 
 
 def lag_of(chain: Chain) -> int:
-    """Return by how many steps the filter's states, smoothed or not, are behind the present.
-
-    `chain` is a scheme in its form for the batch engine.
-    """
+    """Return by how many steps the filter's states, smoothed or not, are behind the present."""
     return chain.filter.input_delay + chain.filter.window
 
 
 def has_acceleration(chain: Chain) -> bool:
-    """Return whether acceleration is a state that the scheme's filter estimates.
-
-    `chain` is the scheme in its form for the batch engine.
-    """
+    """Return whether acceleration is a state that the chain's filter estimates."""
     return bool(np.any(chain.axis.force_row))
 
 
 def bias_of(state: Array, sensors: Sensors) -> Array:
-    """Compute the bias R b^b of the IMU in NED, m/s^2, shape (n, 2), from a filter's states.
+    """Compute the bias R b^b of the IMU in NED, m/s^2, shape (n, 2), from states (n, 4, 2).
 
-    `state` has the shape (n, 4, 2): n steps, four states, x and y. The fourth state is
-    x4 = -R b^b + g, Eq. (6) of Ren et al. (2019).
+    The fourth state is x4 = -R b^b + g, Eq. (6) of Ren et al. (2019).
     """
     return np.asarray(np.array(sensors.gravity) - state[:, 3])

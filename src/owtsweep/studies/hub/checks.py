@@ -30,13 +30,7 @@ GATED = ("ekf", "mkf", "hme1")
 
 
 def check(config: HubConfig) -> None:
-    """Check that the settings of a run can work together.
-
-    Raises
-    ------
-    InputError
-        For the first setting that cannot work; the message says what would work.
-    """
+    """Raise InputError for the first setting of a run that cannot work, and say what would work."""
     check_grid(config)
     _check_sensors(config)
     _check_record(config)
@@ -62,7 +56,6 @@ def check(config: HubConfig) -> None:
 
 
 def _check_tune(config: HubConfig) -> None:
-    """Refuse a range of amplitudes for `tune` whose ends are reversed."""
     low, high = config.tune.amplitude or (0.0, 0.0)
     require(
         low <= high,
@@ -72,10 +65,7 @@ def _check_tune(config: HubConfig) -> None:
 
 
 def _check_sections(config: HubConfig, scheme: Scheme) -> None:
-    """Raise InputError unless the scheme's attribute `sections` is a list of existing keys.
-
-    The keys are those of the configuration, e.g. "mkf" or "hme.mhe".
-    """
+    """Raise InputError unless `sections` of the scheme lists keys, e.g. "mkf" or "hme.mhe"."""
     for section in scheme.sections:
         path = section.split(".")
         require(
@@ -86,7 +76,6 @@ def _check_sections(config: HubConfig, scheme: Scheme) -> None:
 
 
 def _check_baselines(config: HubConfig) -> None:
-    """Refuse a baseline that is named twice."""
     baselines = list_baselines(config)
     for name in baselines:
         require(
@@ -120,10 +109,9 @@ def _check_sensors(config: HubConfig) -> None:
 
 
 def _check_steps(key: str, value: float, rate: float) -> None:
-    """Raise InputError if a time is not a whole number of IMU steps; suggest the two nearest times.
+    """Raise InputError if a time (s) is no whole number of IMU steps; suggest the two nearest.
 
-    `key` is the key of the time in the configuration, `value` the time in s, and `rate` the IMU's
-    rate in Hz.
+    `key` is the key of the time in the configuration, `rate` the IMU's rate in Hz.
     """
     step = 1.0 / rate
     count = value / step
@@ -162,15 +150,7 @@ def check_fix_rules(config: HubConfig) -> None:
     HME2's is too small. That of some update rules does not grow while the gate refuses fixes, so
     the gate would not open again once the state has drifted.
 
-    Parameters
-    ----------
-    config
-        The study's configuration, with one tuning.
-
-    Raises
-    ------
-    InputError
-        The message names the first scheme with such a gate.
+    Raises InputError that names the first scheme with such a gate.
     """
     require(
         config.hme2.fix_rule != "gate",
@@ -198,10 +178,7 @@ VALUES, NUMBER = 20, 8
 
 
 def check_grid(config: HubConfig) -> None:
-    """Raise InputError if the grid needs too many blocks (units of work), or too much memory.
-
-    The bounds are `MOST_BLOCKS` blocks, and `MOST_BYTES` bytes for rows and tables.
-    """
+    """Raise InputError if the grid needs more than `MOST_BLOCKS` blocks or `MOST_BYTES` bytes."""
     grid, schemes = config.grid, len(list_entries(config))
     periods, amplitudes = _count_conditions(config)
     world = find_world(config)
@@ -246,10 +223,7 @@ def count_table_bytes(config: HubConfig) -> int:
 
 
 def check_fix_interval(steps: int) -> None:
-    """Raise InputError if there are too many IMU steps between position fixes.
-
-    A filter's gains are stored for each of the `steps` IMU steps between two position fixes.
-    """
+    """Raise InputError if there are too many IMU steps between fixes: each has stored gains."""
     require(
         steps <= MOST_STEPS_BETWEEN_FIXES,
         f"sensors.gnss.rate: this rate leaves {steps:.3g} IMU steps between fixes, more than "
@@ -261,15 +235,7 @@ def check_buffers(key: str, window: int, delay: int) -> None:
     """Raise InputError if the buffers that a smoother needs do not fit into memory.
 
     A record is computed in pieces of twice the sum of `window` and `delay`, for 24 series at once.
-
-    Parameters
-    ----------
-    key
-        The key of the window in the configuration, for the message.
-    window
-        Length of the smoother's window in IMU steps.
-    delay
-        Delay of the GNSS in IMU steps.
+    `key` is that of the window, whose length is in IMU steps, like the delay of the GNSS.
     """
     chunk = 2 * (window + delay)
     needed = 3 * NUMBER * REPLICATES_PER_BLOCK * (6 * (window + chunk) + 4 * chunk + 6 * window)
@@ -281,10 +247,7 @@ def check_buffers(key: str, window: int, delay: int) -> None:
 
 
 def check_horizon(intervals: int) -> None:
-    """Raise InputError if the matrices of the MHE's windows do not fit into memory.
-
-    `intervals` is the length of a window in GNSS intervals.
-    """
+    """Raise InputError if the MHE's matrices do not fit into memory; `intervals` of the GNSS."""
     needed = 12 * NUMBER * intervals**2
     require(
         needed <= MOST_BYTES,
@@ -298,15 +261,7 @@ GRAIN = 1e-6
 
 
 def check_window(config: HubConfig, key: str, window: int) -> None:
-    """Refuse a smoother's window that is longer than the record, or needs too much memory.
-
-    `key` is the key of the window in the configuration, `window` its length in IMU steps.
-
-    Raises
-    ------
-    InputError
-        If so.
-    """
+    """Raise InputError if a smoother's window, in steps, exceeds the record or the memory."""
     steps = config.record.duration * config.sensors.imu.rate
     require(
         window < steps,
@@ -317,13 +272,7 @@ def check_window(config: HubConfig, key: str, window: int) -> None:
 
 
 def check_mhe(config: HubConfig) -> None:
-    """Refuse an interval, a horizon or an arrival cost with which the MHE cannot work.
-
-    Raises
-    ------
-    InputError
-        If there is one; the message says what would work.
-    """
+    """Raise InputError for an interval, horizon or arrival cost with which the MHE cannot work."""
     mhe = config.hme.mhe
     if mhe.smoother_window is not None:
         check_window(config, "hme.mhe.smoother_window", mhe.smoother_window)
@@ -355,10 +304,7 @@ def check_mhe(config: HubConfig) -> None:
 
 
 def check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Raise InputError for settings with which the engine `expected` cannot work.
-
-    This engine simulates no records. It computes from the schemes' kernels, but for SKF.
-    """
+    """Raise InputError for settings with which the engine `expected` cannot work."""
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",

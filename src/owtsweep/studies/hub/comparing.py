@@ -12,11 +12,7 @@ from owtsweep.studies.hub.listed import list_baselines, scheme_names
 
 
 def describe_run(run: Candidate) -> Aspects:
-    """Describe a run of the hub study for a comparison of runs.
-
-    The description has the run's conditions, grid, schemes and criterion, and the settings that two
-    runs must share so that their records can be paired.
-    """
+    """Describe a run of the hub study, and what two runs must share so that records are paired."""
     config: HubConfig = run.config
     window = config.measures.window
     samples = ENGINES[config.engine](find_world(config)).samples

@@ -22,7 +22,6 @@ WORLDS: dict[str, World] = {world.name: world for world in (SPECTRUM, PLANT)}
 
 
 def find_world(config: HubConfig) -> World:
-    """Return the world that a configuration chooses."""
     return WORLDS[config.motion.kind]
 
 
@@ -51,12 +50,10 @@ CRITERIA = ("position", "velocity")
 
 
 def get_conditions(config: HubConfig) -> tuple[Condition, ...]:
-    """Return the conditions, which are the axes of the grid."""
     return find_world(config).conditions
 
 
 def get_grid(config: HubConfig) -> Grid:
-    """Return name of a condition -> list of the values that the configuration gives it."""
     return find_world(config).get_grid(config)
 
 
@@ -89,8 +86,7 @@ def get_map_conditions(config: HubConfig) -> tuple[Condition, ...]:
 def list_maps(config: HubConfig) -> dict[str, dict[str, Value]]:
     """List the maps of a run: end of the map's name -> values of the conditions off its axes.
 
-    There is one map for each combination of these values; the first one's name has no end. A
-    condition with a single value is in the values, but not in the name.
+    The first one's name has no end. A condition with a single value is not in the name.
     """
     grid, further = get_grid(config), get_map_conditions(config)[2:]
     maps: dict[str, dict[str, Value]] = {}
@@ -109,9 +105,5 @@ def select(table: pd.DataFrame, at: Mapping[str, Value]) -> pd.DataFrame:
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:
-    """Return the measures by whose MSE best_scheme.csv ranks the schemes.
-
-    These measures are "position", "velocity" and the configured `measures.criterion`. A measure is
-    listed only once.
-    """
+    """Return the measures of best_scheme.csv: position, velocity and the run's criterion."""
     return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))

@@ -73,23 +73,24 @@ class Gnss(Section):
 
     @property
     def loses(self) -> bool:
-        """Whether fixes may be lost."""
         return self.loss.probability > 0.0
 
     def list_faults(self) -> dict[str, str]:
         """Return name -> value, in words, of outliers, outages and red noise, if there are any."""
-        told = {}
+        faults = {}
         if self.outliers.rate > 0.0:
             burst = f" in bursts of {self.outliers.length}" if self.outliers.length > 1 else ""
-            told["GNSS outliers"] = (
+            faults["GNSS outliers"] = (
                 f"{self.outliers.rate:.3g} of {self.outliers.size:g} sigma{burst}"
             )
         if self.loses:
-            told["GNSS outages"] = f"of {self.loss.length} with {self.loss.probability:.3g} per fix"
+            faults["GNSS outages"] = (
+                f"of {self.loss.length} with {self.loss.probability:.3g} per fix"
+            )
         if self.correlation.sigma > 0.0:
             red = self.correlation
-            told["GNSS red noise"] = f"{red.sigma:g} m of {red.time:g} s"
-        return told
+            faults["GNSS red noise"] = f"{red.sigma:g} m of {red.time:g} s"
+        return faults
 
 
 #: Value of `sensors.imu.tilt`: the IMU leans as the structure does, mode by mode.
@@ -124,8 +125,7 @@ class Grid(Section):
 class MotionConfig(Section):
     """Where the motion comes from: a spectrum, or a structure under waves (the plant).
 
-    All keys but `kind` and `envelope` belong to the plant; sea states and blades are null without a
-    plant.
+    All keys but `kind` and `envelope` belong to the plant.
     """
 
     kind: Literal["spectrum", "plant"] = key(
@@ -339,13 +339,7 @@ class HubConfig(TunedConfig):
     tune: Tune = key("what the command `tune` searches", default=Tune())
 
     def check(self) -> None:
-        """Check also that each tuning has a name that can be part of a file's name.
-
-        Raises
-        ------
-        InputError
-            If not; also as `TunedConfig.check`.
-        """
+        """Check as `TunedConfig.check`, and that tunings' names can be part of a file's name."""
         super().check()
         for name in self.tunings:
             require(

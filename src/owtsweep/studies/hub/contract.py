@@ -34,24 +34,22 @@ class OwnKernel(Protocol):
     def sum_errors(
         self, records: Records, settled: int, amplitude: float, *, keep_squared: bool = False
     ) -> Sums:
-        """Run all replicates of some records, motion plus noise; sum the squared errors.
+        """Run motion plus noise at an amplitude (m) on all replicates of some records.
 
-        `settled` is the number of the first step after the settling time, `amplitude` that of the
-        motion in m. With `keep_squared`, the squared position error of each step is kept. The sums
-        are those of `sum_errors` with an amplitude.
+        The sums are those of `batch.sum_errors` with an amplitude. `settled` is the number of the
+        first step after the settling time.
         """
 
 
 class Looped(NamedTuple):
-    """A scheme made ready: it is started anew for each record and updated at each step."""
+    """A scheme made ready: it is started again for each record and updated at each step."""
 
     scheme: Scheme
     known: Known
 
     def run(self, measured: Measured) -> Trajectory:
-        """Estimate from the measurements of a record."""
         estimator = self.scheme.start_for_runs(self.known)
-        with np.errstate(over="ignore", invalid="ignore"):  # told as the reason of a failure
+        with np.errstate(over="ignore", invalid="ignore"):  # reported as the reason of a failure
             return run_estimator(estimator, *measured, self.known.sensors.fix_interval)
 
 
@@ -63,16 +61,10 @@ ZERO = (0.0, 0.0)
 class Known(Knowledge):
     """All that a scheme may know beforehand of a case.
 
-    Attributes
-    ----------
-    sensors
-        The properties of the sensors.
-    tuning
-        The configuration of one tuning; its sections ekf, mkf, hme1, hme2, hme, ... hold the
+    tuning: the configuration of one tuning; its sections ekf, mkf, hme1, hme2, hme, ... hold the
         numbers of the schemes.
-    natural_period, amplitude
-        Natural period of the turbine, s, and amplitude of the motion, m, for schemes that are told
-        the motion (`Scheme.told_motion`); None: nobody tells.
+    natural_period, amplitude: of the motion, s and m, for schemes with `Scheme.told_motion`; else
+        None.
     """
 
     sensors: Sensors
@@ -87,19 +79,11 @@ class Estimator(Protocol):
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
-        Parameters
-        ----------
-        specific_force
-            Specific force in the IMU's frame, m/s^2, shape (2,).
-        position
-            The fix in NED, m, shape (2,): the position of `Sensors.delay` steps ago. None at steps
-            without a fix.
-
-        Returns
-        -------
-        Estimate
-            Position (m) and velocity (m/s) in NED, shape (2,) each. The estimate may have a
-            covariance (4, 4) of x, y, v_x, v_y, and the innovation of the fix, shape (2,), m.
+        specific_force: in the IMU's frame, m/s^2, shape (2,).
+        position: the fix in NED, m, shape (2,): the position of `Sensors.delay` steps ago. None at
+            steps without a fix.
+        Returns: position (m) and velocity (m/s) in NED, shape (2,) each; perhaps a covariance
+            (4, 4) of x, y, v_x, v_y, and the innovation of the fix, shape (2,), m.
         """
         ...
 
@@ -107,27 +91,19 @@ class Estimator(Protocol):
 class Scheme(contract.Scheme[Known, Measured, Trajectory]):
     """An estimation scheme of the hub study: it gives an estimator, which runs step by step.
 
-    Attributes
-    ----------
-    linear
-        Whether estimates are linear in the measurements, with gains that do not depend on the
-        measurements. If so, one run with the motion alone and one run with the noise alone serve
-        every amplitude.
-    told_motion
-        Whether the scheme must know the motion: period and amplitude. It is run at each amplitude.
-    batched
-        How the engine `batch` runs records of the scheme: "chain", beside other chains, in the form
-        that `kernel` gives; "own", by the kernel that `own_kernel` gives; "" step by step.
-    on_board
-        Whether `stream` gives an estimator for use on board, which knows an origin.
-    unbatched
-        Why a scheme that can run as a chain does not under the tuning, as subject of a message with
-        its verb, e.g. "its constraints leave"; "" if that is not so.
-    expected_in_cell
-        Whether the engine `expected` knows the settled error of the scheme in a cell, and nothing
-        else; the errors of other linear schemes follow from their chains.
-    least_duration
-        The shortest record, s, in which the scheme chooses a spectrum; 0 if it chooses none.
+    linear: whether estimates are linear in the measurements, with gains that do not depend on them.
+        If so, one run with the motion alone and one with the noise alone serve every amplitude.
+    told_motion: whether the scheme must know period and amplitude of the motion. It is run at each
+        amplitude.
+    batched: how the engine `batch` runs records of the scheme: "chain", beside other chains, in the
+        form that `kernel` gives; "own", by the kernel that `own_kernel` gives; "" step by step.
+    on_board: whether `stream` gives an estimator for use on board, which knows an origin.
+    unbatched: why a scheme that can run as a chain does not under the tuning, as subject of a
+        message with its verb, e.g. "its constraints leave"; "" if that is not so.
+    expected_in_cell: whether the engine `expected` knows the settled error of the scheme in a cell,
+        and nothing else; the errors of other linear schemes follow from their chains.
+    least_duration: the shortest record, s, in which the scheme chooses a spectrum; 0 if it chooses
+        none.
     """
 
     study = "hub"
@@ -160,7 +136,7 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
         return self.stream(known) if known.tuning.engine == "batch" else self.start(known)
 
     def tell(self, known: Known) -> Known:
-        """Return what of its knowledge the scheme is told: the motion only if it must be."""
+        """Return what the scheme may use of what is known: the motion only if it must know it."""
         return known if self.told_motion else replace(known, natural_period=None, amplitude=None)
 
     def kernel(self, known: Known, steps: int | None = None) -> Chain:
@@ -186,22 +162,10 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
         return self
 
     def check(self, config: HubConfig) -> None:
-        """Refuse, or warn of, settings with which the scheme cannot work.
-
-        Raises
-        ------
-        InputError
-            If there are some; the message says what would work.
-        """
+        """Refuse by InputError, or warn of, settings with which the scheme cannot work."""
 
     def check_declared(self) -> None:
-        """Check what a user's class states of itself, before anything runs.
-
-        Raises
-        ------
-        InputError
-            If an attribute is of a wrong type.
-        """
+        """Raise InputError if a user's class states an attribute of a wrong type."""
         super().check_declared()
         require(isinstance(self.linear, bool), "it lacks linear (True or False)")
         require(
@@ -222,10 +186,7 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
 
 
 class Stepwise(Scheme):
-    """A scheme of the package under a tuning that makes its gains depend on the measurements.
-
-    `unbatched` says what makes it so.
-    """
+    """A scheme of the package with gains that depend on the measurements; `unbatched` says why."""
 
     def __init__(self, scheme: Scheme, unbatched: str) -> None:
         self.name, self.sections, self.unbatched = scheme.name, scheme.sections, unbatched
@@ -233,14 +194,12 @@ class Stepwise(Scheme):
         self._scheme = scheme
 
     def start(self, known: Known) -> Estimator:
-        """Return a new estimator that runs step by step."""
         return self._scheme.start(known)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> Estimator:
-        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`.
+        """Return a new compiled estimator; `origin` as in `online_chain`.
 
-        With constraints, each window of the moving horizon estimator is solved without them first.
-        If this solution breaks a constraint, the window is solved again, with constraints, by
-        CasADi.
+        With constraints, each window of the MHE is solved without them first. If this solution
+        breaks a constraint, the window is solved again, with constraints, by CasADi.
         """
         return self._scheme.stream(known, origin)

@@ -45,14 +45,8 @@ UNITS = {
 class Record(NamedTuple):
     """One record whose motion has no amplitude yet.
 
-    Attributes
-    ----------
-    records
-        The record alone: its motion, and the sensors' properties.
-    truth
-        True x, y (m) and v_x, v_y (m/s), shape (steps, 4).
-    motion, noise
-        The parts of the measurements that motion and noise contribute.
+    truth: true x, y (m) and v_x, v_y (m/s), shape (steps, 4).
+    motion, noise: the parts of the measurements that motion and noise contribute.
     """
 
     records: Records
@@ -62,10 +56,7 @@ class Record(NamedTuple):
 
 
 def list_content(config: HubConfig) -> Plain:
-    """Return the settings on which the numbers of every block (unit of work) depend.
-
-    The values of the grid and the tuning of the schemes are not among them.
-    """
+    """Return the settings on which every block depends, without grid and tuning."""
     whole = as_mapping(config)
     content = {key: whole[key] for key in ("seed", "engine", "record", "wave_direction", "sensors")}
     content |= find_world(config).list_content(config)
@@ -120,8 +111,8 @@ def _score(
 def superposes(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs once for all amplitudes, motion and noise apart.
 
-    A scheme that is told the amplitude does not, for it has other gains at each; nor does a scheme
-    with a kernel of its own.
+    A scheme with `told_motion` does not, for it has other gains at each; nor does one with a kernel
+    of its own.
     """
     alone = scheme.told_motion or scheme.batched == "own"
     return config.evaluation == "superposed" and scheme.linear and not alone

@@ -26,8 +26,7 @@ MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 def list_sensors(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of each property of the sensors.
 
-    Noise is given as a standard deviation. Tilt, high-pass, scale, outliers, outages and red noise
-    are listed only if the sensors have them; those of the paper have none.
+    What the paper's sensors do not have, e.g. a tilt, is listed only if it is there.
     """
     known, imu = take_facts(sensors), sensors.imu
     return {
@@ -44,23 +43,20 @@ def list_sensors(sensors: SensorConfig) -> dict[str, str]:
 
 def _list_faults(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of what the paper's sensors do not have."""
-    told, imu = {}, sensors.imu
+    listed, imu = {}, sensors.imu
     if imu.tilt != 0.0:
-        told["IMU tilt"] = (
+        listed["IMU tilt"] = (
             "that of the structure" if isinstance(imu.tilt, str) else f"{imu.tilt:g} rad/m"
         )
     if imu.high_pass is not None:
-        told["IMU high-pass"] = f"{imu.high_pass:g} Hz"
+        listed["IMU high-pass"] = f"{imu.high_pass:g} Hz"
     if sensors.gnss.scale != 1.0:
-        told["GNSS scale"] = f"{sensors.gnss.scale:g}"
-    return told | sensors.gnss.list_faults()
+        listed["GNSS scale"] = f"{sensors.gnss.scale:g}"
+    return listed | sensors.gnss.list_faults()
 
 
 def describe_truth(config: HubConfig) -> str:
-    """Return the truth of a run in one line: the length of a record, and the sensors' faults.
-
-    The faults are the IMU's bias, and what else the sensors have; see `list_sensors`.
-    """
+    """Return the truth of a run in one line: the length of a record, and the sensors' faults."""
     faults = [f"{name} {value}" for name, value in _list_faults(config.sensors).items()]
     return ", ".join([_describe_records(config), *faults])
 
@@ -74,10 +70,10 @@ def describe_draws(config: HubConfig) -> str:
 
 
 def describe_origin(config: HubConfig) -> str:
-    """Return the truth, and the number of records per cell with their seed.
+    """Return in a line the truth, and the number of records per cell with their seed.
 
-    It is one line. With motion=plant or motion.envelope, a line about the motion comes before it; a
-    line about the sensors, if they have what the paper's have not, e.g. a tilt.
+    A line about the motion comes before it with motion=plant or motion.envelope, and one about the
+    sensors if they have what the paper's have not.
     """
     return _tell(config, describe_draws(config))
 
@@ -88,25 +84,22 @@ def describe_in_a_line(config: HubConfig) -> str:
 
 
 def describe_one_record(config: HubConfig) -> str:
-    """Return the truth and the seed, for a figure that shows a single record.
-
-    The lines are those of `describe_origin`.
-    """
+    """Return truth and seed in lines as `describe_origin` does, for a figure with one record."""
     return _tell(config, f"seed {config.seed}")
 
 
 def list_origin(config: HubConfig) -> dict[str, str]:
     """Return name -> value, in words, of a run's tuning, sensors, truth, records and seed."""
-    told = {
+    facts = {
         "tuning": config.tuning_name,
         **list_sensors(config.sensors),
         "record length": f"{config.record.duration:g} s",
     }
     if motion := find_world(config).describe(config):
-        told["motion"] = motion
+        facts["motion"] = motion
     if config.engine == "expected":
-        return told | {"records per cell": "infinitely many (expected value)"}
-    return told | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
+        return facts | {"records per cell": "infinitely many (expected value)"}
+    return facts | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
 
 
 def _tell(config: HubConfig, draws: str) -> str:
@@ -148,17 +141,12 @@ OTHER_WINDOW = {
 class Winners(NamedTuple):
     """What a map of best schemes shows.
 
-    Attributes
-    ----------
-    table
-        Rows of the table best_scheme, one per cell. Where a baseline has less error than every
-        scheme, the baseline is in the place of the best scheme, and the best scheme in that of the
-        runner-up; `distinguishable` then says whether the baseline beats that scheme.
-    names
-        The schemes, and those baselines that have the least error in some cell.
-    notes
-        A sentence on each baseline that beats every scheme in some cell, and one on each that has
-        the least error in some cell where the data do not show that.
+    table: rows of the table best_scheme, one per cell. Where a baseline has less error than every
+        scheme, it is in the place of the best scheme, and the best scheme in that of the runner-up;
+        `distinguishable` then says whether the baseline beats that scheme.
+    names: the schemes, and those baselines that have the least error in some cell.
+    notes: a sentence on each baseline that beats every scheme in some cell, and one on each that
+        has the least error in some cell where the data do not show that.
     """
 
     table: pd.DataFrame
@@ -167,19 +155,7 @@ class Winners(NamedTuple):
 
 
 def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: str) -> Winners:
-    """Find what a map shows in each cell: the best scheme, or a baseline that has less error.
-
-    Parameters
-    ----------
-    config
-        The run's configuration, of one tuning.
-    best
-        The run's table best_scheme.
-    criterion
-        The measure by which schemes are judged, e.g. "position".
-    window
-        The part of the records over which the criterion is averaged: "full" or "settled".
-    """
+    """Find what a map shows in each cell: the best scheme, or a baseline that has less error."""
     names = scheme_names(config)
     table = best[(best["criterion"] == criterion) & (best["window"] == window)].copy()
     if "baseline_wins" not in table:
@@ -203,8 +179,8 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
         [name for name in list_baselines(config) if (cells["baseline"] == name).any()]
         for cells in (led[wins], led[~wins], led)
     )
-    told = [f"{name}: {ESTIMATES[name]} {UNDECIDED}." for name in undecided]
-    return Winners(table, names + leading, explain(winning) + told)
+    doubtful = [f"{name}: {ESTIMATES[name]} {UNDECIDED}." for name in undecided]
+    return Winners(table, names + leading, explain(winning) + doubtful)
 
 
 def explain(baselines: list[str]) -> list[str]:
@@ -213,10 +189,7 @@ def explain(baselines: list[str]) -> list[str]:
 
 
 def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False) -> Cube:
-    """Arrange a run's rows as arrays over schemes, conditions, measures and replicates (a cube).
-
-    With `baselines` the cube holds the run's baselines too, after the schemes.
-    """
+    """Arrange a run's rows as a cube, with `baselines` after the schemes."""
     from owtsweep.results.cube import Cube
 
     names = scheme_names(config) + (list_baselines(config) if baselines else [])

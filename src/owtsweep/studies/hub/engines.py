@@ -57,10 +57,7 @@ logger = logging.getLogger(__name__)
 
 
 class _Engine(Engine):
-    """The part that all engines of the study share: the columns of rows, and the main result.
-
-    The main result is the map: a picture of the best scheme at each natural period and amplitude.
-    """
+    """The part that all engines of the study share: the columns of rows, and the map."""
 
     def __init__(self, world: World) -> None:
         self.world = world
@@ -73,16 +70,10 @@ class _Engine(Engine):
         }
 
     def sort_columns(self) -> list[str]:
-        """Return the columns that identify a row."""
         names = [each.name for each in self.world.conditions]
         return [*names, "scheme", "measure", "window", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Return the map as a coloured grid for the terminal.
-
-        The map shows the best scheme at each natural period and amplitude, from the table
-        best_scheme.
-        """
         from rich.console import Group
         from rich.text import Text
 
@@ -92,19 +83,16 @@ class _Engine(Engine):
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
         conditions = get_map_conditions(config)
         shown = grid(table, names, conditions, criterion, window, notes=notes)
-        told = [Text(tell_winners(table))] if len(table) else []
-        told += [Text(line) for line in _tell_beaten(config, table, tables["summary"])]
-        told.append(Text(OTHER_WINDOW[window]))
+        sentences = [Text(tell_winners(table))] if len(table) else []
+        sentences += [Text(line) for line in _tell_beaten(config, table, tables["summary"])]
+        sentences.append(Text(OTHER_WINDOW[window]))
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         if not self.world.has_spectrum:
             origin.insert(1, self.world.describe(config))
-        return Group(*(Text(line, style="bold") for line in origin), shown, *told)
+        return Group(*(Text(line, style="bold") for line in origin), shown, *sentences)
 
     def overview(self, config: HubConfig) -> str:
-        """Return the name of the figure that shows the best scheme at each point of the grid.
-
-        It is figure 18 of Ren et al. (2019).
-        """
+        """Return the name of the map, figure 18 of Ren et al. (2019)."""
         return listing.MAP
 
     untuned = listing.UNTUNED
@@ -125,10 +113,7 @@ class _Engine(Engine):
 
 
 class RecordsEngine(DeclaredBlocks, _Engine):
-    """The engine for the keys engine=batch and engine=reference: runs schemes on records.
-
-    Records are simulated measurements.
-    """
+    """The engine for the keys engine=batch and engine=reference: runs schemes on records."""
 
     samples = True
 
@@ -143,14 +128,12 @@ class RecordsEngine(DeclaredBlocks, _Engine):
         rows: pd.DataFrame,
         metadata: Mapping[str, str] | None = None,
     ) -> dict[str, Drawing]:
-        """List all figures of a run; see `listing`."""
         return listing.DRAWINGS[self.world.name](config, tables, rows, metadata)
 
     def backend(self, config: HubConfig) -> str:
-        """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
+        """Return "threading" if compiled kernels, which release the GIL, run all; else "loky".
 
-        It is "threading" if all schemes run by compiled kernels, which release the GIL. With
-        engine=batch, log a warning for each scheme that its tuning leaves without a kernel.
+        With engine=batch, log a warning for each scheme that its tuning leaves without a kernel.
         """
         for doubt in self.world.list_doubts(config):
             logger.warning(doubt)
@@ -168,14 +151,9 @@ class RecordsEngine(DeclaredBlocks, _Engine):
     def predict(
         self, config: HubConfig, blocks: Sequence[Block], workers: int
     ) -> tuple[float, float] | None:
-        """Return the computing time in s and the memory in bytes; None unless kernels run all."""
         return predict_cost(config, blocks, workers)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables `summary` and `best_scheme` from a run's rows; return them by name.
-
-        Both tables have confidence intervals.
-        """
         cube = make_cube(config, rows, baselines=True)
         window = config.measures.window
         best = find_best_schemes(cube, window, criteria(config), list_baselines(config))
@@ -183,10 +161,7 @@ class RecordsEngine(DeclaredBlocks, _Engine):
 
 
 class ExpectedEngine(_Engine):
-    """The engine for the key engine=expected: computes schemes' expected errors without records.
-
-    Records are simulated measurements; the expected error is the mean over all possible records.
-    """
+    """The engine for the key engine=expected: computes schemes' expected errors without records."""
 
     samples = False
     plan = staticmethod(engine.plan)
@@ -194,7 +169,6 @@ class ExpectedEngine(_Engine):
     drawings = staticmethod(drawing.drawings)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables `summary` and `best_scheme` from a run's rows; return them by name."""
         tables = answers.tables(config, rows)
         return {**tables, "summary": _add_efficiency(tables["summary"], config)}
 
@@ -246,8 +220,8 @@ def predict_cost(
 ) -> tuple[float, float] | None:
     """Return the computing time of blocks in s, without compilation, and the memory in bytes.
 
-    Return None if a kernel does not run all schemes: the time of step-by-step runs differs by
-    orders of magnitude from scheme to scheme.
+    None if a kernel does not run all schemes: the time of step-by-step runs differs by orders of
+    magnitude from scheme to scheme.
     """
     for part in config.by_tuning().values():
         schemes = resolve_all(part.schemes, part)

@@ -28,24 +28,10 @@ SIZES = {"peak": "amplitude", "rms": "rms"}
 
 
 def compute_envelope(config: HubConfig, structure: Structure) -> pd.DataFrame:
-    """Compute the points of a structure, with records as long as those of a run.
+    """Compute the points of a structure, with the seed and the length of records of a run.
 
-    Parameters
-    ----------
-    config
-        The configuration of the run, of which the seed and the length of a record are used.
-    structure
-        The structure, which stands in water.
-
-    Returns
-    -------
-    DataFrame
-        The points, as `owtsweep.motion.envelope.compute_points` describes them.
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand in water, or the run's records are too short for waves.
+    The points are as `owtsweep.motion.envelope.compute_points` describes them. Raises InputError if
+    the structure does not stand in water, or the run's records are too short for waves.
     """
     draw = partial(stream, config.seed, "hub", (), 0)
     return compute_points(structure, list_seas(), draw, duration=config.record.duration)
@@ -54,27 +40,14 @@ def compute_envelope(config: HubConfig, structure: Structure) -> pd.DataFrame:
 def find_best(config: HubConfig, best: pd.DataFrame, points: pd.DataFrame) -> list[str]:
     """Return what a run's map names at each point: a scheme, or a baseline that has less error.
 
-    A point belongs to the cell whose centre is nearest, with amplitudes on a logarithmic scale.
+    A point belongs to the cell whose centre is nearest, with amplitudes on a logarithmic scale. It
+    gets `UNNAMED` outside the map or in a cell without a result.
 
-    Parameters
-    ----------
-    config
-        The configuration of the run, of one tuning.
-    best
-        The run's table best_scheme.
-    points
-        The points, as `compute_envelope` returns them.
-
-    Returns
-    -------
-    list of str
-        One name per point; `UNNAMED` if the point lies outside the map or in a cell without a
-        result.
-
-    Raises
-    ------
-    InputError
-        If the run has one natural period or one amplitude, so that its map has no area.
+    config: the configuration of the run, of one tuning.
+    best: the run's table best_scheme.
+    points: the points, as `compute_envelope` returns them.
+    Raises InputError if the run has one natural period or one amplitude, so that its map has no
+    area.
     """
     measures = config.measures
     cells = find_winners(config, best, measures.criterion, measures.window).table
@@ -107,27 +80,20 @@ def _find_cells(values: Array, centres: Array) -> Array:
 def tell_best(points: pd.DataFrame, tuning: str, size: str = "amplitude") -> str:
     """Say in two sentences which scheme is best for a structure, and in which sea.
 
-    Parameters
-    ----------
-    points
-        The points with a column `best_<tuning>`, the result of `find_best`.
-    tuning
-        Name of the tuning.
-    size
-        The column of the size of the motion, "amplitude" or "rms".
+    The points have a column `best_<tuning>`; `size` is the column "amplitude" or "rms".
     """
     best = points[f"best_{tuning}"]
     shares = best[best != UNNAMED].value_counts() / len(best)
     if shares.empty:
         return f"Tuning {tuning}: the map names a scheme at none of the {len(best)} points."
-    told = [
+    parts = [
         f"{name} in {100.0 * share:.0f} % ({_tell_range(points.loc[best == name, size])})"
         for name, share in shares.items()
     ]
     beyond = _tell_unnamed(best, "points")
     if beyond:
         beyond += f" ({_tell_range(points.loc[best == UNNAMED, size])})"
-    first = f"Tuning {tuning}: over all seas, blades and soils, best is {', '.join(told)}{beyond}."
+    first = f"Tuning {tuning}: over all seas, blades and soils, best is {', '.join(parts)}{beyond}."
     bare = points[(points["blades"] == 0) & points["friction_angle"].isna()]
     return f"{first} {_tell_seas(bare, f'best_{tuning}')}"
 
@@ -144,10 +110,7 @@ def _tell_range(sizes: pd.Series[float]) -> str:
 
 
 def _tell_seas(bare: pd.DataFrame, column: str) -> str:
-    """Say from which wave height on the scheme of the highest sea is best, for each peak period.
-
-    `bare` are the points of the structure as it is described, without blades.
-    """
+    """Say for each peak period from which wave height on the scheme of the highest sea is best."""
     start = "Without blades and with the soil as described,"
     beyond = _tell_unnamed(bare[column], "seas")
     bare = bare[bare[column] != UNNAMED]
@@ -162,14 +125,14 @@ def _tell_seas(bare: pd.DataFrame, column: str) -> str:
         lower |= {str(name) for name in others[column]}
         hs = float(seas.loc[higher, "hs"].min()) if higher.any() else np.inf
         least.setdefault(hs, []).append(float(str(tp)))
-    told = ", ".join(
+    parts = ", ".join(
         f"{hs:g} m at Tp {_tell_periods(periods)} s"
         for hs, periods in least.items()
         if np.isfinite(hs)
     )
     never = f", in none at Tp {_tell_periods(least[np.inf])} s" if np.inf in least else ""
     rest = f"; in lower seas {' or '.join(sorted(lower))}" if lower else ""
-    return f"{start} {highest} is best in seas from Hs {told} on{never}{rest}{beyond}."
+    return f"{start} {highest} is best in seas from Hs {parts} on{never}{rest}{beyond}."
 
 
 def _tell_periods(periods: Sequence[float]) -> str:

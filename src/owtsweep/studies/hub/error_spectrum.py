@@ -1,10 +1,10 @@
 """Computes a scheme's error spectrum: the settled error per unit of motion at each frequency.
 
-A chain is a scheme's form for the batch engine. Once its gains have settled, a chain is a linear
-system whose coefficients repeat with the position fixes. The chain's response to a unit motion
-e^{iwt} is h_k e^{iwt_k}, where h_k repeats as the coefficients do. For a sinusoid of random phase,
-the mean square error is the mean of |h_k - 1|^2 over one repetition times the sinusoid's mean
-square. Mean square errors of sinusoids with different frequencies and independent phases add.
+Once its gains have settled, a chain is a linear system whose coefficients repeat with the position
+fixes. Its response to a unit motion e^{iwt} is h_k e^{iwt_k}, where h_k repeats as the coefficients
+do. For a sinusoid of random phase, the mean square error is the mean of |h_k - 1|^2 over one
+repetition times the sinusoid's mean square. Mean square errors of sinusoids with different
+frequencies and independent phases add.
 """
 
 from __future__ import annotations
@@ -36,16 +36,9 @@ QUADRATURE = 20_000
 class ErrorSpectrum:
     """The settled mean square error due to a sinusoidal motion, per mean square displacement.
 
-    Attributes
-    ----------
-    frequency
-        Frequencies of the motion, Hz, increasing, shape (n,).
-    position
-        Mean square position error, sum over x and y, per mean square displacement; m^2/m^2, shape
-        (n,).
-    velocity
-        Mean square velocity error, sum over vx and vy, per mean square displacement; s^-2, shape
-        (n,).
+    frequency: of the motion, Hz, increasing, shape (n,).
+    position: sum over x and y, m^2/m^2, shape (n,).
+    velocity: sum over vx and vy, s^-2, shape (n,).
     """
 
     frequency: Array
@@ -62,24 +55,16 @@ def error_spectrum(
 ) -> ErrorSpectrum:
     """Compute the error spectrum of a chain: the settled error due to motion, without noise.
 
-    A chain is a scheme's form for the batch engine. Both axes respond alike. So the sum of the mean
-    square errors of x and y is the mean square error along the motion, whatever the direction.
+    Both axes respond alike. So the sum of the mean square errors of x and y is the mean square
+    error along the motion, whatever the direction.
 
-    Parameters
-    ----------
-    frequencies
-        Frequencies of the motion, Hz, increasing, shape (n,). No frequency may be a multiple of the
-        rate at which the chain repeats: to the GNSS such a motion looks like a standstill.
-    settle
-        Time (s) after which the response is first examined. The transient that is left at this time
-        is removed by extrapolation (`settled.limit`). The time is doubled until the extrapolation
-        is uncertain by at most the part `TOLERANCE` of the error.
-
-    Raises
-    ------
-    InputError
-        If frequencies are not positive and increasing, if a frequency is a multiple of the rate at
-        which the chain repeats, or if the response does not settle.
+    frequencies: of the motion, Hz, increasing, shape (n,). None may be a multiple of the rate at
+        which the chain repeats: to the GNSS such a motion is a standstill.
+    settle: time (s) after which the response is first examined. The transient that is left then is
+        removed by extrapolation (`settled.limit`). The time is doubled until the extrapolation is
+        uncertain by at most the part `TOLERANCE` of the error.
+    Raises InputError if frequencies are not positive and increasing, if one is such a multiple, or
+    if the response does not settle.
     """
     frequency = np.asarray(frequencies, dtype=float)
     if frequency.ndim != 1 or not np.all(frequency > 0.0) or np.any(np.diff(frequency) <= 0.0):
@@ -101,7 +86,7 @@ def error_spectrum(
 
 
 def look_constant(cycles: Array) -> NDArray[np.bool_]:
-    """Say which sinusoids look constant to a sensor that repeats its measurement.
+    """Say which sinusoids are constant to a sensor that repeats its measurement.
 
     `cycles` says how many periods of each sinusoid pass between two measurements, shape (n,).
     """
@@ -111,13 +96,8 @@ def look_constant(cycles: Array) -> NDArray[np.bool_]:
 def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> tuple[Array, Array]:
     """Compute the error spectrum at n frequencies (Hz): position and velocity, shape (n,) each.
 
-    `chain` has settled gains. `settle` is the time (s) after which the response is first examined;
-    the time is doubled until the transient has died out.
-
-    Raises
-    ------
-    InputError
-        If the response does not settle within the longest run.
+    The chain's gains are settled; `settle` is as in `error_spectrum`. Raises InputError if the
+    response does not settle within the longest run.
     """
     cycle = cycle_of(chain)
     steps = max(round(settle / sensors.step / cycle), 1) * cycle
@@ -140,9 +120,9 @@ def _error_phasors(
 ) -> tuple[Complex, Complex]:
     """Compute the complex errors of position and velocity in the last cycles of a run.
 
-    A cycle is the number of steps after which the chain repeats. The run has `steps` steps, and
-    then the last `KEPT_CYCLES` cycles. The motion is e^{iwt}, at n frequencies (Hz); errors are
-    divided by e^{iwt}. Each of the two results has the shape (cycles, steps of a cycle, n).
+    The run has `steps` steps, and then the last `KEPT_CYCLES` cycles, after each of which the chain
+    repeats. The motion is e^{iwt}, at n frequencies (Hz); errors are divided by e^{iwt}. Each of
+    the two results has the shape (cycles, steps of a cycle, n).
     """
     cycle = cycle_of(chain)
     total = steps + KEPT_CYCLES * cycle
@@ -181,27 +161,13 @@ def expected_mse(
 ) -> tuple[float, float]:
     """Compute the settled MSE that a random motion with a given spectrum causes, without noise.
 
-    Parameters
-    ----------
-    errors
-        An error spectrum that covers the band.
-    density
-        Function that returns the spectral density S(f) at frequencies in Hz, in any unit.
-    band
-        Lowest and highest frequency of the motion, Hz.
-    rms
-        Root mean square displacement, m.
+    The results are position (m^2) and velocity ((m/s)^2), sums over both axes: rms^2 times the mean
+    of the error spectrum weighted by S.
 
-    Returns
-    -------
-    tuple of float
-        MSE of position (m^2) and of velocity ((m/s)^2), sums over both axes: rms^2 times the mean
-        of the error spectrum weighted by S. The MSE due to noise has to be added.
-
-    Raises
-    ------
-    InputError
-        If the error spectrum does not cover the band.
+    density: function that returns the spectral density S(f) at frequencies in Hz, in any unit.
+    band: lowest and highest frequency of the motion, Hz.
+    rms: root mean square displacement, m.
+    Raises InputError if the error spectrum does not cover the band.
     """
     low, high = band
     nodes = errors.frequency

@@ -1,8 +1,4 @@
-"""Runs a chain on given series: yields the estimates, or the filter's states, of each step.
-
-A chain is a scheme in the form of arrays for compiled kernels. A lane is one series along one axis,
-x or y.
-"""
+"""Runs a chain on given series: yields the estimates, or the filter's states, of each step."""
 
 from __future__ import annotations
 
@@ -23,10 +19,7 @@ LANES = 2 * WIDTH
 
 
 class Estimates(NamedTuple):
-    """The estimates of successive steps: position, velocity and innovation, (steps, lanes) each.
-
-    A lane is one series along one axis. The units are m, m/s and m.
-    """
+    """The estimates of steps: position, velocity, innovation; (steps, lanes) each, m, m/s and m."""
 
     position: Array
     velocity: Array
@@ -36,23 +29,12 @@ class Estimates(NamedTuple):
 def trajectories(
     chain: Chain, sensors: Sensors, force: Array, fixes: Array
 ) -> tuple[Array, Array, Array]:
-    """Run a chain over whole records; return its estimates at each step.
+    """Run a chain over whole records; return position, velocity and innovation at each step.
 
-    A chain is a scheme in the form of arrays for kernels. A lane is one series along one axis.
+    They are in m, m/s and m, shape (steps, lanes) each.
 
-    Parameters
-    ----------
-    sensors
-        Not used.
-    force, fixes
-        Specific force in NED, m/s^2, shape (steps, lanes), and position fixes in NED, m, shape
-        (fixes, lanes).
-
-    Returns
-    -------
-    tuple of array
-        Estimated position (m) and velocity (m/s), and the filter's innovation (m), shape
-        (steps, lanes) each.
+    sensors: not used.
+    force, fixes: in NED, m/s^2 and m, shapes (steps, lanes) and (fixes, lanes).
     """
     result = (np.empty(force.shape), np.empty(force.shape), np.empty(force.shape))
     for k0, n, output in chunks(chain, force, fixes):
@@ -64,17 +46,11 @@ def trajectories(
 def chunks(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Estimates]]:
-    """Run a chain over series; yield the estimates of successive chunks of steps.
+    """Run a chain over series; yield the estimates of successive chunks.
 
-    A chain is a scheme in the form of arrays for kernels. `force` is specific force in NED, m/s^2,
-    shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
-    series along one axis.
-
-    Yields
-    ------
-    tuple
-        The chunk's first step, its number of steps n, and the estimates, of which the first n rows
-        are valid. The next chunk overwrites the estimates.
+    `force` and `fixes` are in NED, m/s^2 and m, shapes (steps, lanes) and (fixes, lanes). Yielded
+    are the chunk's first step, its number of steps n, and the estimates, of which the first n rows
+    are valid. The next chunk overwrites them.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -96,17 +72,11 @@ def chunks(
 def states(chain: Chain, force: Array, fixes: Array) -> Array:
     """Compute the states of a chain's filter, smoothed if the chain has a smoother.
 
-    A chain is a scheme in the form of arrays for kernels. `force` is specific force in NED, m/s^2,
-    shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
-    series along one axis.
-
-    Returns
-    -------
-    Array
-        Shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b (m/s^2). Here b
-        is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019): bias and gravity. Row k is the
-        state of step k - D - W, where D is the chain's input delay and W its smoother's lag, both
-        in steps. The first W rows are zero.
+    `force` and `fixes` are in NED, m/s^2 and m, shapes (steps, lanes) and (fixes, lanes). The
+    result has the shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b
+    (m/s^2). Here b is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019): bias and gravity.
+    Row k is the state of step k - D - W, where D is the chain's input delay and W its smoother's
+    lag, both in steps. The first W rows are zero.
     """
     result = np.empty((force.shape[0], 4, force.shape[1]))
     for k0, n, some in state_chunks(chain, force, fixes):
@@ -119,13 +89,8 @@ def state_chunks(
 ) -> Iterator[tuple[int, int, Array]]:
     """Compute the rows that `states` returns, but yield them in chunks of successive rows.
 
-    Parameters are those of `states`; `force` may be made during the run.
-
-    Yields
-    ------
-    tuple
-        The number of the chunk's first row, its number of rows n, and the states, shape
-        (rows, 4, lanes), of which the first n rows are valid. The next chunk overwrites the states.
+    Yielded are the number of the chunk's first row, its number of rows n, and the states, shape
+    (rows, 4, lanes), of which the first n rows are valid. The next chunk overwrites them.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -146,9 +111,8 @@ def _one_by_one(
 ) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
     """Cut series into pieces that kernels process at once: a chunk of steps, and some lanes.
 
-    A lane is one series along one axis. For each piece, yield its first step, its number of steps,
-    the indices of its lanes, and the inputs and the memory for the kernels. The pieces of one chunk
-    follow each other.
+    Yield first step, number of steps, indices of the lanes, inputs and memory. The pieces of one
+    chunk follow each other.
     """
     (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
@@ -163,7 +127,7 @@ def _one_by_one(
 def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:
     """Return rows `first` to `stop` - 1 of values (rows, lanes), regrouped: (groups, rows, LANES).
 
-    Zeros stand for rows before row 0, and for the lanes (columns) that the last group lacks.
+    Zeros stand for rows before row 0, and for the lanes that the last group lacks.
     """
     result = aligned(-(-values.shape[1] // LANES), stop - first, LANES)
     given = values[max(first, 0) : stop]
@@ -176,16 +140,11 @@ def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:
 class OnePassSeries:
     """A series that is read like an array (steps, lanes), but made piece by piece.
 
-    A lane is one column. Only a part of the series is in memory. Slices must be asked for in order
-    of time: when the next piece is made, the rows before the current slice are dropped. Asking for
-    a dropped row raises IndexError.
+    Slices must be read in order of time: when the next piece is made, the rows before the current
+    slice are dropped. Reading a dropped row raises IndexError.
 
-    Parameters
-    ----------
-    pieces
-        Iterator over arrays of successive rows.
-    shape
-        Shape of the whole series: number of steps, number of lanes.
+    pieces: iterator over arrays of successive rows.
+    shape: of the whole series.
     """
 
     def __init__(self, pieces: Iterator[Array], shape: tuple[int, int]) -> None:

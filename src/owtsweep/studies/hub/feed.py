@@ -1,8 +1,8 @@
 """Makes the kernels' input: the records of eight replicates, span by span.
 
-A span is a piece of 10 000 steps: specific force and true motion in rows of eight numbers (lanes),
-one per replicate. Spans are made one after the other in the same buffers, so only the motion is in
-memory for the whole record.
+A span has 10 000 steps: specific force and true motion in rows of eight lanes, one per replicate.
+Spans are made one after the other in the same buffers, so only the motion is in memory for the
+whole record.
 """
 
 from __future__ import annotations
@@ -26,19 +26,13 @@ SPAN = 10_000
 class Span(NamedTuple):
     """A piece of the records of eight replicates, in the form that kernels take.
 
-    Attributes
-    ----------
-    stop
-        The number of the first step after the span.
-    base
-        The number of the step in row 0, so step k is in row k - base. `base` may be negative; rows
-        before step 0 are zero.
-    force
-        Specific force in NED, m/s^2, shape (rows, lanes): eight lanes (columns) each of motion,
-        noise of x and noise of y, or of x and y of motion plus noise.
-    motion
-        True displacement (m) and velocity (m/s) along the wave, for the motion of unit amplitude,
-        eight columns each; shape (rows, 16).
+    stop: the number of the first step after the span.
+    base: the number of the step in row 0, so step k is in row k - base. `base` may be negative;
+        rows before step 0 are zero.
+    force: specific force in NED, m/s^2, shape (rows, lanes): eight lanes each of motion, noise of x
+        and noise of y, or of x and y of motion plus noise.
+    motion: true displacement (m) and velocity (m/s) along the wave, for the motion of unit
+        amplitude, eight columns each; shape (rows, 16).
     """
 
     stop: int
@@ -67,9 +61,8 @@ class Lanes:
     def at(self, amplitude: float) -> tuple[Array, Array]:
         """Return the measurements (motion plus noise) at an amplitude (m), in NED.
 
-        The first array is the specific force, m/s^2, shape (steps, lanes). The second array holds
-        the position fixes, m, shape (fixes, lanes). Lanes are columns: x and y of the first
-        replicate, x and y of the second replicate, and so on.
+        They are the specific force, m/s^2, shape (steps, lanes), and the position fixes, m, shape
+        (fixes, lanes). Lanes are x and y of the first replicate, x and y of the second, and so on.
         """
         motions, noises, s = self.records.motion, self.records.noise, self.records.sensors
         direction = np.tile(self.records.direction, len(motions))
@@ -88,25 +81,13 @@ class Lanes:
 class Feed:
     """The kernels' input for up to eight replicates.
 
-    Lanes (columns) of a kind stand side by side, eight each, one per replicate. Without an
-    amplitude the kinds are motion, noise of x and noise of y; one lane of motion along the wave is
-    enough, because x and y respond to motion alike. With an amplitude they are x and y of motion
-    plus noise.
+    Lanes of a kind stand side by side, eight each, one per replicate. Without an amplitude the
+    kinds are motion, noise of x and noise of y; one lane of motion along the wave is enough,
+    because x and y respond to motion alike. With an amplitude (m) they are x and y of motion plus
+    noise.
 
-    Parameters
-    ----------
-    records
-        The records, which may have more replicates.
-    first
-        Index of the first replicate in the records; up to seven more follow.
-    amplitude
-        Amplitude of the motion in motion plus noise, m; None for motion (of unit amplitude) and
-        noise in separate groups.
-
-    Attributes
-    ----------
-    fixes
-        Positions that the GNSS reports, m, shape (fixes, lanes).
+    first: index of the first replicate in the records; up to seven more follow.
+    fixes: positions that the GNSS reports, m, shape (fixes, lanes).
     """
 
     def __init__(self, records: Records, first: int = 0, amplitude: float | None = None) -> None:
@@ -136,10 +117,10 @@ class Feed:
         return fixes
 
     def spans(self, lead: int) -> Iterator[Span]:
-        """Yield the spans (pieces) of the records in order of time.
+        """Yield the spans of the records in order of time.
 
-        Each span begins with the last `lead` rows of the previous span. All spans use the same
-        arrays, so a span is valid only until the next span is made.
+        Each span begins with the last `lead` rows of the one before. All spans use the same arrays,
+        so a span is valid only until the next one is made.
         """
         from owtsweep.studies.hub.kernels import feeding
 
@@ -168,9 +149,8 @@ class Feed:
     def _noise(self, size: int) -> Callable[[int, int, Array], None]:
         """Return a function that writes the next steps of the noise of the specific force, in NED.
 
-        The function takes the number of steps (at most `size`), the number of the first row to
-        write, and the array to write to, shape (rows, 24). The function writes the noise of x to
-        the second eight columns, and the noise of y to the third.
+        It takes the number of steps (at most `size`), the first row to write, and the array to
+        write to, shape (rows, 24), whose second eight columns are of x, and the third of y.
         """
         from owtsweep.studies.hub.kernels import feeding
 
@@ -199,11 +179,10 @@ class Feed:
         return straight
 
     def _force_noise(self, index: int) -> Callable[[int], Array]:
-        """Return a function that takes a number of steps and returns the noise of these next steps.
+        """Return a function of a number of steps that returns the noise of these next steps.
 
         The noise is that of one replicate's specific force in the IMU's frame, m/s^2, shape
-        (steps, 2). `index` is the place of the replicate in the records. If the records keep their
-        noise in memory, the function reads the noise from memory; otherwise it draws the noise.
+        (steps, 2); from memory if the records keep it, otherwise drawn.
         """
         if not self.records.keeps_noise:
             return self.records.force_noise(index).next

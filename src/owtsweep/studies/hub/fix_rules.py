@@ -18,15 +18,10 @@ FIX_RULES = ("plain", "gate", "huber")
 class FixRule:
     """The rule by which the distance of a fix from its prediction decides on the fix's weight.
 
-    Attributes
-    ----------
-    name
-        One of `FIX_RULES`.
-    limit
-        The distance, in standard deviations, beyond which a fix loses weight. With a gate, the
+    name: one of `FIX_RULES`.
+    limit: the distance, in standard deviations, beyond which a fix loses weight. With a gate, the
         weight beyond is 0; with Huber's rule it is limit / distance (Huber 1964).
-    patience
-        Number of fixes that a gate refuses in a row. Further fixes are taken, whatever their
+    patience: number of fixes that a gate refuses in a row. Further fixes are taken, whatever their
         distance, until one lies within the limit: so many outliers in a row are less likely than
         that the state is wrong.
     """
@@ -36,14 +31,9 @@ class FixRule:
     patience: int = 0
 
     def weigh(self, distance: float, beyond: int = 1) -> float:
-        """Return the weight of a fix, from 0 to 1.
+        """Return the weight of a fix, from 0 to 1, by its distance in standard deviations.
 
-        Parameters
-        ----------
-        distance
-            Distance of the fix from its prediction, in standard deviations.
-        beyond
-            How many fixes in a row, with this one, lie beyond the limit.
+        `beyond` is how many fixes in a row, with this one, lie beyond the limit.
         """
         if self.name == "plain" or distance <= self.limit:
             return 1.0
@@ -76,8 +66,7 @@ def make_fix_rule(tuning: FilterTuning) -> FixRule:
     """Return the rule that a filter's tuning asks for.
 
     The limit of a gate is the quantile of the chi distribution with two degrees of freedom, x and
-    y, at the key `gate_probability`: a fix whose error is as the filter states passes with this
-    probability (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+    y, at the key `gate_probability` (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
     """
     if tuning.fix_rule == "gate":
         limit = math.sqrt(-2.0 * math.log1p(-tuning.gate_probability))

@@ -32,18 +32,12 @@ SEA = {"hs": 2.0, "tp": 6.0}
 
 @dataclass(frozen=True)
 class SchemeHistory:
-    """The estimates of one scheme over a record, in NED.
+    """The estimates of one scheme over a record, in NED, shape (steps, 2) each.
 
-    Attributes
-    ----------
-    position, velocity
-        Estimates in m and m/s, shape (steps, 2). Row k is the estimate for step k, made at step k.
-    acceleration, bias
-        States of the filter, m/s^2, shape (steps, 2). Row k is the estimate for step k - `lag`,
-        made at step k; the first `lag` rows are NaN. `bias` is R b^b. `acceleration` is None if the
-        filter's model has no acceleration as a state.
-    lag
-        Age of the estimated acceleration and bias, in steps.
+    position, velocity: m and m/s. Row k is the estimate for step k, made at step k.
+    acceleration, bias: states of the filter, m/s^2. Row k is the estimate for step k - `lag`, made
+        at step k; the first `lag` rows are NaN. `bias` is R b^b. `acceleration` is None if it is no
+        state of the filter's model.
     """
 
     position: Array
@@ -55,32 +49,21 @@ class SchemeHistory:
 
 @dataclass(frozen=True)
 class Histories:
-    """The time histories of one record; all series are in NED.
+    """The time histories of one record; series are in NED and have the shape (steps, 2).
 
-    Attributes
-    ----------
-    natural_period, amplitude
-        Natural period (s) and amplitude (m) of the motion; of the plant they are those of the first
-        mode and the largest displacement.
-    time
-        Times of the steps, s, shape (steps,).
-    position, velocity, acceleration, bias
-        True motion (m, m/s, m/s^2), and true bias R b^b of the IMU (m/s^2); shape (steps, 2) each.
-    measured
-        Acceleration that the IMU reports, R f + g, m/s^2, shape (steps, 2).
-    fix_time, fixes
-        Times at which position fixes arrive, s, shape (fixes,), and the fixes, m, shape (fixes, 2).
-        A fix is the position `delay` seconds before its arrival.
-    delay
-        Delay of the GNSS, s.
-    integrated_position, integrated_velocity
-        `measured` integrated from the true initial state; m and m/s; shape (steps, 2) each.
-    estimated
-        Scheme -> its estimates.
-    left_out
-        Scheme -> why the scheme was not run.
-    sea
-        The plant's conditions in words; "" with motion=spectrum.
+    natural_period, amplitude: s and m; of the plant those of the first mode and the largest
+        displacement.
+    time: of the steps, s, shape (steps,).
+    position, velocity, acceleration, bias: true motion (m, m/s, m/s^2), and true bias R b^b of the
+        IMU (m/s^2).
+    measured: acceleration that the IMU reports, R f + g, m/s^2.
+    fix_time, fixes: times at which fixes arrive, s, shape (fixes,), and the fixes, m, shape
+        (fixes, 2).
+    delay: of the GNSS, s.
+    integrated_position, integrated_velocity: `measured` integrated from the true initial state; m
+        and m/s.
+    left_out: scheme -> why the scheme was not run.
+    sea: the plant's conditions in words; "" with motion=spectrum.
     """
 
     natural_period: float
@@ -102,21 +85,16 @@ class Histories:
 
 
 def natural_period_of(config: HubConfig) -> float:
-    """Return the natural period of the time histories: 3.8 s as in Ren et al. (2019).
-
-    The printed spectrum exists for whole seconds only. With this spectrum, return the period of the
-    grid that is nearest to 3.8 s.
-    """
+    """Return 3.8 s as in Ren et al. (2019), or the grid's nearest period of a printed spectrum."""
     if config.spectrum.kind == "printed":
         return min(config.grid.natural_period, key=lambda period: abs(period - NATURAL_PERIOD))
     return NATURAL_PERIOD
 
 
 def choose_sea(config: HubConfig, sea: Mapping[str, float] = SEA) -> dict[str, Value]:
-    """Return the plant's conditions with the sea state of the configuration nearest to `sea`.
+    """Return the plant's conditions with the sea state nearest to `sea`: `hs` (m) and `tp` (s).
 
-    `sea` has `hs` (m) and `tp` (s). Blades and friction angle are the first of the configuration.
-    The result is condition -> value.
+    Blades and friction angle are the first of the configuration.
     """
     grid = get_grid(config)
     nearest = {
@@ -127,10 +105,7 @@ def choose_sea(config: HubConfig, sea: Mapping[str, float] = SEA) -> dict[str, V
 
 
 def _make_record(config: HubConfig) -> tuple[Records, float, float, str]:
-    """Return replicate 0, its natural period (s), the factor on its motion, and its sea in words.
-
-    With a spectrum, the factor is `AMPLITUDE`, and there is no sea.
-    """
+    """Return replicate 0, natural period (s), the factor on its motion, and its sea in words."""
     world = find_world(config)
     if world.has_spectrum:
         period = natural_period_of(config)

@@ -24,36 +24,23 @@ LEAST_BIAS_DENSITY = 1e-12
 
 @dataclass(frozen=True)
 class Horizon:
-    """The moving horizon estimator (MHE) along one axis, with the states position, velocity, bias.
+    """The MHE along one axis, with the states position, velocity, bias.
 
-    Attributes
-    ----------
-    interval
-        T_m, the time between two positions that the MHE gives to the filter, in IMU steps.
-    length
-        N_m, the number of GNSS intervals in the window.
-    first
-        Number (from 0) of the first position fix at which the window can be solved. Until then the
-        filter gets the fixes themselves.
-    arrival
-        Whether the window has an arrival term: a prior of its oldest state, made from the filter's
-        past state.
-    fixed
-        True if the window's oldest state is set equal to the filter's past state; False if the
-        filter's past state is only a prior.
-    inputs
-        Which IMU samples the MHE takes, one of `INPUTS`.
-    weights
-        Weights of Eq. (11a) of Ren et al. (2019) for one GNSS interval.
-    initial_covariance
-        Covariance (3, 3) of the prior while the window fills (only with an arrival term).
-    bounds
-        Largest allowed magnitudes (3,) of position and velocity, per axis in NED, and of the bias
-        b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
-    lean
-        What the model believes of the IMU's lean, s^-2.
-    fix_rule
-        How much a fix counts that is far from its prediction; `arrays` ignores it.
+    interval: T_m, the time between two positions that the MHE gives to the filter, in IMU steps.
+    length: N_m, the number of GNSS intervals in the window.
+    first: number (from 0) of the first fix at which the window can be solved. Until then the filter
+        gets the fixes themselves.
+    arrival: whether the window has an arrival term: a prior of its oldest state, made from the
+        filter's past state.
+    fixed: whether the window's oldest state is set equal to the filter's past state.
+    inputs: which IMU samples the MHE takes, one of `INPUTS`.
+    weights: of Eq. (11a) of Ren et al. (2019) for one GNSS interval.
+    initial_covariance: covariance (3, 3) of the prior while the window fills
+        (only with an arrival term).
+    bounds: largest allowed magnitudes (3,) of position and velocity, per axis in NED, and of the
+        bias b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
+    lean: the IMU's lean that the model assumes, s^-2.
+    fix_rule: how much a fix counts that is far from its prediction; `arrays` ignores it.
     """
 
     interval: int
@@ -71,8 +58,7 @@ class Horizon:
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
         """Make the kernels' form of the MHE: one matrix per position fix, until matrices repeat.
 
-        A matrix turns the window's data into the state at the newest fix. `gains` is the filter's
-        gain schedule, whose covariances the arrival terms use.
+        A matrix turns the window's data into the state at the newest fix.
         """
         M = sensors.fix_interval
         settled = -(-gains.rows // M) if self.arrival else 0
@@ -112,19 +98,14 @@ class Horizon:
     def uses_filter(self, fix: int) -> bool:
         """Return whether the window at fix number `fix` starts from a past state of the filter.
 
-        This is so if there is an arrival term and the window is full. The past state is x_m0 of
-        register 3 (Algorithm 5 of Ren et al. 2019). The past state already includes the window's
-        oldest fix, so the window leaves that fix out.
+        It does if there is an arrival term and the window is full. The past state is x_m0 of
+        register 3 (Algorithm 5 of Ren et al. 2019). It already includes the window's oldest fix, so
+        the window leaves that fix out.
         """
         return self.arrival and fix >= self.length
 
     def arrival_covariance(self, fix: int, gains: GainSchedule, M: int) -> Array | None:
-        """Return the covariance (3, 3) of the prior with which the window at fix `fix` starts.
-
-        Return None if there is no such prior (no arrival term). `fix` is the number of the window's
-        newest position fix, `gains` the filter's gain schedule, and M the number of IMU steps
-        between fixes.
-        """
+        """Return the covariance (3, 3) of the prior of the window at fix `fix`; None for none."""
         if not self.arrival:
             return None
         if not self.uses_filter(fix):
@@ -134,10 +115,7 @@ class Horizon:
 
 
 def horizon(tuning: Mhe, sensors: Sensors, lean: float = 0.0) -> Horizon:
-    """Turn the tuning of the moving horizon estimator (MHE) into numbers for given sensors.
-
-    `lean` is what the model believes of the IMU's lean, in s^-2 (see `sigma_2`).
-    """
+    """Turn the tuning of the MHE into numbers for given sensors; `lean`, s^-2, as in `sigma_2`."""
     q_f = sensors.force_sigma**2 * sensors.step if tuning.q_a is None else tuning.q_a
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY), lean), sensors.fix_step)
@@ -162,10 +140,9 @@ def horizon(tuning: Mhe, sensors: Sensors, lean: float = 0.0) -> Horizon:
 
 
 def transition_over(seconds: float, lean: float = 0.0) -> Array:
-    """Return the transition matrix (3, 3) of position, velocity and bias over a time (s).
+    """Return the exact transition matrix (3, 3) of position, velocity and bias over a time (s).
 
-    Source: A_df in Eq. (11g) of Ren et al. (2019). This function returns the exact matrix; the
-    paper has I + t_f A. `lean` is the IMU's lean in s^-2 (see `sigma_2`).
+    The paper has I + t_f A (A_df in Eq. (11g) of Ren et al. 2019). `lean`, s^-2, as in `sigma_2`.
     """
     if lean == 0.0:
         return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])
@@ -176,7 +153,7 @@ def growth_over(lean: float, sensors: Sensors, steps: int) -> Array:
     """Return what a state adds to position and velocity, beside itself, k steps later.
 
     The result has the shape (steps, 2, 3): k, what is added to (position, velocity), and by which
-    state (position, velocity, bias). `lean` is the IMU's lean in s^-2 (see `sigma_2`).
+    state (position, velocity, bias).
     """
     result = np.empty((steps, 2, 3))
     for k in range(steps):

@@ -1,7 +1,4 @@
-"""Says what there is to know about a motion in advance: its spectrum and its variances.
-
-A bound for estimators that know the motion, and the estimators that do, take this from here.
-"""
+"""Says what there is to know about a motion in advance: its spectrum and its variances."""
 
 from __future__ import annotations
 
@@ -27,16 +24,11 @@ REACH, REACH_OF_ROLL_OFF = 4.0, 60.0
 class KnownMotion:
     """The spectrum of a motion and the variances of its two components.
 
-    Attributes
-    ----------
-    frequency
-        Frequencies, Hz, equally spaced, shape (m,). Each is the middle of an interval; the
-        intervals reach from 0 to beyond the band.
-    density
-        Mean of the one-sided spectral density of the position in each interval, divided by the
+    frequency: Hz, equally spaced, shape (m,). Each is the middle of an interval; the intervals
+        reach from 0 to beyond the band.
+    density: mean of the one-sided spectral density of the position in each interval, divided by the
         variance of the position: Hz^-1, shape (m,), with an integral of 1.
-    variance
-        Variance of the position in x and y (north and east), m^2, shape (2,).
+    variance: of the position in x and y (north and east), m^2, shape (2,).
     """
 
     frequency: Array
@@ -59,17 +51,8 @@ def find_known_motion(
     (standard deviation / peak)^2 over records that no sweep uses (`peak_factors`). The direction of
     the waves shares the variance out to x and y.
 
-    Parameters
-    ----------
-    natural_period, amplitude
-        Natural period of the turbine, s, and amplitude of the motion, m.
-    roll_off
-        As of `find_spectrum`.
-
-    Raises
-    ------
-    InputError
-        As `find_spectrum`.
+    natural_period, amplitude: of the motion, s and m.
+    roll_off: as of `find_spectrum`, whose errors are raised.
     """
     frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
     share = 1.0
@@ -86,19 +69,12 @@ def find_spectrum(
 ) -> tuple[Array, Array]:
     """Return the frequencies (Hz) and the density (Hz^-1) of `KnownMotion`, shape (m,) each.
 
-    Parameters
-    ----------
-    natural_period
-        Natural period of the turbine, s.
-    roll_off
-        False: the spectrum is zero outside the configuration's band, as in records. True: outside
-        the band the spectrum falls with f^4 towards 0 and with f^-4 upwards. Far above the band it
-        falls with f^-8: with f^-4 for ever, the acceleration would have no finite variance.
-
-    Raises
-    ------
-    InputError
-        If the motion is that of a plant, or the printed spectrum lacks the natural period.
+    natural_period: s.
+    roll_off: false: the spectrum is zero outside the configuration's band, as in records. True:
+        outside the band the spectrum falls with f^4 towards 0 and with f^-4 upwards. Far above the
+        band it falls with f^-8: with f^-4 for ever, the acceleration would have no finite variance.
+    Raises InputError if the motion is that of a plant, or the printed spectrum lacks the natural
+    period.
     """
     require_spectrum(config, "what is known of the motion")
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
@@ -121,10 +97,10 @@ def find_spectrum(
 def find_noise_density(sensors: Sensors, frequency: Array) -> Array:
     """Compute the density of position, m^2/Hz (m,), below which the sensors see no motion.
 
-    `frequency` is in Hz, shape (m,). The density is that of the noise of position fixes and of the
-    noise of the IMU's samples, integrated twice, combined as two measurements of one position. It
-    leaves out bias and delay, and what the IMU feels of a tilt. Divided by the variance of the
-    motion along an axis, it is the floor of `fit_shaping_filter`.
+    `frequency` is in Hz, shape (m,). The density is that of the noise of fixes and of the noise of
+    the IMU's samples, integrated twice, combined as two measurements of one position. It leaves out
+    bias and delay, and what the IMU feels of a tilt. Divided by the variance of the motion along an
+    axis, it is the floor of `fit_shaping_filter`.
     """
     fix = 2.0 * sensors.position_sigma**2 * sensors.fix_step
     force = 2.0 * sensors.force_sigma**2 * sensors.step / (2.0 * np.pi * frequency) ** 4

@@ -1,9 +1,8 @@
 """The baselines of the hub study: estimates that follow straight lines between position fixes.
 
-`fix_chain` makes a baseline's chain. `sum_line_errors` sums its squared errors without a run:
-between two fixes a line's squared error is a polynomial in few sums over the true motion, which all
-lines share. So these sums take a small part of the time that a run of a chain takes, and give the
-same numbers to rounding.
+`sum_line_errors` sums their squared errors without a run: between two fixes a line's squared error
+is a polynomial in few sums over the true motion, which all lines share. These sums take a small
+part of the time of a chain's run, and give the same numbers to rounding.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ from owtsweep.studies.hub.sensors import Sensors
 def fix_chain(sensors: Sensors, line: Line) -> Chain:
     """Make the chain whose estimates follow straight lines from one position fix to the next.
 
-    The chain takes no account of the specific force, and states no covariance. Its state is that of
-    the delayed time, to which the fixes belong; the predictor takes it to the present.
+    It takes no account of the specific force, and states no covariance. Its state is that of the
+    delayed time, to which the fixes belong; the predictor takes it to the present.
     """
     gains = [[float(line.holds), 0.0]]
     if line.moves:
@@ -78,20 +77,13 @@ def fix_chain(sensors: Sensors, line: Line) -> Chain:
 class Piece(NamedTuple):
     """Sums over the true motion within some intervals from fix to fix, or parts of intervals.
 
-    Attributes
-    ----------
-    fixes
-        The numbers of the fixes with which the intervals begin.
-    times
-        Number of steps, and sums of the time since the fix (s) and of its square (s^2), equal for
-        all intervals; 3 numbers.
-    position
-        Sums of the displacement (m), and of the displacement times the time since the fix (m s);
-        shape (2, 8, intervals).
-    velocity
-        Sums of the velocity (m/s), shape (8, intervals).
-    squares
-        Sums of squared displacement and of squared velocity over all intervals, shape (2, 8).
+    fixes: the numbers of the fixes with which the intervals begin.
+    times: number of steps, and sums of the time since the fix (s) and of its square (s^2), equal
+        for all intervals.
+    position: sums of the displacement (m), and of the displacement times the time since the fix
+        (m s); shape (2, 8, intervals).
+    velocity: sums of the velocity (m/s), shape (8, intervals).
+    squares: sums of squared displacement and of squared velocity over all intervals, shape (2, 8).
     """
 
     fixes: slice
@@ -104,10 +96,7 @@ class Piece(NamedTuple):
 def sum_line_errors(lines: Sequence[Line], feed: Feed, settled: int) -> list[Array]:
     """Sum the squared errors of lines on the records of a feed, which keeps motion and noise apart.
 
-    Returns
-    -------
-    list of array
-        For each line the sums as `layout.products` arranges them; NEES and NIS are 0.
+    For each line return the sums as `layout.products` arranges them; NEES and NIS are 0.
     """
     records = feed.records
     fixes = np.ascontiguousarray(feed.fixes.T).reshape(3, WIDTH, -1)
@@ -167,17 +156,8 @@ def _multiply(start: Array, slope: Array, piece: Piece) -> tuple[Array, Array]:
 
     The groups are motion, noise of x and noise of y. At the time t after a fix, the error of the
     position is start + slope t, and that of the velocity is slope; in the group motion, the true
-    displacement and its rate are subtracted.
-
-    Parameters
-    ----------
-    start, slope
-        The lines of all groups, shape (3, 8, intervals) each.
-
-    Returns
-    -------
-    tuple of array
-        Sums for position and for velocity, shape (3, 3, 8) each.
+    displacement and its rate are subtracted. `start` and `slope` have the shape (3, 8, intervals),
+    the sums for position and for velocity (3, 3, 8).
     """
     n, t, tt = piece.times
     crossed = _pairs(start, slope)

@@ -80,26 +80,22 @@ LISTED = {**REGISTERED, **BASELINES, **ON_REQUEST}
 
 
 def describe() -> dict[str, str]:
-    """Return name -> sentence of each scheme and baseline, which says how it is asked for."""
+    """Return name -> sentence of each scheme and baseline, which says how to choose it."""
     kinds = {"": REGISTERED, "on request (schemes=[...]): ": ON_REQUEST}
     kinds["baseline (baselines=[...]): "] = BASELINES
     return {
-        name: f"{asked}{listed.sentence}"
-        for asked, of_kind in kinds.items()
+        name: f"{how}{listed.sentence}"
+        for how, of_kind in kinds.items()
         for name, listed in of_kind.items()
     }
 
 
 def list_entries(config: HubConfig) -> list[Entry]:
-    """Return the entries of all schemes that a configuration runs: `schemes`, then baselines."""
     return [*config.schemes, *list_baselines(config)]
 
 
 def list_baselines(config: HubConfig) -> list[str]:
-    """Return the names of the baselines of a configuration.
-
-    A baseline that the key `schemes` names too is a scheme like the others, and not listed.
-    """
+    """Return the names of the baselines that the key `schemes` does not name too."""
     return [name for name in config.baselines if name not in config.schemes]
 
 
@@ -114,15 +110,12 @@ class StoredHubScheme(StoredScheme, Scheme):
         self.check_declared()
 
     def start(self, known: Known) -> NoReturn:
-        """Raise `InputError`, because the code of a stored scheme is never run."""
         self.refuse()
 
     def kernel(self, known: Known, steps: int | None = None) -> NoReturn:
-        """Raise `InputError`, because the code of a stored scheme is never run."""
         self.refuse()
 
     def own_kernel(self, known: Known, steps: int) -> NoReturn:
-        """Raise `InputError`, because the code of a stored scheme is never run."""
         self.refuse()
 
 
@@ -130,17 +123,9 @@ class HubTable(SchemeTable):
     """The hub's schemes and baselines; a scheme may have variants, for which a tuning asks."""
 
     def list_entries(self, config: HubConfig) -> list[Entry]:
-        """Return the entries of schemes and baselines."""
         return list_entries(config)
 
     def choose(self, config: HubConfig) -> list[AnyScheme]:
-        """Return all schemes and baselines of the configuration of one tuning, in their variants.
-
-        Raises
-        ------
-        InputError
-            As `resolve_all`, or if a scheme has no variant for the configuration.
-        """
         return [*resolve_all(self.list_entries(config), config)]
 
 
@@ -156,15 +141,9 @@ def resolve(entry: Entry) -> Scheme:
 
 
 def resolve_all(entries: Sequence[Entry], config: HubConfig | None = None) -> list[Scheme]:
-    """Return all schemes of a run, in the order of `entries` (the value of the key `schemes`).
+    """Return the schemes of entries in order, or the variants for which `config` asks.
 
-    If `config`, the configuration of one tuning, is given, each scheme is replaced by the variant
-    that it asks for.
-
-    Raises
-    ------
-    InputError
-        As `SchemeTable.resolve_all`, or if a scheme has no variant for the configuration.
+    Raises InputError as `SchemeTable.resolve_all`, or if a scheme has no variant.
     """
     schemes = [scheme for scheme in SCHEMES.resolve_all(entries) if isinstance(scheme, Scheme)]
     return schemes if config is None else [under(scheme, config) for scheme in schemes]
@@ -178,10 +157,7 @@ def scheme_names(config: HubConfig) -> list[str]:
 def under(scheme: Scheme, config: HubConfig) -> Scheme:
     """Return the variant of a scheme for which the configuration of one tuning asks.
 
-    Raises
-    ------
-    InputError
-        If the scheme's method `under` fails or returns no scheme.
+    Raises InputError if the scheme's method `under` fails or returns no scheme.
     """
     with blame_code(scheme.name, "its method `under` must return a scheme"):
         variant = scheme.under(config)

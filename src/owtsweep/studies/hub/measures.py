@@ -1,8 +1,4 @@
-"""Makes the rows of the hub study: MSE (Eq. 12 of Ren et al. 2019), NEES and NIS.
-
-Each measure is computed in two time windows: the whole record, and the part after the settling
-time.
-"""
+"""Makes the rows of the hub study: MSE (Eq. 12 of Ren et al. 2019), NEES and NIS."""
 
 from __future__ import annotations
 
@@ -29,19 +25,13 @@ class Sums(NamedTuple):
 
     The error of an estimate is the error from motion plus the error from noise.
 
-    Attributes
-    ----------
-    products
-        Sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after the
-        settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
+    products: sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after
+        the settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
         motion x noise, noise x noise. SI units.
-    steps, covariances, innovations
-        Number of steps, number of steps for which the scheme states the covariance of its estimate,
-        and number of innovations, before and after the settling time, shape (2,)
-        each.
-    squared
-        Squared position error of each step, m^2, shape (steps, replicates). The shape is
-        (0, replicates) if `sum_errors` was called without `keep_squared`.
+    steps, covariances, innovations: numbers of steps, of stated covariances and of innovations,
+        before and after the settling time, shape (2,) each.
+    squared: squared position error of each step, m^2, shape (steps, replicates), or (0, replicates)
+        without `keep_squared`.
     """
 
     products: Array
@@ -79,8 +69,8 @@ def from_sums(sums: Sums) -> list[Means]:
 def _extremes(squared: Array) -> Array:
     """Compute largest error and 95th percentile of the error from squared errors (steps, records).
 
-    The result has the shape (2, 3, records): the two measures, the three products of `Means`,
-    the records. Only the last product, noise x noise, is set; the other two products are zero.
+    The result has the shape (2, 3, records): the two measures, the three products of `Means`, of
+    which only noise x noise is not zero, the records.
     """
     error = np.sqrt(squared)
     result = np.zeros((2, 3, error.shape[1]))
@@ -99,19 +89,12 @@ def from_trajectories(
 ) -> Means:
     """Compute the measures of one record from the estimates of a scheme at each step.
 
-    Parameters
-    ----------
-    motion
-        The response to the motion of unit amplitude alone; None if `noise` is the response to the
-        whole series (motion plus noise).
-    noise
-        The response to noise alone, or to the whole series.
-    truth
-        True state of the motion, shape (steps, 4): x, y, v_x, v_y.
-    settled
-        Number of the first step after the settling time.
-    extremes
-        Whether to compute `EXTREMES` too; this has no effect unless `motion` is None.
+    motion: the response to the motion of unit amplitude alone; None if `noise` is the response to
+        the whole series (motion plus noise).
+    noise: the response to noise alone, or to the whole series.
+    truth: true state of the motion, shape (steps, 4): x, y, v_x, v_y.
+    settled: number of the first step after the settling time.
+    extremes: whether to compute `EXTREMES` too; this has no effect unless `motion` is None.
     """
     parts = [noise] if motion is None else [motion, noise]
     innovation = [part.innovation for part in parts if part.innovation is not None]

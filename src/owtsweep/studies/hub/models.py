@@ -25,11 +25,7 @@ SIGMA_2_STATES = np.array([0, 1, 3])
 
 
 def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
-    """Compute the variance of a measurement from the standard deviation `sigma` of its sensor.
-
-    `rule` is a section of the configuration, which holds the rule and a factor. The result has the
-    unit of `sigma`, squared.
-    """
+    """Compute the variance of a measurement by a rule from the standard deviation of its sensor."""
     factor = {
         "sigma2": 1.0,
         "sigma2_over_step": 1.0 / sensors.step,
@@ -55,10 +51,8 @@ def sigma_2(q_f: float, q_b: float, lean: float = 0.0) -> Model:
 
     The states are position, velocity and bias; the input is the specific force u = R f. q_f, in
     (m/s^2)^2/Hz, is the density of the accelerometer's noise. q_b, in (m/s^2)^2/s, is the density
-    of the bias' walk. The returned Q is the paper's E Q E'.
-
-    With `lean`, in s^-2, the IMU leans as it moves: f = a - lean p, so v' = u + b + lean p. The
-    paper has no lean (section 3, assumption 2).
+    of the bias' walk. Q is the paper's E Q E'. With `lean`, in s^-2, which the paper has not
+    (section 3, assumption 2), the IMU leans as it moves: f = a - lean p, so v' = u + b + lean p.
     """
     A = np.zeros((3, 3))
     A[0, 1] = A[1, 2] = 1.0
@@ -67,10 +61,9 @@ def sigma_2(q_f: float, q_b: float, lean: float = 0.0) -> Model:
 
 
 def four_states(model: Discrete) -> Discrete:
-    """Extend a model of position, velocity and bias by a further state, the acceleration.
+    """Extend a model of position, velocity and bias by the acceleration, the third of four states.
 
-    The acceleration is the third of the four states of the result. It is white noise of variance 1
-    and affects no other state.
+    It is white noise of variance 1 and affects no other state.
     """
     A, B, Q = np.zeros((4, 4)), np.zeros((4, 1)), np.zeros((4, 4))
     A[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.A
@@ -84,17 +77,11 @@ def four_states(model: Discrete) -> Discrete:
 class AxisFilter:
     """The matrices and variances of one axis of a multirate Kalman filter.
 
-    Attributes
-    ----------
-    model
-        Discrete model of four states; `model.B` is zero for Sigma_1.
-    force_row
-        Measurement row (4,) of the specific force in NED; zero for Sigma_2, where the specific
-        force is an input.
-    position_variance, force_variance
-        Variances of a position fix, m^2, and of an IMU sample, (m/s^2)^2.
-    initial_covariance
-        Covariance (4, 4) of the first state.
+    model: discrete model of four states; `model.B` is zero for Sigma_1.
+    force_row: measurement row (4,) of the specific force in NED; zero for Sigma_2, where it is an
+        input.
+    position_variance, force_variance: of a position fix, m^2, and of an IMU sample, (m/s^2)^2.
+    initial_covariance: covariance (4, 4) of the first state.
     """
 
     model: Discrete
@@ -127,9 +114,7 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
 def input_model(tuning: FilterTuning, sensors: Sensors, hold: str) -> Discrete:
     """Return the predictor's model: Sigma_2 of Ren et al. (2019), discretised over one IMU step.
 
-    The model's states are position, velocity and bias. The input is the specific force, without
-    noise. `hold`, one of `estimation.discretisation.HOLDS`, says what the input does between
-    samples.
+    The specific force has no noise. `hold` is one of `estimation.discretisation.HOLDS`.
     """
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     model = sigma_2(0.0, q_b, tuning.lean)

@@ -1,10 +1,9 @@
 """Computes the noise floor: the settled MSE that sensor noise alone causes, without sampling.
 
-A chain is a scheme's form for the batch engine. A settled chain repeats after each cycle of steps.
-So the variance of the chain's error, averaged over a cycle, follows from the chain's responses to
-unit impulses, one at each step of one cycle. For noise of variance 1, the variance of the error is
-the energy of these responses (the sum of their squares) divided by the number of steps in the
-cycle.
+A settled chain repeats after each cycle of steps. So the variance of its error, averaged over a
+cycle, follows from its responses to unit impulses, one at each step of one cycle. For noise of
+variance 1, it is the energy of these responses (the sum of their squares) divided by the number of
+steps in the cycle.
 """
 
 from __future__ import annotations
@@ -32,12 +31,9 @@ MOST_CYCLES = 1024
 class NoiseFloor:
     """The settled MSE due to sensor noise alone, by source of the noise; sums over both axes.
 
-    Attributes
-    ----------
-    position, velocity
-        Source -> MSE of position (m^2), and source -> MSE of velocity ((m/s)^2). The sources are
-        `gnss` (white noise of the position fixes), `imu` (white noise of the IMU's samples) and
-        `bias` (the walk of the IMU's bias). A constant bias causes no settled error.
+    position, velocity: source -> MSE, m^2 and (m/s)^2. The sources are `gnss`
+        (white noise of the fixes), `imu` (white noise of the IMU's samples) and `bias`
+        (the walk of the IMU's bias). A constant bias causes no settled error.
     """
 
     position: dict[str, float]
@@ -51,14 +47,8 @@ class NoiseFloor:
 def noise_floor(chain: Chain, sensors: Sensors) -> NoiseFloor:
     """Compute the noise floor of a chain, exact but for the extrapolated tails of its responses.
 
-    A chain is a scheme's form for the batch engine. The noise floor is the settled MSE that sensor
-    noise alone causes.
-
-    Raises
-    ------
-    InputError
-        If the responses to impulses do not die out within `MOST_CYCLES` cycles: the estimator is
-        unstable, or the estimated bias settles too slowly.
+    Raises InputError if the responses to impulses do not die out within `MOST_CYCLES` cycles: the
+    estimator is unstable, or the estimated bias settles too slowly.
     """
     steady = settled(chain)
     variance = {
@@ -93,10 +83,8 @@ def noise_floor(chain: Chain, sensors: Sensors) -> NoiseFloor:
 def _energies(chain: Chain, sensors: Sensors, cycles: int) -> dict[tuple[str, str], Array]:
     """Compute the energies of a settled chain's responses to unit impulses.
 
-    A cycle is the number of steps after which the chain repeats. The impulses come in the first
-    cycle, one at each of its steps or position fixes. The result is (source of noise, measure) ->
-    energy of the responses in each of the `cycles` cycles, shape (cycles,). The energy is the sum
-    of squares.
+    The impulses come in the first cycle, one at each of its steps or position fixes. The result is
+    (source of noise, measure) -> energy in each of the cycles, shape (cycles,).
     """
     cycle, M = cycle_of(chain), sensors.fix_interval
     start = -(-filling(chain) // cycle) * cycle
@@ -130,19 +118,9 @@ def _step_responses(impulse: Array) -> Array:
 
     A change of the bias is such a force. A constant force is a sum of impulses, one at each step
     from its beginning on. The response to an impulse in a later cycle is the response to the same
-    impulse in the first cycle, delayed by whole cycles.
-
-    Parameters
-    ----------
-    impulse
-        Responses to impulses, shape (cycles, steps, steps). The axes are the cycle of the response,
-        the step of the response in that cycle, and the step of the impulse in the first cycle.
-
-    Returns
-    -------
-    array
-        Responses to constant forces, in the shape of `impulse`. The last axis is the step at which
-        the force begins.
+    impulse in the first cycle, delayed by whole cycles. Both responses have the shape
+    (cycles, steps, steps): the cycle and the step of the response, and the step of the impulse, or
+    at which the force begins.
     """
     rest_of_cycle = np.cumsum(impulse[:, :, ::-1], axis=2)[:, :, ::-1]
     whole_cycle = np.cumsum(rest_of_cycle[:, :, 0], axis=0)
@@ -151,12 +129,11 @@ def _step_responses(impulse: Array) -> Array:
 
 
 def _total(energy: Array) -> tuple[float, float]:
-    """Sum a response's energies in all cycles, and extrapolate the tail after the last cycle.
+    """Sum a response's energies in all cycles and the tail after them; return its uncertainty too.
 
-    Return the sum with the tail, and the uncertainty of the tail. In the end one real mode of the
-    response is left, and the energy falls by a constant factor per cycle. If the energy takes more
-    than `MOST_CYCLES` cycles to fall by the factor e, the uncertainty is infinite: the response
-    would not settle in any record.
+    In the end one real mode of the response is left, and the energy falls by a constant factor per
+    cycle. If the energy takes more than `MOST_CYCLES` cycles to fall by the factor e, the
+    uncertainty is infinite: the response would not settle in any record.
     """
     total = float(np.sum(energy))
     last = energy[-3:]

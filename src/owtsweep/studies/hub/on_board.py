@@ -22,30 +22,18 @@ def online(
 ) -> Estimator:
     """Make an estimator that runs on board: each IMU sample gives one estimate.
 
-    Parameters
-    ----------
-    scheme
-        EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH. SKF and SKFA must be told the origin, SKF the
-        motion too: see the keys of the section `skf`.
-    overrides
-        The sensors and the tuning, as on the command line, e.g. `["tuning=paper",
+    Its method is `update(specific_force, position=None) -> Estimate`. Position fixes may be
+    missing: gains and covariances follow the fixes that arrived. On a machine, the first estimator
+    takes some 15 s to make, in which its kernels are compiled.
+
+    scheme: EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH. SKF and SKFA need the origin, SKF the motion
+        too: see the keys of the section `skf`.
+    overrides: the sensors and the tuning, as on the command line, e.g. `["tuning=paper",
         "sensors.gnss.delay=0.3"]`. Without an override, the tuning is `matched`.
-    origin
-        The point about which the scheme starts from zero, x and y in m, in the coordinates of the
-        fixes; it must lie near the hub. None stands for the first fix: until it comes, estimates
-        are NaN. Estimates are in the coordinates of the fixes for any origin.
-
-    Returns
-    -------
-    Estimator
-        Has the method `update(specific_force, position=None) -> Estimate`. Position fixes may be
-        missing: gains and covariances follow the fixes that arrived. On a machine, the first
-        estimator takes some 15 s to make, in which its kernels are compiled.
-
-    Raises
-    ------
-    InputError
-        If the scheme cannot run on board, or the overrides or the origin are wrong.
+    origin: the point about which the scheme starts from zero, x and y in m, in the coordinates of
+        the fixes; it must lie near the hub. None stands for the first fix: until it comes,
+        estimates are NaN. Estimates are in the coordinates of the fixes for any origin.
+    Raises InputError if the scheme cannot run on board, or the overrides or the origin are wrong.
     """
     from owtsweep.studies import compose
     from owtsweep.studies.composing import require_texts

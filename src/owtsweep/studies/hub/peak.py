@@ -2,9 +2,9 @@
 
 The mean square of a scaled record is (standard deviation / peak)^2 of the record before scaling.
 The mean over records is called the peak factor. To compute it, records are synthesised, but no
-scheme is run. The peak factor changes slowly with the natural period. The factor is therefore
-computed at fixed periods, the rungs of a ladder, and interpolated between them. So a result does
-not depend on which other periods a grid holds.
+scheme is run. It changes slowly with the natural period. So it is computed at fixed periods, the
+rungs of a ladder, and interpolated between them: a result does not depend on which other periods a
+grid holds.
 """
 
 from __future__ import annotations
@@ -33,10 +33,9 @@ STREAM = "phase of a peak factor"
 
 
 def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
-    """Compute the mean of (standard deviation / peak)^2 over records, for each natural period (s).
+    """Compute the mean of (standard deviation / peak)^2 over records, for natural periods (s).
 
-    The result has the shape (periods,). It is interpolated between the values at the fixed periods
-    that `ladder` returns.
+    The result has the shape (periods,). It is interpolated between rungs.
     """
     result = []
     for period in periods:
@@ -47,19 +46,12 @@ def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
 
 
 def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
-    """Return the fixed periods (rungs), s, that `peak_factors` needs for natural periods (s).
-
-    The fixed periods are sorted; none is listed twice.
-    """
+    """Return the rungs, s, sorted, that `peak_factors` needs for natural periods (s)."""
     return sorted({rung for period in periods for rung in _list_rungs(config, period)})
 
 
 def _list_rungs(config: HubConfig, period: float) -> list[float]:
-    """Return the fixed periods (rungs), s, at which records are made for a natural period (s).
-
-    The rungs are the fixed periods next to the natural period, below and above. A printed spectrum
-    exists only at a few periods; then the natural period itself is the only rung.
-    """
+    """Return the rungs next to a natural period, s; for a printed spectrum, the period itself."""
     if config.spectrum.kind != "translated":
         return [period]
     rung = np.log2(period) * PER_OCTAVE
@@ -69,10 +61,7 @@ def _list_rungs(config: HubConfig, period: float) -> list[float]:
 
 
 def factor_at(config: HubConfig, period: float) -> float:
-    """Compute the mean of (standard deviation / peak)^2 over records of one natural period (s).
-
-    The result is cached in a file.
-    """
+    """Compute the mean of (standard deviation / peak)^2 at one natural period (s), or recall it."""
     what: dict[str, object] = {
         "what": "peak factor",
         "seed": config.seed,

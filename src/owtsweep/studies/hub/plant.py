@@ -56,7 +56,6 @@ class PlantWorld(World):
     seconds_per_step = 5e-7
 
     def get_grid(self, config: HubConfig) -> Grid:
-        """Return sea states, blades and friction angles."""
         motion = config.motion
         return {
             "hs": motion.hs or [],
@@ -71,7 +70,6 @@ class PlantWorld(World):
         return tuple(sorted(self.conditions, key=lambda condition: len(grid[condition.name]) < 2))
 
     def check(self, config: HubConfig) -> None:
-        """Raise `InputError` if structure, sea states and sensors do not fit together."""
         _check_keys(config)
         for name, values in self.get_grid(config).items():
             require(
@@ -87,7 +85,6 @@ class PlantWorld(World):
         )
 
     def list_content(self, config: HubConfig) -> Plain:
-        """Return the structure, how it answers waves, and the version of the code that does so."""
         motion = config.motion
         names = ("kind", "gamma", "modes", "damping")
         return {
@@ -97,11 +94,9 @@ class PlantWorld(World):
         }
 
     def list_pairing(self, config: HubConfig) -> Plain:
-        """Return the structure, and how it answers waves."""
         return self.list_content(config)
 
     def describe(self, config: HubConfig) -> str:
-        """Return the structure and the waves in words."""
         structure, motion = _structure_of(config), config.motion
         damping = structure.damping if motion.damping is None else motion.damping
         modes = f"{motion.modes} mode{'s' * (motion.modes != 1)}"
@@ -111,13 +106,6 @@ class PlantWorld(World):
         )
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
-        """Return the structure in a sea state.
-
-        Raises
-        ------
-        InputError
-            If the structure or the sea state cannot be computed; the message names the key.
-        """
         return make_plant(config, conditions)
 
     def fit_sensors(self, source: Source, sensors: Sensors, config: HubConfig) -> Sensors:
@@ -129,7 +117,6 @@ class PlantWorld(World):
         return replace(sensors, tilt=slope * (source.structure.gravity / GRAVITY))
 
     def lean(self, motion: Motion, sensors: Sensors, config: HubConfig) -> Motion:
-        """Return the motion with what an IMU feels; it may lean as the structure does."""
         if config.sensors.imu.tilt != STRUCTURE or not isinstance(motion, PlantMotion):
             return super().lean(motion, sensors, config)
         return sensing.lean_as(motion, motion.slope, _structure_of(config).gravity)
@@ -150,13 +137,7 @@ PLANT = PlantWorld()
 
 
 def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
-    """Return the source of motion under some conditions: condition -> value.
-
-    Raises
-    ------
-    InputError
-        If the structure or the sea state cannot be computed; the message names the key.
-    """
+    """Return the source of motion under some conditions; raises InputError that names the key."""
     motion, structure = config.motion, _structure_of(config)
     angle, damping = conditions["friction_angle"], motion.damping
     if angle != LAYERS and structure.soil is not None:

@@ -1,7 +1,6 @@
 """The names of the hub study that other studies may use.
 
-Other studies import nothing else from the hub study. Each name is imported at first use; so
-importing `Sensors`, for example, loads no kernel.
+Each name is imported at first use; so importing `Sensors`, for example, loads no kernel.
 """
 
 from __future__ import annotations

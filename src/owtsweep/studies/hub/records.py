@@ -33,22 +33,11 @@ MEMORY_SHARE = 128_000_000
 class Records:
     """The records of some replicates: motion of unit amplitude (or the plant's), and sensor noise.
 
-    Attributes
-    ----------
-    config
-        The configuration of the study.
-    conditions
-        The conditions of the motion, condition -> value, without the amplitude.
-    in_streams
-        Values of those conditions that are in the keys of random streams.
-    source
-        The source of the motion.
-    sensors
-        What estimators may know about the sensors.
-    replicates
-        The numbers of the replicates, in order.
-    direction
-        Unit vector (2,) along the wave, north and east.
+    conditions: the conditions of the motion, without the amplitude.
+    in_streams: values of those conditions that are in the keys of random streams.
+    sensors: what estimators may know about the sensors.
+    replicates: the numbers of the replicates, in order.
+    direction: unit vector (2,) along the wave, north and east.
     """
 
     config: HubConfig
@@ -61,14 +50,13 @@ class Records:
 
     @property
     def steps(self) -> int:
-        """The number of IMU steps of a record."""
         return round(self.config.record.duration / self.sensors.step)
 
     def parts(self) -> Iterator[Records]:
         """Yield records of fewer replicates, so that their motion fits into `MEMORY_SHARE` bytes.
 
-        All yielded `Records` together hold all replicates, in order. Each of them makes its motion
-        at first use; deleting it frees the memory. If all replicates fit at once, yield `self`.
+        They hold all replicates, in order. Each makes its motion at first use; deleting it frees
+        the memory. If all replicates fit at once, yield `self`.
         """
         count = len(self.replicates)
         each_step = find_world(self.config).bytes_per_step
@@ -85,7 +73,6 @@ class Records:
         return tuple(self._realise(index) for index in range(len(self.replicates)))
 
     def _realise(self, index: int) -> Motion:
-        """Draw the motion of a replicate, with what a leaning IMU feels of it."""
         motion = self.source.realise(
             self.stream(index),
             steps=self.steps,
@@ -97,10 +84,7 @@ class Records:
 
     @cached_property
     def noise(self) -> tuple[Measured, ...]:
-        """The noise of each replicate: all parts of the measurements that are not due to motion.
-
-        The noise is made at first use and kept in memory.
-        """
+        """The noise of each replicate: all parts of the measurements that are not due to motion."""
         return tuple(
             sensing.noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
             for index in range(len(self.replicates))
@@ -112,25 +96,15 @@ class Records:
         return "noise" in vars(self)
 
     def force_noise(self, index: int) -> sensing.ForceNoise:
-        """Return a source that draws the noise of a replicate's specific force piece by piece.
-
-        `index` is the place of the replicate in `replicates`.
-        """
+        """Return a source that draws the noise of a replicate's specific force piece by piece."""
         return sensing.ForceNoise(self.config.sensors, self.sensors, self.stream(index))
 
     def fix_noise(self, index: int) -> Array:
-        """Draw the noise of a replicate's position fixes, m, shape (fixes, 2); NaN for a lost fix.
-
-        `index` is the place of the replicate in `replicates`.
-        """
+        """Draw the noise of a replicate's fixes, m, shape (fixes, 2); NaN for a lost fix."""
         return sensing.fix_noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
 
     def stream(self, index: int) -> Callable[[str], np.random.Generator]:
-        """Return a function that takes a name and returns the replicate's random stream `name`.
-
-        `index` is the place of the replicate in `replicates`. The names are those that
-        `ForceNoise`, `fix_noise` and the motion ask for, e.g. "gnss".
-        """
+        """Return a function that takes a name, e.g. "gnss", and returns a random stream."""
         return partial(stream, self.config.seed, STUDY, self.in_streams, self.replicates[index])
 
 
@@ -142,11 +116,10 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
 def make_records_at(
     config: HubConfig, conditions: Mapping[str, Value], replicates: Sequence[int]
 ) -> Records:
-    """Return the records under some conditions (condition -> value), for some replicates.
+    """Return the records under all conditions but the amplitude, made at first use.
 
-    The conditions are all but the amplitude. Motion and noise are made at first use. With
-    motion=plant and sensors.imu.tilt=structure, the tilt that estimators may know is the slope of
-    the first mode, rad/m.
+    With motion=plant and sensors.imu.tilt=structure, the tilt that estimators may know is the slope
+    of the first mode, rad/m.
     """
     world = find_world(config)
     source = world.make_source(config, conditions)

@@ -141,10 +141,7 @@ class Mhe(Section):
 
     @property
     def bounds(self) -> tuple[float, float, float]:
-        """The largest allowed magnitudes of position (m), velocity (m/s) and bias (m/s^2).
-
-        A magnitude that is not bounded is infinite.
-        """
+        """The largest magnitudes of position (m), velocity (m/s), bias (m/s^2); else infinite."""
         limits = self.constraints or Constraints()
         values = (limits.position, limits.velocity, limits.bias)
         p, v, b = (float("inf") if value is None else value for value in values)
@@ -182,7 +179,7 @@ class Tuning(Section):
 
 
 class Skf(Section):
-    """The settings of SKF, which is told the spectrum of the motion, and of SKFA, which tracks it.
+    """The settings of SKF, which is given the spectrum of the motion, and of SKFA, which tracks it.
 
     SKFA takes tilt, bias_variance and q_b alone.
     """

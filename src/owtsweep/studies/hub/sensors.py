@@ -1,8 +1,7 @@
 """Simulates what GNSS and IMU report of a motion, Eqs. (3) to (5) of Ren et al. (2019).
 
-The part of the measurements that is due to motion and the part that is due to noise are made
-separately. So an estimator can be run on each part alone, and a record's noise does not depend on
-the record's motion.
+The parts of the measurements that are due to motion and to noise are made separately. So an
+estimator can be run on each part alone, and a record's noise does not depend on its motion.
 """
 
 from __future__ import annotations
@@ -26,28 +25,19 @@ from owtsweep.studies.hub.config import SensorConfig
 class Sensors:
     """The properties of IMU and GNSS that an estimator may know.
 
-    Attributes
-    ----------
-    step
-        Sampling interval T_a of the IMU, s.
-    fix_interval
-        Number M of IMU steps between position fixes, which arrive at steps 0, M, 2 M, ...
-    delay
-        Number N_d of IMU steps from the instant whose position a fix reports to the fix's arrival.
-    position_sigma, force_sigma
-        Standard deviations per axis: of a fix (m) and of an IMU sample (m/s^2).
-    bias_walk
-        Intensity of the bias' Wiener process, m/s^2/sqrt(s).
-    yaw
-        Fixed yaw psi of the IMU, rad.
-    gravity
-        Horizontal part of gravity, north and east, m/s^2.
-    tilt
-        Lean of the IMU per displacement, rad/m. The paper neglects it (section 3, assumption 2).
-    high_pass
-        Corner of the IMU's AC coupling, Hz, or None. Estimators of the package do not use it.
-    fix_scale
-        Position in a fix per true position. Estimators of the package do not use it.
+    step: sampling interval T_a of the IMU, s.
+    fix_interval: number M of IMU steps between position fixes, which arrive at steps 0, M, 2 M, ...
+    delay: number N_d of IMU steps from the instant whose position a fix reports to the fix's
+        arrival.
+    position_sigma, force_sigma: standard deviations per axis: of a fix (m) and of an IMU sample
+        (m/s^2).
+    bias_walk: intensity of the bias' Wiener process, m/s^2/sqrt(s).
+    yaw: fixed yaw psi of the IMU, rad.
+    gravity: horizontal part of gravity, north and east, m/s^2.
+    tilt: lean of the IMU per displacement, rad/m. The paper neglects it (section 3, assumption 2).
+    high_pass: corner of the IMU's AC coupling, Hz, or None. Estimators of the package do not use
+        it.
+    fix_scale: position in a fix per true position. Estimators of the package do not use it.
     """
 
     step: float
@@ -73,10 +63,7 @@ class Sensors:
 
     @property
     def rotation(self) -> Array:
-        """The matrix R (2, 2) that turns vectors from the IMU's frame to NED.
-
-        Source: Eq. (5) of Ren et al. (2019).
-        """
+        """The matrix R (2, 2), Eq. (5) of the paper, from the IMU's frame to NED."""
         cos, sin = np.cos(self.yaw), np.sin(self.yaw)
         return np.array([[cos, -sin], [sin, cos]])
 
@@ -89,12 +76,9 @@ class Sensors:
 class Measured(NamedTuple):
     """What the sensors of a record say, or the part that motion or noise contributes to it.
 
-    Attributes
-    ----------
-    specific_force
-        Specific force in the IMU's frame, m/s^2, shape (steps, 2).
-    fixes
-        Positions in NED, m, shape (fixes, 2), at the steps 0, M, 2 M, ...; NaN where one is lost.
+    specific_force: in the IMU's frame, m/s^2, shape (steps, 2).
+    fixes: positions in NED, m, shape (fixes, 2), at the steps 0, M, 2 M, ...; NaN where one is
+        lost.
     """
 
     specific_force: Array
@@ -124,25 +108,19 @@ def sensors(config: SensorConfig) -> Sensors:
 
 
 def fix_count(steps: int, fix_interval: int) -> int:
-    """Return the number of position fixes that arrive in a record of `steps` steps.
-
-    Fixes arrive at steps 0, M, 2 M, ..., where M is `fix_interval`.
-    """
+    """Return the number of fixes in a record of `steps` steps; the first arrives at step 0."""
     return -(-steps // fix_interval)
 
 
 def lean(motion: Motion, sensors: Sensors) -> Motion:
-    """Return a motion with what an IMU feels of it that leans by `Sensors.tilt` per displacement.
-
-    Without a tilt the motion is returned unchanged.
-    """
+    """Return a motion with what an IMU feels of it that leans by `Sensors.tilt`."""
     if sensors.tilt == 0.0:
         return motion
     return replace(motion, felt=motion.acceleration - sensors.lean * motion.position)
 
 
 def lean_as(motion: Motion, slope: Array, gravity: float) -> Motion:
-    """Return a motion with what an IMU feels of it that leans by `slope`, rad, shape (steps,).
+    """Return a motion with what an IMU that leans by `slope`, rad, shape (steps,), feels of it.
 
     `gravity` is the acceleration of gravity at the structure, m/s^2.
     """
@@ -150,10 +128,7 @@ def lean_as(motion: Motion, slope: Array, gravity: float) -> Motion:
 
 
 def couple(motion: Motion, sensors: Sensors) -> Motion:
-    """Return a motion with what an AC-coupled IMU feels of it.
-
-    Without an AC coupling the motion is returned unchanged.
-    """
+    """Return a motion with what an AC-coupled IMU feels of it; unchanged without a coupling."""
     if sensors.high_pass is None:
         return motion
     # The coupling has settled before the record begins. What it has taken off by then is the slow
@@ -164,18 +139,11 @@ def couple(motion: Motion, sensors: Sensors) -> Motion:
 
 
 def pass_high(force: Array, corner: float, step: float, start: float) -> Array:
-    """Pass a series through a first-order high-pass; return the series without its slow part.
+    """Pass a series (steps,), m/s^2, through a first-order high-pass.
 
-    Parameters
-    ----------
-    force
-        The series, shape (steps,), m/s^2.
-    corner
-        Angular frequency of the corner, rad/s.
-    step
-        Sampling interval of the series, s.
-    start
-        Slow part of the series at the first step, m/s^2.
+    corner: angular frequency of the corner, rad/s.
+    step: sampling interval of the series, s.
+    start: slow part of the series at the first step, m/s^2.
     """
     from scipy.signal import lfilter
 
@@ -190,8 +158,8 @@ def pass_high(force: Array, corner: float, step: float, start: float) -> Array:
 def force_per_displacement(omega: Array, sensors: Sensors) -> NDArray[np.complex128]:
     """Return what an IMU feels of a sinusoidal motion, per displacement, s^-2, shape (n,).
 
-    `omega` are the angular frequencies, rad/s, shape (n,). A number of the result multiplies
-    e^{iwt}: the acceleration -w^2 and the lean, both through the AC coupling.
+    `omega` are the angular frequencies, rad/s, shape (n,). The result multiplies e^{iwt}: the
+    acceleration -w^2 and the lean, both through the AC coupling.
     """
     force = -(omega**2 + sensors.lean).astype(complex)
     if sensors.high_pass is not None:
@@ -203,15 +171,8 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measured:
     """Compute the part of the measurements that is due to motion, without gravity and noise.
 
     Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
-    The specific force holds the IMU's lean and AC coupling too, if the motion says so (`lean`,
-    `couple`).
-
-    Parameters
-    ----------
-    motion
-        The motion along one direction.
-    direction
-        Unit vector (2,) of the motion's direction, north and east.
+        Lean and AC coupling of the IMU are as the motion says (`lean`, `couple`). `direction` is a
+        unit vector (2,), north and east.
     """
     force = motion.specific_force[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
@@ -222,10 +183,8 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measured:
 class ForceNoise:
     """The part of the specific force that is not due to motion: gravity, bias and white noise.
 
-    The noise is drawn piece by piece from the random streams bias_x, imu_x, bias_y and imu_y. The
-    argument `stream` is a function that returns a stream (random generator) for its name. The
-    streams give unit normals, which are scaled as in `owtsweep.sensing.noise`. Gravity enters as
-    -R' g.
+    The noise is drawn piece by piece from the random streams bias_x, imu_x, bias_y and imu_y, as
+    unit normals, which are scaled as in `owtsweep.sensing.noise`. Gravity enters as -R' g.
     """
 
     def __init__(
@@ -243,10 +202,9 @@ class ForceNoise:
         self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
 
     def draw(self, normals: Array) -> None:
-        """Draw the next unit normals for several steps into the array `normals`, shape (4, steps).
+        """Draw the next unit normals into an array (4, steps): bias_x, imu_x, bias_y and imu_y.
 
-        The rows are those of the random streams bias_x, imu_x, bias_y and imu_y. Kernels scale the
-        numbers. For one record, use either this method or `next`, not both.
+        Kernels scale the numbers. For one record, use either this method or `next`, not both.
         """
         for axis in range(2):
             self.bias[axis].generator.standard_normal(out=normals[2 * axis])
@@ -268,11 +226,7 @@ def noise(
     steps: int,
     stream: Callable[[str], np.random.Generator],
 ) -> Measured:
-    """Draw the part of a whole record's measurements that is not due to motion.
-
-    `steps` is the length of the record in IMU steps. `stream` is a function that returns a random
-    generator for a name.
-    """
+    """Draw the part of a whole record's measurements that is not due to motion."""
     force = ForceNoise(config, sensors, stream).next(steps)
     return Measured(force, fix_noise(config, sensors, steps, stream))
 
@@ -285,16 +239,9 @@ def fix_noise(
 ) -> Array:
     """Draw what is added to a record's position fixes, m, shape (fixes, 2); NaN for a lost fix.
 
-    That is white noise, and, if the configuration asks for them, red noise and outliers. Each has
-    random streams of its own, so none changes another one.
-
-    Parameters
-    ----------
-    steps
-        Length of the record in IMU steps.
-    stream
-        Function that returns a random generator for a name: gnss, gnss_red, gnss_outliers,
-        gnss_outlier_offsets or gnss_loss.
+    That is white noise, and, if the configuration has them, red noise and outliers. Each has random
+    streams of its own, so none changes another one: gnss, gnss_red, gnss_outliers,
+    gnss_outlier_offsets and gnss_loss.
     """
     gnss, count = config.gnss, fix_count(steps, sensors.fix_interval)
     added = WhiteNoise(stream("gnss"), sensors.position_sigma).draw(count, 2)
@@ -326,18 +273,10 @@ def simulate_bias(
     *,
     piece: int | None = None,
 ) -> Iterator[Array]:
-    """Yield the IMU's bias R b^b in a record, piece by piece, in NED, in m/s^2.
+    """Yield the IMU's bias R b^b in a record, in NED, in m/s^2, in pieces of the shape (piece, 2).
 
-    Parameters
-    ----------
-    steps
-        Length of the record in IMU steps.
-    stream
-        Function that returns a random generator for a name. With the generators of a record, the
-        bias equals the bias in this record's noise.
-    piece
-        Number of steps of a piece, which has the shape (piece, 2); the last piece may be shorter.
-        None for the whole record at once.
+    With the streams of a record, it is the bias in this record's noise. The last piece may be
+    shorter; None for the whole record at once.
     """
     biases = ForceNoise(config, sensors, stream).bias
     size = piece or steps

@@ -1,7 +1,4 @@
-"""Makes chains with settled gains, and extrapolates sequences that settle slowly.
-
-A chain is a scheme's form for the batch engine.
-"""
+"""Makes chains with settled gains, and extrapolates sequences that settle slowly."""
 
 from __future__ import annotations
 
@@ -24,10 +21,9 @@ MOST_CYCLES = 4096
 
 
 def settled(chain: Chain) -> Chain:
-    """Return a chain whose gains are settled from the first step on.
+    """Return a chain whose gains are settled from the first step on: its last cycle, repeated.
 
-    A chain is a scheme's form for the batch engine. The result repeats the last cycle of the given
-    chain's gains. If the scheme has an MHE, the MHE's window still grows at the start.
+    If the chain has an MHE, the MHE's window still grows at the start.
     """
     gains, last = chain.gains, slice(-chain.gains.cycle, None)
     filter_arrays = chain.filter
@@ -44,27 +40,18 @@ def settled(chain: Chain) -> Chain:
 
 
 def cycle_of(chain: Chain) -> int:
-    """Return the period, in steps, of all that repeats in a chain: gains, position fixes, MHE.
-
-    A chain is a scheme's form for the batch engine.
-    """
+    """Return the period, in steps, of all that repeats in a chain: gains, position fixes, MHE."""
     return lcm(chain.gains.cycle, chain.filter.fix_interval, chain.mhe.interval)
 
 
 def filling(chain: Chain) -> int:
-    """Return the number of steps after which all windows and delays of a scheme are full.
-
-    `chain` is the scheme in its form for the batch engine.
-    """
+    """Return the number of steps after which all windows and delays of a chain are full."""
     fixes = chain.mhe.horizon + 1 if chain.mhe.active else 1
     return fixes * chain.filter.fix_interval + chain.filter.window + chain.predictor.steps
 
 
 def longest(chain: Chain) -> int:
-    """Return the greatest number of steps for which a response is computed until it has settled.
-
-    `chain` is a scheme in its form for the batch engine.
-    """
+    """Return the greatest number of steps for which a response is computed until it has settled."""
     return MOST_CYCLES * cycle_of(chain)
 
 
@@ -76,18 +63,10 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
     between successive terms. With d differences, d - 1 modes are removed. Source: Smith, Ford and
     Sidi (1987), Extrapolation methods for vector sequences, SIAM Review 29, 199-233.
 
-    Parameters
-    ----------
-    sequence
-        The terms of n sequences of vectors of length m, shape (terms, m, n).
-
-    Returns
-    -------
-    limit
-        The limits, shape (m, n).
-    remainder
-        Norm of the weighted sum of the differences, divided by the norm of the limit, shape (n,).
-        The remainder bounds the limit's relative error as long as no mode stays in phase with the
+    sequence: the terms of n sequences of vectors of length m, shape (terms, m, n).
+    limit: the limits, shape (m, n).
+    remainder: norm of the weighted sum of the differences, divided by the norm of the limit, shape
+        (n,). It bounds the limit's relative error as long as no mode stays in phase with the
         sequence.
     """
     differences = np.diff(sequence, axis=0)

@@ -29,19 +29,6 @@ class SpectralKernel(NamedTuple):
     def sum_errors(
         self, records: Records, settled: int, amplitude: float, *, keep_squared: bool = False
     ) -> Sums:
-        """Run all replicates of some records; sum the squared errors.
-
-        Parameters
-        ----------
-        records
-            The records, which are simulated during the run.
-        settled
-            Number of the first step after the settling time.
-        amplitude
-            Amplitude of the motion, m.
-        keep_squared
-            Whether the squared position error of each step is kept.
-        """
         parts = [
             self._run_eight(Feed(part, first, amplitude), settled, keep_squared)
             for part in records.parts()
@@ -60,10 +47,7 @@ class SpectralKernel(NamedTuple):
         )
 
     def _run_eight(self, feed: Feed, settled: int, keep: bool) -> tuple[Array, Array]:
-        """Run up to eight replicates; return their sums and squared errors.
-
-        The sums have the shape (2, 6, 3, replicates) of `batch.Sums.products`.
-        """
+        """Run up to eight replicates; return sums (2, 6, 3, replicates) and squared errors."""
         records = feed.records
         assert feed.amplitude is not None
         direction, count, done = feed.amplitude * records.direction, len(feed.indices), 0
@@ -84,10 +68,7 @@ class SpectralKernel(NamedTuple):
 
 
 class AxisRun:
-    """The filter of one axis on eight records, whose measurements arrive span by span.
-
-    `number` is 0 for x and 1 for y.
-    """
+    """The filter along x (0) or y (1) on eight records, whose measurements arrive span by span."""
 
     def __init__(self, axis: SpectralAxis, number: int, feed: Feed) -> None:
         self.axis, self.column, self.fixes = axis, WIDTH * number, feed.fixes

@@ -13,14 +13,10 @@ from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
 class AxisEstimates(NamedTuple):
     """What a filter makes of the measurements of some steps along one axis.
 
-    Attributes
-    ----------
-    state
-        Position (m) and velocity (m/s), shape (steps, 2).
-    covariance
-        Covariance of the error of `state`, shape (steps, 2, 2).
-    innovation, variance
-        Innovation of the fix, m, and its variance, m^2, shape (steps,) each; NaN without a fix.
+    state: position (m) and velocity (m/s), shape (steps, 2).
+    covariance: of the error of `state`, shape (steps, 2, 2).
+    innovation, variance: innovation of the fix, m, and its variance, m^2, shape (steps,) each; NaN
+        without a fix.
     """
 
     state: Array
@@ -30,7 +26,6 @@ class AxisEstimates(NamedTuple):
 
     @classmethod
     def make_empty(cls, steps: int) -> AxisEstimates:
-        """Return the arrays for the estimates of some steps, to be filled."""
         return cls(np.empty((steps, 2)), np.empty((steps, 2, 2)), *np.full((2, steps), np.nan))
 
 
@@ -43,24 +38,15 @@ class AxisFilter(Protocol):
         ...
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
-        """Take the measurements of the next steps; return the estimates of these steps.
+        """Take the next specific forces, m/s^2, and position fixes, m, shape (steps,) each.
 
-        `force` is the specific force, m/s^2, and `fixes` are position fixes, m, shape (steps,)
-        each; NaN at steps without a fix. Fixes come only at multiples of the fix interval.
+        Fixes are NaN at steps without one, and come only at multiples of the fix interval.
         """
         ...
 
 
 class KalmanAxisFilter:
-    """The Kalman filter of one axis, by filterpy; see `AxisFilter`.
-
-    Parameters
-    ----------
-    axis
-        The model.
-    bias
-        Estimate of the IMU's bias one step before the first, m/s^2.
-    """
+    """The Kalman filter of one axis, by filterpy; `bias` is its first estimate, m/s^2."""
 
     def __init__(self, axis: SpectralAxis, bias: float = 0.0) -> None:
         from filterpy.kalman import KalmanFilter
@@ -83,11 +69,9 @@ class KalmanAxisFilter:
 
     @property
     def bias(self) -> float:
-        """The estimated bias of the IMU along the axis, m/s^2."""
         return float(self.kf.x[len(self.model.Q), 0])
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
-        """Take the measurements of the next steps, shape (steps,) each; return the estimates."""
         result = AxisEstimates.make_empty(len(force))
         kf, model, C = self.kf, self.model, self.outputs
         for k, (sample, fix) in enumerate(zip(force, fixes, strict=True)):
@@ -104,17 +88,10 @@ class KalmanAxisFilter:
 
 
 class CompiledAxisFilter:
-    """The Kalman filter of one axis, compiled; see `AxisFilter`.
+    """The Kalman filter of one axis, compiled; `bias` is its first estimate, m/s^2.
 
     Its gains are those of the model as long as all fixes arrive. From the first fix that is missing
     on, they are computed for the fixes that have arrived.
-
-    Parameters
-    ----------
-    axis
-        The model, with a state of N numbers.
-    bias
-        Estimate of the IMU's bias one step before the first, m/s^2.
     """
 
     def __init__(self, axis: SpectralAxis, bias: float = 0.0) -> None:
@@ -127,11 +104,9 @@ class CompiledAxisFilter:
 
     @property
     def bias(self) -> float:
-        """The estimated bias of the IMU along the axis, m/s^2."""
         return float(self._state.x["x"][len(self._axis.model.Q), 0])
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
-        """Take the measurements of the next steps, shape (steps,) each; return the estimates."""
         parts, done = [], 0
         while done < len(force):
             count = self._count_steps(fixes[done:])

@@ -39,14 +39,9 @@ FLOOR = 0.1
 class SpectralAxis:
     """The model of SKF along one axis.
 
-    Attributes
-    ----------
-    model
-        The model in discrete time. Its fast measurement is the specific force, its slow one a fix.
-    first
-        Covariance (N, N) of the state one step before step 0.
-    outputs
-        Rows (2, n) of position and velocity.
+    model: its fast measurement is the specific force, its slow one a fix.
+    first: covariance (N, N) of the state one step before step 0.
+    outputs: rows (2, n) of position and velocity.
     """
 
     model: LateModel
@@ -70,16 +65,8 @@ def make_axis(
     p and bias b, which includes gravity; see `Sensors.lean`. The IMU's white noise and the noise of
     fixes have the sensors' own variances.
 
-    Parameters
-    ----------
-    shaping
-        The spectrum, of n states, for motion with a variance of 1 m^2.
-    variance
-        Variance of the motion along the axis, m^2.
-    tuning
-        The section `skf` of the configuration.
-    sensors
-        The properties of IMU and GNSS.
+    shaping: the spectrum, of n states, for motion with a variance of 1 m^2.
+    variance: of the motion along the axis, m^2.
     """
     from scipy.linalg import solve_continuous_lyapunov
 
@@ -108,10 +95,7 @@ def make_axis(
 
 
 class _Last(local):
-    """What a thread made last, which it often needs again: the gains take some 0.4 s.
-
-    More is not kept, because the gains take much memory.
-    """
+    """What a thread made last, which it often needs again; more would take too much memory."""
 
     what: tuple[object, ...] | None = None
     axes: tuple[SpectralAxis, SpectralAxis]
@@ -126,10 +110,10 @@ def make_axes(
     """Make the models along x and y: one shaping filter, and the variance of each axis.
 
     The shaping filter is fitted where the motion's density is above what the sensors' noise has as
-    a position. The floor is that of the axis with the larger variance.
+    a position, along the axis with the larger variance.
     """
-    told = (known.frequency, known.density, known.variance)
-    what = (*(array.tobytes() for array in told), repr(tuning), sensors)
+    arrays = (known.frequency, known.density, known.variance)
+    what = (*(array.tobytes() for array in arrays), repr(tuning), sensors)
     if _LAST.what != what:
         variance = np.maximum(known.variance, LEAST_SHARE * np.sum(known.variance))
         floor = FLOOR * find_noise_density(sensors, known.frequency) / np.max(variance)
@@ -140,14 +124,9 @@ def make_axes(
 
 
 def fit_or_recall(frequency: Array, density: Array, states: int, floor: Array) -> ShapingFilter:
-    """Return what `fit_shaping_filter` returns for these arguments, from the cache if it is there.
+    """Do as `fit_shaping_filter`, or recall its result from the cache.
 
     `frequency` (Hz), `density` and `floor` (Hz^-1) have the shape (m,).
-
-    Raises
-    ------
-    InputError
-        As `fit_shaping_filter`.
     """
     given = b"".join(np.ascontiguousarray(array).tobytes() for array in (frequency, density, floor))
     what = {"what": "shaping filter", "states": states, "given": blake2b(given).hexdigest()}

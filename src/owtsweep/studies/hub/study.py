@@ -38,43 +38,30 @@ class HubKeys(Study):
         return fill_in(plain)
 
     def check(self, config: HubConfig) -> None:
-        """Check that keys, schemes and motion can work together, in each tuning.
-
-        Raises
-        ------
-        InputError
-            If they cannot; the message says what would work.
-        """
         from owtsweep.studies.hub.checks import check
 
         for part in config.by_tuning().values():
             check(part)
 
     def describe_origin(self, config: HubConfig) -> str:
-        """Return in a line the tuning, the truth, and the number of records with their seed."""
         from owtsweep.studies.hub.describe import describe_in_a_line
 
         return describe_in_a_line(config)
 
     def describe_code(self, config: HubConfig) -> object:
-        """Return what a run stores of its schemes, so that reading it makes no user's class."""
         from owtsweep.studies.hub.listed import SCHEMES, resolve_all
 
         one = next(iter(config.by_tuning().values()))
         return SCHEMES.describe_stored(resolve_all(config.schemes, one))
 
     def hide_code(self, plain: Plain, described: object) -> Plain:
-        """Return the keys of a stored run with a stand-in for each user's scheme."""
         from owtsweep.studies.hub.listed import SCHEMES
 
         return {**plain, "schemes": SCHEMES.stand_in(plain.get("schemes"), described)}
 
 
 class HubStudy(HubKeys):
-    """The study of the hub motion.
-
-    Modules that take long to import are imported at first use.
-    """
+    """The study of the hub motion; modules that take long to import are imported at first use."""
 
     name = "hub"
     schema_version = 1
@@ -82,26 +69,19 @@ class HubStudy(HubKeys):
     commands = frozenset({"compare", "estimate", "spectrum", "tune", "vary"})
 
     def schemes(self) -> dict[str, str]:
-        """Return name -> description of each scheme and baseline that the study provides."""
         return describe()
 
     def config_type(self) -> type[HubConfig]:
-        """Return the class of the study's configurations."""
         from owtsweep.studies.hub.config import HubConfig
 
         return HubConfig
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return the conditions, which are the axes of the grid.
-
-        They are natural period and amplitude; with motion=plant, they are those of the plant.
-        """
         from owtsweep.studies.hub.conditions import get_conditions
 
         return get_conditions(config)
 
     def engine(self, config: HubConfig) -> Engine:
-        """Return a new engine of the kind that the key `engine` of the configuration names."""
         from owtsweep.studies.hub.conditions import find_world
         from owtsweep.studies.hub.engines import ENGINES
 
@@ -117,12 +97,7 @@ class HubStudy(HubKeys):
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """Compare runs: how best scheme, boundary and errors change between them.
-
-        The boundary is the amplitude at which HME1 and HME2 are equally good.
-
-        Parameters and errors are those of `Study.compare`.
-        """
+        """Compare runs: how best scheme, boundary of HME1 and HME2, and errors change."""
         from owtsweep.comparing.compare import compare
         from owtsweep.studies.hub.comparing import describe_run
 
@@ -131,12 +106,7 @@ class HubStudy(HubKeys):
     def write_spectrum(
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
-        """Write the schemes' error spectra and noise floors into a folder.
-
-        The files are error_spectra.png, error_spectra.svg, spectrum.csv and noise_floor.csv. Return
-        their paths, and a table of the noise floors for the terminal. `metadata` holds texts by
-        name to store inside the figures' files.
-        """
+        """Write error_spectra.png, error_spectra.svg, spectrum.csv and noise_floor.csv."""
         from owtsweep.studies.hub.conditions import require_spectrum
         from owtsweep.studies.hub.figures.spectrum_tables import write
 
@@ -144,7 +114,6 @@ class HubStudy(HubKeys):
         return write(config, folder, metadata)
 
     def count_trials(self, config: HubConfig) -> int:
-        """Return how many trials the command `tune` will make, for all schemes together."""
         from owtsweep.studies.hub.conditions import require_spectrum
         from owtsweep.studies.hub.tuning.tuned import list_tunable
 
@@ -152,7 +121,6 @@ class HubStudy(HubKeys):
         return len(list_tunable(config)) * config.tune.trials
 
     def tune(self, config: HubConfig, advance: Callable[[str], None]) -> Tuned:
-        """Search the best numbers of each scheme for these sensors; return them."""
         from owtsweep.studies.hub.tuning.tuned import tune
 
         return tune(config, advance)
@@ -164,19 +132,12 @@ class HubStudy(HubKeys):
         return DEFAULTS
 
     def check_vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> None:
-        """Check that `vary` can compute the errors with these configurations.
-
-        `along` describes the key that is varied; `configs` maps its values to configurations.
-        """
         from owtsweep.studies.hub.varying.errors import check
 
         check(along, configs)
 
     def vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> Varied:
-        """Compute the settled errors of all schemes and baselines with each configuration.
-
-        `along` describes the key that is varied; `configs` maps its values to configurations.
-        """
+        """Compute the settled errors of all schemes and baselines with each configuration."""
         from owtsweep.studies.hub.varying.errors import compute
         from owtsweep.studies.hub.varying.varied import VariedErrors
 

@@ -42,19 +42,10 @@ def make_candidate(
 ) -> SpectralAxis:
     """Make the model of one axis for a candidate.
 
-    Parameters
-    ----------
-    candidate
-        Natural period, bandwidth and variance, as indices; None for a model that assumes next to
-        nothing of the motion.
-    bias_variance
-        Variance of the bias at the start, (m/s^2)^2.
-    tuning
-        The section `skf` of the configuration.
-    sensors
-        The properties of IMU and GNSS.
-    band
-        Edges of the band of the motion, Hz.
+    candidate: natural period, bandwidth and variance, as indices; None for a model that assumes
+        next to nothing of the motion.
+    bias_variance: of the bias at the start, (m/s^2)^2.
+    band: edges of the band of the motion, Hz.
     """
     tuning = changed(tuning, bias_variance=bias_variance)
     if candidate is None:

@@ -1,6 +1,6 @@
 """Filters one axis with the model that the motion so far makes likely.
 
-Every ten seconds the tracker looks at the specific force. When it chooses another model, the filter
+Every ten seconds the tracker examines the specific force. When it chooses another model, the filter
 of this model starts a minute ago, from its own prior, filters that minute's measurements again, and
 goes on from there. So no state is handed from one model to another, but for the IMU's bias.
 
@@ -46,18 +46,10 @@ FAR = 6.0
 
 
 class TrackingFilter:
-    """A filter of one axis that is told nothing of the motion.
+    """A filter of one axis that is given nothing of the motion.
 
-    Parameters
-    ----------
-    tuning
-        The section `skf` of the configuration.
-    sensors
-        The properties of IMU and GNSS.
-    band
-        Edges of the band of the motion, Hz.
-    start
-        Returns a new filter of a model, given the model and the bias to start with, m/s^2.
+    band: edges of the band of the motion, Hz.
+    start: returns a new filter of a model, given the model and the bias to start with, m/s^2.
     """
 
     def __init__(
@@ -93,15 +85,9 @@ class TrackingFilter:
 
     @property
     def bias(self) -> float:
-        """The estimated bias of the IMU along the axis, m/s^2."""
         return self._filter.bias
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
-        """Take the measurements of the next steps; return the estimates of these steps.
-
-        `force` is the specific force, m/s^2, and `fixes` are position fixes, m, shape (steps,)
-        each; NaN at steps without a fix.
-        """
         parts, done = [], 0
         while done < len(force):
             stop = min(done + self._between - self._steps % self._between, len(force))
@@ -114,10 +100,7 @@ class TrackingFilter:
         return AxisEstimates(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
     def _follow(self, force: Array, fixes: Array) -> AxisEstimates:
-        """Take measurements until the next look, or until a measurement contradicts the model.
-
-        In the latter case, the result ends with the estimate of the step of this measurement.
-        """
+        """Take measurements until the next look, or until one contradicts the model, inclusive."""
         result = self._filter.take(force, fixes)
         scores = _score(result)
         steps = len(force)
@@ -163,10 +146,7 @@ class TrackingFilter:
             self._filled = self._kept
 
     def _change(self, model: Candidate | None, above: Motion) -> None:
-        """Filter the last minute again with another model, and go on with it unless it is wrong.
-
-        `above` is the motion above the band. The model None is never wrong.
-        """
+        """Filter the last minute again with another model, and go on with it unless it is wrong."""
         interval = self._sensors.fix_interval
         first = max(self._steps - self._again, 0) // interval * interval
         bias = next(bias for step, bias in reversed(self._biases) if step <= first)
@@ -200,10 +180,7 @@ def _is_contradicted(scores: Array) -> bool:
 
 
 def _find_alarm(before: Array, scores: Array) -> int | None:
-    """Return the index of the first score that, with those before it, is far too large; or None.
-
-    The sum of the last `FEW` scores is tested; `before` are the scores before `scores`.
-    """
+    """Return the index of the first score that, with the few before it, is far too large."""
     sums = np.convolve(np.concatenate([before, scores]), np.ones(FEW))[len(before) :]
     far = np.flatnonzero(sums[: len(scores)] > _find_limit(FEW, ALARM))
     return int(far[0]) if len(far) else None

@@ -32,14 +32,9 @@ AUTO = "auto"
 class Facts:
     """The properties of the sensors on which the rules depend.
 
-    Attributes
-    ----------
-    gnss_sigma, imu_sigma
-        Standard deviations of a fix (m) and of a sample (m/s^2), per axis.
-    gnss_rate, imu_rate
-        Fixes and samples per second, Hz.
-    delay
-        Age of a fix when it arrives, s.
+    gnss_sigma, imu_sigma: standard deviations of a fix (m) and of a sample (m/s^2), per axis.
+    gnss_rate, imu_rate: fixes and samples per second, Hz.
+    delay: age of a fix when it arrives, s.
     """
 
     gnss_sigma: float
@@ -105,10 +100,9 @@ def compute_numbers(facts: Facts, bias_walk: float) -> Plain:
 
 
 def fill_in(plain: Plain) -> Plain:
-    """Return a configuration with the rules' numbers in place of `auto`.
+    """Return plain keys, of one tuning or several, with the rules' numbers in place of `auto`.
 
-    The configuration is plain data, of one tuning or of several. A warning is logged if `auto`
-    stands for sensors beyond those that the rules were made for.
+    A warning is logged if `auto` stands for sensors beyond those that the rules were made for.
     """
     if not any(_holds_auto(part.get(section)) for part in _parts(plain) for section in TUNED):
         return plain
@@ -122,7 +116,7 @@ def fill_in(plain: Plain) -> Plain:
         tilt = find_tilt(plain, sensors.imu)
         _warn(facts, bias_walk)
     numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
-    numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter is told the truth
+    numbers |= {f"{section}.tilt": tilt for section in FILTERS}  # a filter knows the truth
     filled = _fill(plain, numbers)
     if plain.get("tunings"):
         filled["tunings"] = {n: _fill(part, numbers) for n, part in plain["tunings"].items()}
@@ -183,7 +177,6 @@ def take_facts(sensors: SensorConfig) -> Facts:
 
 
 def _warn(facts: Facts, bias_walk: float) -> None:
-    """Log which properties lie beyond the ranges that the rules were made for."""
     for key, value in _name(facts, bias_walk).items():
         low, high = VALID[key]
         if not low <= value <= high:
@@ -195,7 +188,6 @@ def _warn(facts: Facts, bias_walk: float) -> None:
 
 
 def _name(facts: Facts, bias_walk: float) -> dict[str, float]:
-    """Return key of the configuration -> property, for all properties with a range."""
     return {
         "sensors.gnss.sigma": facts.gnss_sigma,
         "sensors.gnss.rate": facts.gnss_rate,
@@ -229,7 +221,7 @@ def _replace(section: S, before: Plain, after: Plain, path: str) -> S:
 
 
 def believe(config: C, tilt: float) -> C:
-    """Return the configuration with filters that believe in a tilt, rad/m."""
+    """Return the configuration with filters that assume a tilt, rad/m."""
     filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
     return changed(config, **filters)
 
@@ -245,9 +237,8 @@ def find_tilt(plain: Plain, imu: Imu) -> float:
 
     If the IMU leans as the structure does, the tilt is the slope of the first mode, with the least
     of `motion.blades` and the structure's own soil. It has four digits, so that it is the same on
-    every machine. It is 0 if there is no such structure; the configuration's checks tell that.
-
-    A filter multiplies the tilt by `GRAVITY`. If the structure has another acceleration of gravity,
+    every machine. It is 0 if there is no such structure; the configuration's checks tell that. A
+    filter multiplies the tilt by `GRAVITY`. If the structure has another acceleration of gravity,
     the tilt makes up for the difference.
     """
     if not isinstance(imu.tilt, str):
@@ -266,8 +257,7 @@ def warn_of_growth(plain: Plain) -> None:
     """Log a warning if the sensors' tilt lets errors grow more than e^`LARGEST_GROWTH` times.
 
     In p'' = f + g tilt p + b an error grows as exp(sqrt(g tilt) t) while no fix corrects it; the
-    longest such time is the fixes' interval and their delay. `plain` is a configuration as plain
-    data.
+    longest such time is the fixes' interval and their delay.
     """
     try:
         sensors = typed(SensorConfig, plain.get("sensors"))

@@ -1,4 +1,4 @@
-"""Solves one window of HME2's moving horizon estimator (MHE) by CasADi, with constraints if any.
+"""Solves one window of HME2's MHE by CasADi, with constraints if any.
 
 HME2 in Python and the compiled HME2 both use this module.
 """
@@ -37,33 +37,18 @@ def solve(
     """Solve a window of the MHE; return the states at the window's nodes, shape (6, nodes).
 
     The states are x, y, v_x, v_y, b_x, b_y: position, velocity and bias. A node is a step at which
-    a position fix is due; the present may be one more node, the last.
+    a fix is due; the present may be one more, the last.
 
-    Parameters
-    ----------
-    mhe
-        The settings of the MHE.
-    solver
-        The solver that CasADi uses: "qrqp" or "ipopt".
-    since_fix
-        Number of IMU steps since the last node at which a fix was due. If positive, the present is
-        one more node.
-    fixes, have
-        Position fixes in m, shape (n, 2), and whether each fix has arrived, shape (n,), for the n
-        nodes at which a fix was due.
-    effects
-        Effects of the inputs on the state from each node to the next, shape (nodes - 1, 6).
-    filled
-        Whether the window's oldest state has a prior from the filter's past. This prior includes
-        the oldest fix, so the fix is not used again.
-    x0, covariance
-        Prior (6,) of the window's oldest state, and the prior's covariance (3, 3) along one axis.
-        `covariance` is None if there is no prior.
-
-    Raises
-    ------
-    ArithmeticError
-        If the solver's answer does not meet the conditions of optimality.
+    solver: the solver that CasADi uses: "qrqp" or "ipopt".
+    since_fix: number of IMU steps since the last fix was due. If positive, the present is one more
+        node.
+    fixes, have: position fixes in m, shape (n, 2), and whether each has arrived, shape (n,).
+    effects: effects of the inputs on the state from each node to the next, shape (nodes - 1, 6).
+    filled: whether the window's oldest state has a prior from the filter's past. This prior
+        includes the oldest fix, so the fix is not used again.
+    x0, covariance: prior (6,) of the oldest state, and its covariance (3, 3) along one axis; None
+        without.
+    Raises ArithmeticError if the solver's answer does not meet the conditions of optimality.
     """
     fixed = mhe.fixed and filled
     rows, lower, upper = constraint_rows(mhe.bounds, sensors)
@@ -115,10 +100,9 @@ def solve(
 def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Array]:
     """Return the constraints on one state x (6,) of the MHE as lower <= rows x <= upper.
 
-    The result is the three arrays rows (n, 6), lower (n,) and upper (n,), for n constraints.
-    `bounds` (3,) are the largest magnitudes of position, velocity and bias; only finite bounds give
-    constraints. The bias is bounded in the IMU's frame: b^b = R' g - R' x4 by Eq. (6) of Ren et al.
-    (2019).
+    The result is rows (n, 6), lower (n,) and upper (n,). `bounds` (3,) are the largest magnitudes
+    of position, velocity and bias; only finite bounds give constraints. The bias is bounded in the
+    IMU's frame: b^b = R' g - R' x4 by Eq. (6) of Ren et al. (2019).
     """
     rows, shift = np.kron(np.eye(3), _I), np.zeros(6)
     rows[4:, 4:] = -sensors.rotation.T
@@ -130,9 +114,5 @@ def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Arra
 
 @lru_cache(maxsize=256)
 def _problem(intervals: int, **kind: Any) -> CasadiWindow:
-    """Return the optimisation problem of a window over a number of GNSS intervals.
-
-    `kind` are the further arguments of `CasadiWindow`. The problem holds no data, so all estimators
-    share one problem.
-    """
+    """Return the problem of a window over some GNSS intervals; without data, so all share it."""
     return CasadiWindow(intervals, states=6, outputs=2, **kind)

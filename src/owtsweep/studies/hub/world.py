@@ -30,25 +30,15 @@ LAYERS = "layers"
 class World(ABC):
     """One kind of truth: a source of motion, and the conditions that it is swept over.
 
-    Attributes
-    ----------
-    name
-        The value of the key `motion` that chooses it.
-    conditions
-        The axes of the grid.
-    section
-        The section of the configuration that holds their values.
-    has_spectrum
-        Whether the motion has the spectrum of Eq. (1) of Ren et al. (2019).
-    boundary
-        The schemes whose boundary is reported: the first is better at amplitudes below the
+    name: the value of the key `motion` that chooses it.
+    conditions, section: the axes of the grid, and the configuration's section with their values.
+    has_spectrum: whether the motion has the spectrum of Eq. (1) of Ren et al. (2019).
+    boundary: the schemes whose boundary is reported: the first is better at amplitudes below the
         boundary, the second above. None: there are no amplitudes.
-    words, counted
-        The conditions in words, for advice to give fewer of them, and for their number: of the
-        counts of records' conditions and of amplitudes.
-    bytes_per_step, seconds_per_step
-        Memory and computing time that the motion of a record needs per IMU step, besides what
-        schemes need.
+    words, counted: the conditions in words, for advice to give fewer of them, and for their number:
+        of the counts of records' conditions and of amplitudes.
+    bytes_per_step, seconds_per_step: memory and computing time that the motion of a record needs
+        per IMU step, besides what schemes need.
     """
 
     name: ClassVar[str]
@@ -87,12 +77,9 @@ class World(ABC):
 
     @abstractmethod
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
-        """Return the source of motion under some conditions, condition -> value.
+        """Return the source of motion under some conditions.
 
-        Raises
-        ------
-        InputError
-            If it cannot be computed; the message names the key.
+        Raises InputError if it cannot be computed; the message names the key.
         """
 
     def describe_values(self, at: Mapping[str, Value]) -> str:
@@ -148,41 +135,31 @@ class SpectrumWorld(World):
     seconds_per_step = 0.0
 
     def get_grid(self, config: HubConfig) -> Grid:
-        """Return natural periods (s) and amplitudes (m)."""
         return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
 
     def order_axes(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return natural period and amplitude."""
         return self.conditions
 
     def check(self, config: HubConfig) -> None:
-        """Raise `InputError` if spectrum, band, envelope and sensors do not fit together.
-
-        The keys that only the plant has are refused.
-        """
         _refuse_keys_of_plant(config)
         _check_envelope(config)
         _check_band(config)
         _check_spectrum(config)
 
     def list_content(self, config: HubConfig) -> Plain:
-        """Return spectrum, band, scale and envelope."""
         whole = as_mapping(config)
         content = {key: whole[key] for key in ("spectrum", "normalise", "band")}
         return content | {"envelope": config.motion.envelope}
 
     def list_pairing(self, config: HubConfig) -> Plain:
-        """Return spectrum, band and scale."""
         return {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
 
     def describe(self, config: HubConfig) -> str:
-        """Return the envelope of the motion in words."""
         points = config.motion.envelope or []
-        told = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
-        return f"amplitude times {told}" if told else ""
+        factors = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
+        return f"amplitude times {factors}" if factors else ""
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
-        """Return the source of motion of an amplitude of 1 m at a natural period."""
         low, high = config.band
         envelope, period = config.motion.envelope, float(conditions["natural_period"])
         shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)

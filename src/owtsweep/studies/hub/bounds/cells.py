@@ -7,9 +7,8 @@ the fixes is included, and no later measurement is used. They need no records.
 
 The efficiency of a scheme is the bound divided by the scheme's error. Against (b) it cannot exceed
 1 but by chance or because the records of a run are not in the steady state. Against (a) it can: a
-scheme whose gains are small shrinks its estimate towards zero, which assumes that the motion is
-small. Where the motion is small, such a scheme gains more by following less of the noise than it
-loses by following less of the motion.
+scheme whose gains are small shrinks its estimate towards zero. Where the motion is small, it gains
+more by following less of the noise than it loses by following less of the motion.
 """
 
 from __future__ import annotations
@@ -46,18 +45,7 @@ DENSE_UP_TO, APART = 1.25, 0.01
 def find_shape(
     config: HubConfig, natural_period: float, *, roll_off: bool = False
 ) -> ShapingFilter:
-    """Fit the shaping filter of the study's motion of a natural period (s); cached in a file.
-
-    Parameters
-    ----------
-    roll_off
-        As of `find_known_motion`.
-
-    Raises
-    ------
-    InputError
-        As `find_spectrum`.
-    """
+    """Fit the shaping filter of a natural period (s), or recall it; see `find_spectrum`."""
     frequency, density = find_spectrum(config, natural_period, roll_off=roll_off)
     place = np.floor(np.log(frequency / (DENSE_UP_TO * config.band[1])) / APART)
     kept = (place < 0.0) | (np.diff(place, prepend=-1.0) > 0.0)
@@ -81,20 +69,11 @@ def find_bounds(
 ) -> dict[str, float]:
     """Compute bound (b) of one cell: measure -> mean square error, x + y, in m^2 and (m/s)^2.
 
-    Parameters
-    ----------
-    natural_period, amplitude
-        Natural period (s) and amplitude (m) of the motion.
-    roll_off
-        Whether the spectrum rolls off outside the band, where the study's is zero (`find_spectrum`
-        says how).
-    direction_known
-        Whether the estimator knows the direction of the motion too; then there is no error across.
-
-    Raises
-    ------
-    InputError
-        As `find_spectrum`, or if the IMU is AC-coupled.
+    natural_period, amplitude: of the motion, s and m.
+    roll_off: as of `find_spectrum`.
+    direction_known: whether the estimator knows the direction of the motion too; then there is no
+        error across.
+    Raises InputError as `find_spectrum`, or if the IMU is AC-coupled.
     """
     check_high_pass(config)
     sensors = sensing.sensors(config.sensors)
@@ -117,16 +96,8 @@ def check_high_pass(config: HubConfig) -> None:
 def compute_bounds(config: HubConfig) -> pd.DataFrame:
     """Compute both bounds of each cell of the configuration's grid.
 
-    Returns
-    -------
-    DataFrame
-        One row per cell and measure, with the columns natural_period (s), amplitude (m), measure,
-        bound_a and bound_b (m^2 or (m/s)^2).
-
-    Raises
-    ------
-    InputError
-        As `find_bounds`.
+    One row per cell and measure, with the columns natural_period (s), amplitude (m), measure,
+    bound_a and bound_b (m^2 or (m/s)^2). Raises InputError as `find_bounds`.
     """
     import pandas as pd
 
@@ -145,8 +116,8 @@ def compute_bounds(config: HubConfig) -> pd.DataFrame:
 def add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
     """Return a table summary with the columns efficiency_a and efficiency_b at the end.
 
-    They are the bounds divided by the mean. They are NaN outside the window "settled", and for
-    measures other than position and velocity.
+    They are the bounds divided by the mean; NaN outside the window `settled`, and for measures
+    other than position and velocity.
     """
     import pandas as pd
 

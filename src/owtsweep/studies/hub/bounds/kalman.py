@@ -1,12 +1,10 @@
 """Computes the Kalman bound: the least error of an estimator that assumes nothing about the motion.
 
-Such an estimator's error is the same whatever the motion. It takes the acceleration from the IMU,
-so the motion is the model Sigma_2 (position, velocity, bias) with the IMU's sample as the input and
-the sample's noise and the bias walk as the only process noise. Of all linear estimators without an
-assumption about the motion, the Kalman filter of this model has the least mean square error; with
-Gaussian noise, of all estimators. A fix is about the past, so the filter runs at the fixes' own
-time, and the samples since then carry its state to the present; no more is known of the present
-than that.
+Such an estimator's error is the same whatever the motion. So the motion is the model Sigma_2
+(position, velocity, bias) with the IMU's sample as the input and the sample's noise and the bias
+walk as the only process noise. Of all linear estimators without an assumption about the motion, the
+Kalman filter of this model has the least mean square error; with Gaussian noise, of all estimators.
+The filter runs at the fixes' own time, and the samples since then carry its state to the present.
 
 The bound holds in the steady state. Two things may lie below it: a scheme that assumes that the
 motion is small (MKF at small amplitudes), and the mean over a few records, by chance.
@@ -45,12 +43,8 @@ def kalman_bounds(config: HubConfig) -> dict[str, float]:
 def bound_of_axis(sensors: Sensors) -> tuple[float, float]:
     """Compute the bounds along one axis, of position (m^2) and of velocity ((m/s)^2).
 
-    The bounds are means over the time between two fixes.
-
-    Raises
-    ------
-    InputError
-        If the sensors' numbers differ too much in magnitude to compute with.
+    They are means over the time between two fixes. Raises InputError if the sensors' numbers differ
+    too much in magnitude to compute with.
     """
     from scipy.linalg import solve_discrete_are
 

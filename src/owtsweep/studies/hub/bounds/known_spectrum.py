@@ -2,10 +2,10 @@
 
 The motion is a shaping filter's, driven by white noise; the IMU's bias is a random walk. Of all
 linear estimators with these sensors, the Kalman filter of this model has the least mean square
-error (with Gaussian motion and noise: of all estimators). A position fix is about the past. So the
-state holds a copy of the position from the time of each fix that is under way, and the fix is a
-measurement of the copy. The measurements repeat with the interval between fixes, and so does the
-filter's covariance in the steady state; the bound is its mean over that interval.
+error (with Gaussian motion and noise: of all estimators). The state holds a copy of the position
+from the time of each fix that is under way, and the fix is a measurement of the copy. In the steady
+state, the filter's covariance repeats with the interval between fixes; the bound is its mean over
+that interval.
 """
 
 from __future__ import annotations
@@ -25,20 +25,9 @@ def bound_of_known_spectrum(
 ) -> tuple[float, float]:
     """Compute the bounds along one axis, of position (m^2) and of velocity ((m/s)^2).
 
-    Parameters
-    ----------
-    shape
-        The spectrum of the motion, as a filter.
-    variance
-        Variance of the position along the axis, m^2.
-    sensors
-        The sensors; their AC coupling and scale of a fix are left out.
-
-    Returns
-    -------
-    tuple of float
-        Mean square errors of the present position and velocity, as means over the steps of the
-        interval between two fixes.
+    shape: the spectrum of the motion, as a filter.
+    variance: of the position along the axis, m^2.
+    sensors: their AC coupling and scale of a fix are left out.
     """
     states = len(shape.B)
     copies = sensors.delay // sensors.fix_interval + 1
@@ -89,7 +78,6 @@ def _rows(shape: ShapingFilter, sensors: Sensors) -> tuple[Array, Array, Array]:
 
 
 def _extend(row: Array, n: int) -> Array:
-    """Return a row of the motion's states, extended by zeros to n states."""
     return np.concatenate([row, np.zeros(n - len(row))])
 
 

@@ -1,9 +1,9 @@
 """Computes a scheme's expected errors, due to motion and to each noise, for records of one length.
 
 Gains, initial states and windows are those of a simulated record, so the expectation holds whether
-or not the scheme settles within the record. There are two approximations. Curves (errors at each
-frequency) are computed at some frequencies, the nodes, and interpolated between nodes. A response
-that has become periodic is assumed to stay periodic.
+or not the scheme settles within the record. There are two approximations. Curves
+(errors at each frequency) are interpolated between some frequencies, the nodes. A response that has
+become periodic is assumed to stay periodic.
 """
 
 from __future__ import annotations
@@ -33,24 +33,17 @@ WALK_TO = 1.0
 class Curves:
     """The expected errors of one scheme for records of one length.
 
-    The array `frequency` has the shape (n,). The other arrays have two axes of length 2: measure
-    (position, velocity) and window (full, settled). Of two units, the first is for position and the
-    second for velocity.
+    Axes of length 2 are measure (position, velocity) and window (full, settled). Of two units, the
+    first is for position and the second for velocity.
 
-    Attributes
-    ----------
-    frequency
-        Frequencies, Hz, shape (n,).
-    motion
-        Mean square error due to a sinusoidal displacement of random phase, divided by the
+    frequency: Hz, shape (n,).
+    motion: mean square error due to a sinusoidal displacement of random phase, divided by the
         displacement's mean square, along the direction of motion; m^2 per m^2 and s^-2; shape
         (2, 2, n).
-    noise
-        Error variance of one axis due to GNSS noise, IMU noise and the random walk of the IMU's
+    noise: error variance of one axis due to GNSS noise, IMU noise and the random walk of the IMU's
         bias; m^2 and (m/s)^2; shape (3, 2, 2).
-    constant
-        Mean square error of one axis due to a constant specific force, divided by the square of the
-        force; s^4 and s^2; shape (2, 2).
+    constant: mean square error of one axis due to a constant specific force, divided by the square
+        of the force; s^4 and s^2; shape (2, 2).
     """
 
     frequency: Array
@@ -59,10 +52,7 @@ class Curves:
     constant: Array
 
     def at(self, frequency: Array) -> Array:
-        """Interpolate `motion` at other frequencies (Hz), shape (m,), inside the motion's band.
-
-        The result has the shape (2, 2, m): measure, window, frequency.
-        """
+        """Interpolate `motion` at m frequencies (Hz) inside its band; shape (2, 2, m)."""
         return _between(frequency, self.frequency, self.motion)
 
 
@@ -71,14 +61,9 @@ def curves(
 ) -> Curves:
     """Compute the expected errors of a chain by running it on test inputs.
 
-    Parameters
-    ----------
-    chain
-        A scheme as arrays for kernels, made for records of `steps` steps.
-    steps, settled
-        Number of steps of a record, and the first step of the settled window.
-    band
-        Lowest and highest frequency of the motion, Hz.
+    chain: made for records of `steps` steps.
+    settled: the first step of the settled window.
+    band: lowest and highest frequency of the motion, Hz.
     """
     prober = _Prober(chain, sensors, steps, settled)
     motion = prober.motion(band)
@@ -97,7 +82,10 @@ def curves(
 
 
 class _Prober:
-    """Runs one chain (a scheme as arrays) on test inputs that are as long as a record."""
+    """Runs a chain on test inputs as long as a record.
+
+    Sums of squared errors have the shape (2, 2): measure, window.
+    """
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.sensors, self.steps = sensors, steps
@@ -105,10 +93,9 @@ class _Prober:
         self.energies = Workspace(chain, sensors, steps, settled).energies
 
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
-        """Compute the sums of squared errors due to sinusoidal motion at frequencies in a band.
+        """Compute the sums (2, 2, n) due to sinusoidal motion at n frequencies in a band (Hz).
 
-        `band` is in Hz. Return n frequencies (Hz) and the sums, shape (2, 2, n): measure, window,
-        frequency. The frequencies are chosen so that interpolation between them is accurate.
+        Return the frequencies, chosen so that interpolation between them is accurate, and the sums.
         """
 
         def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
@@ -123,19 +110,13 @@ class _Prober:
         return nodes.refined(first, answer(first), answer, _between, wrong)
 
     def fixes(self) -> Array:
-        """Compute the sums of squared errors due to noise of variance 1 m^2 in the position fixes.
-
-        The result has the shape (2, 2): measure, window.
-        """
+        """Compute the sums due to noise of variance 1 m^2 in the position fixes."""
         count = fix_count(self.steps, self.sensors.fix_interval)
         per_number = 1.0 / (count * self.sensors.fix_step)
         return self._phasors(count, per_number, lambda n: inputs.fixes(n, count, self.sensors))
 
     def forces(self) -> Array:
-        """Compute the sums of squared errors due to white noise of variance 1 in the IMU's samples.
-
-        The samples are specific forces in m/s^2. The result has the shape (2, 2): measure, window.
-        """
+        """Compute the sums due to white noise of variance 1 (m/s^2)^2 in the IMU's samples."""
         per_number = 1.0 / (self.steps * self.sensors.step)
         return self._phasors(self.steps, per_number, lambda n: inputs.forces(n, self.steps))
 
@@ -143,8 +124,7 @@ class _Prober:
         """Sum squared errors over a basis of `count` phasors, the test inputs `probe(number)`.
 
         A phasor is a cosine and a sine of one frequency: `per_number` (Hz) times the phasor's
-        number. The phasors number n and count - n have equal errors. The result has the shape
-        (2, 2): measure, window.
+        number. The phasors number n and count - n have equal errors.
         """
         number = np.arange(1.0, count // 2 + 1.0)
         weight = np.where(2.0 * number == count, 1.0, 2.0) / count
@@ -152,11 +132,10 @@ class _Prober:
         return constant + self._sum(weight, per_number, probe)
 
     def walks(self) -> Array:
-        """Compute the sums of squared errors due to a Wiener process with increments of variance 1.
+        """Compute the sums due to a Wiener process of specific force with increments of variance 1.
 
-        The Wiener process is a specific force, like the IMU's bias. The covariance of steps k and l
-        is min(k, l); its eigenvectors are sin(angle k), its eigenvalues 1 / (2 - 2 cos angle). The
-        result has the shape (2, 2): measure, window.
+        The covariance of steps k and l is min(k, l); its eigenvectors are sin(angle k), its
+        eigenvalues 1 / (2 - 2 cos angle).
         """
         last = self.steps - 1
         per_number = 0.5 / (self.steps * self.sensors.step)
@@ -169,9 +148,9 @@ class _Prober:
     def _sum(self, weight: Array, per_number: float, probe: Callable[[Array], Probe]) -> Array:
         """Sum weight x squared error over the basis vectors number 1 ... n, where n = len(weight).
 
-        The chain is run on some basis vectors, the test inputs `probe(numbers)`. The squared errors
-        of the other basis vectors are interpolated. A basis vector's frequency is its number times
-        `per_number` (Hz). The result has the shape (2, 2): measure, window.
+        The chain is run on some basis vectors, the test inputs `probe(numbers)`; the squared errors
+        of the others are interpolated. A basis vector's frequency is its number times `per_number`
+        (Hz).
         """
 
         def answer(number: Array) -> Array:
@@ -201,9 +180,9 @@ class _Prober:
 def _between(x: Array, at: Array, values: Array) -> Array:
     """Interpolate curves that are nowhere negative at x, given values (..., n) at the n nodes `at`.
 
-    Interpolation is by monotone cubics in the logarithms of both axes. Before the first node and
-    beyond the last node, curves are constant. A curve that is zero stays zero: a baseline has no
-    error due to noise that it does not use.
+    Interpolation is by monotone cubics in the logarithms of both axes. Beyond the nodes, curves are
+    constant. A curve that is zero stays zero: a baseline has no error due to noise that it does not
+    use.
     """
     from scipy.interpolate import PchipInterpolator
 

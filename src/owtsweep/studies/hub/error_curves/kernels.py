@@ -2,8 +2,8 @@
 
 One call runs sixteen lanes (a cosine or a sine in each) through a long part of the record.
 Sinusoids are made just before they are needed, in buffers that stay in the processor's cache, and
-errors are squared as soon as they are computed. The structures are those of `error_curves.layout`
-and `kernels.layout`.
+errors are squared as soon as they are computed. The arguments are structures of
+`error_curves.layout` and `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -20,15 +20,8 @@ from owtsweep.studies.hub.kernels.runs import estimate, leave
 def advance(k0, stop, judged, course, waves, buffers, chain, memory):
     """Run all lanes from step k0 until their response repeats, or to step `stop`.
 
-    A lane is one sinusoidal test input. Whether the response repeats is first tested after the
-    chunk (steps that are computed together) that reaches the step `judged`, and then every
-    `course.every` steps. The other arguments are structures of `error_curves.layout` and
-    `kernels.layout`.
-
-    Returns
-    -------
-    int, bool
-        The step that was reached, and whether the response repeats there.
+    Repetition is first tested after the chunk that reaches the step `judged`, and then every
+    `course.every` steps. Return the step that was reached, and whether the response repeats there.
     """
     lead, filled, force = course.lead, buffers.filled, buffers.force
     while k0 < stop:
@@ -57,8 +50,7 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
 def repeats(newest, lanes, tolerance, ring):
     """Return whether, in each of the first `lanes` lanes, all complete cycles have equal sums.
 
-    `ring`, arranged as in `Buffers`, holds the sums of squared errors of the newest cycles
-    (stretches of equal length). Sums are equal if they agree to the relative tolerance; NaN equals
+    `ring` is that of `Buffers`. Sums are equal if they agree to the relative tolerance; NaN equals
     nothing. `newest` is the number of the last cycle, which is not complete and does not count.
     """
     slots = len(ring)
@@ -90,10 +82,9 @@ def turn(now):
 def make_waves(stop, waves, buffers):
     """Fill `buffers.force` with specific forces, scaled sinusoids, up to the step stop - 1.
 
-    If the estimates should follow the sinusoids (waves.truth), `buffers.wave` is filled with the
-    sinusoids and their rates. After every `waves.block` steps the sinusoids start anew from
-    `waves.starts`, so that rounding errors do not accumulate. `waves` and `buffers` are `Waves` and
-    `Buffers`.
+    If the estimates should follow the sinusoids (waves.truth), `buffers.wave` is filled with them
+    and their rates. After every `waves.block` steps the sinusoids start again from `waves.starts`,
+    so that rounding errors do not accumulate.
     """
     base, now, starts = buffers.filled[0], waves.now[0], waves.starts
     force, wave, truth = buffers.force, buffers.wave, waves.truth
@@ -129,8 +120,8 @@ def add_squares(k0, count, course, waves, buffers, steps):
     """Add the squared errors of `count` steps, from step k0 on, to the sums in `buffers`.
 
     If waves.truth is set, the wave is the true position and its rate the true velocity; otherwise
-    both are zero. For phasors, the squares of cosine and sine are added together. `course`, `waves`
-    and `buffers` are `Course`, `Waves` and `Buffers`; `steps` are `Memory.steps`.
+    both are zero. For phasors, the squares of cosine and sine are added together. `steps` are
+    `Memory.steps`.
     """
     cycle, ring, sums, t = course.cycle, buffers.ring, buffers.sums, buffers.errors[0]
     k, end = k0, k0 + count

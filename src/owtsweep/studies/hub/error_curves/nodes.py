@@ -4,7 +4,7 @@ A curve is a scheme's error over frequency. Nodes are frequencies or numbers of 
 curve may ripple (due to a memory that ends abruptly), have a peak (due to a poorly damped mode), or
 change within a range of frequencies as small as one over the record's duration (due to a slow mode,
 at multiples of the fix rate). The first nodes are dense enough to show all of these features.
-Intervals between nodes are then halved until interpolation between nodes is accurate enough.
+Intervals between nodes are then halved until interpolation is accurate enough.
 """
 
 from __future__ import annotations
@@ -32,16 +32,10 @@ HALVINGS = 7
 class Scales:
     """The widths (Hz) of the finest features of a scheme's error curves over frequency.
 
-    Attributes
-    ----------
-    window
-        Width due to the scheme's longest memory, the window of the moving horizon estimator, Hz;
-        seen below the fix rate.
-    lag
-        Width due to the smoother and the predictor, Hz; seen at higher frequencies, which only the
-        IMU measures.
-    rate
-        The fix rate: position fixes per second, Hz.
+    window: due to the scheme's longest memory, the window of the MHE; seen below the fix rate.
+    lag: due to the smoother and the predictor; seen at higher frequencies, which only the IMU
+        measures.
+    rate: the fix rate.
     """
 
     window: float
@@ -50,10 +44,7 @@ class Scales:
 
 
 def scales(chain: Chain, sensors: Sensors) -> Scales:
-    """Compute the widths of the finest features of a chain's error curves over frequency.
-
-    A chain is a scheme as arrays for kernels.
-    """
+    """Compute the widths of the finest features of a chain's error curves over frequency."""
     rate = 1.0 / sensors.fix_step
     window = chain.mhe.horizon * sensors.fix_step if chain.mhe.active else 0.0
     lag = (chain.filter.window + chain.predictor.steps) * sensors.step
@@ -62,10 +53,9 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
 
 
 def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
-    """Return the first nodes in a band of frequencies: increasing, both edges included, Hz.
+    """Return the first nodes in a band, both edges included, Hz, increasing.
 
-    Nodes are the frequencies at which a curve is computed. `band` is in Hz; `scales` are the widths
-    of the curve's finest features; `duration` is that of a record, s.
+    `duration` is that of a record, s.
     """
     low, high = band
     nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
@@ -82,8 +72,7 @@ def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Arr
 def numbers(last: int, per_number: float, scales: Scales) -> Array:
     """Return the first nodes among the basis vectors number 1 ... last: whole numbers, increasing.
 
-    Nodes are the basis vectors for which a curve is computed. The frequency of a basis vector is
-    its number times `per_number`, Hz. `scales` are the widths of the curve's finest features.
+    The frequency of a basis vector is its number times `per_number`, Hz.
     """
     decades = np.log10(max(last, 2))
     nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
@@ -109,32 +98,18 @@ def refined(
     matters: Callable[[Array, Array, Array], Array] | None = None,
     whole: bool = False,
 ) -> tuple[Array, Array]:
-    """Halve the intervals between nodes until interpolation between nodes is accurate.
+    """Halve the intervals between nodes, at most `HALVINGS` times, until interpolation is accurate.
 
-    An interval is halved at most `HALVINGS` times.
-
-    Parameters
-    ----------
-    nodes, values
-        The first n nodes, increasing, and the curve's values at these nodes, shape (..., n).
-    answer
-        Function of nodes that computes the curve's values at the nodes.
-    between
-        Function of (x, nodes, values) that interpolates the curve at x.
-    wrong
-        Function of (left, right, predicted, computed): ends of intervals, and interpolated and
-        computed values in their middles. The function returns, for each interval, whether
-        interpolation is too inaccurate.
-    matters
-        Function of (left, right, predicted) that returns, for each interval, whether to compute the
-        curve in its middle; None to compute the curve in the middle of every interval.
-    whole
-        Whether nodes must be whole numbers.
-
-    Returns
-    -------
-    tuple of array
-        All nodes, increasing, and the curve's values at these nodes.
+    nodes, values: the first n nodes, increasing, and the curve's values there, shape (..., n).
+    answer: function of nodes that computes the curve's values at the nodes.
+    between: function of (x, nodes, values) that interpolates the curve at x.
+    wrong: function of (left, right, predicted, computed): ends of intervals, and interpolated and
+        computed values in their middles. It says for each interval whether interpolation is too
+        inaccurate.
+    matters: function of (left, right, predicted) that says for each interval whether to compute the
+        curve in its middle; None to do so in every interval.
+    whole: whether nodes must be whole numbers.
+    Returns: all nodes, increasing, and the curve's values there.
     """
     left, right = nodes[:-1], nodes[1:]
     for _ in range(HALVINGS):

@@ -23,16 +23,10 @@ from owtsweep.studies.hub.peak import peak_factors
 class Lines:
     """The spectral lines (sinusoids) of which records of one length consist.
 
-    Attributes
-    ----------
-    frequency
-        Frequencies of the lines, Hz, evenly spaced, shape (n,).
-    beat
-        Fourier transform, shape (size // 2 + 1,), of a function b. The argument of b is the
-        difference of two lines' numbers. The value of b is the square of the mean that the beat of
-        the two lines has over a record; b(0) = 0.
-    size
-        Number of values of b that are transformed, at least 2 n.
+    frequency: of the lines, Hz, evenly spaced, shape (n,).
+    beat: Fourier transform, shape (size // 2 + 1,), of a function b of the difference of two lines'
+        numbers: the square of the mean that the beat of the two lines has over a record; b(0) = 0.
+    size: number of values of b that are transformed, at least 2 n.
     """
 
     frequency: Array
@@ -69,19 +63,9 @@ def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     shorter records.) The beat of two lines in the error is approximated by their beat in the
     motion, times the geometric mean of the curve at both lines.
 
-    Parameters
-    ----------
-    spectrum
-        The spectrum of the motion.
-    curves
-        Mean square errors per mean square of the motion, at the n lines; shape (..., n).
-    drawn
-        The spectral lines of the records.
-
-    Returns
-    -------
-    array
-        Shape (...), in the unit of the curves times m^2.
+    curves: mean square errors per mean square of the motion, at the n lines; shape (..., n).
+    drawn: the spectral lines of the records.
+    Returns: shape (...), in the unit of the curves times m^2.
     """
     from scipy.fft import rfft
 
@@ -108,11 +92,7 @@ EXPECTED_VERSION = 2
 
 
 def curves_of(config: HubConfig, name: str) -> Curves:
-    """Compute the curves (expected errors) of a scheme of the study, or read them from the cache.
-
-    `name` is the scheme's name. The cache is not used for a scheme of the user if changes of its
-    code could not be noticed.
-    """
+    """Compute a scheme's curves, or recall them if changes of its code would be noticed."""
     sensors = sensing.sensors(config.sensors)
     steps = round(config.record.duration / sensors.step)
     settled = config.measures.find_settled(sensors.step)
@@ -141,8 +121,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
 def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Array:
     """Compute the expected mean square error due to motion of amplitude 1 m at natural periods (s).
 
-    `curve` holds the scheme's errors at each frequency. The axes of the result are natural period,
-    measure (position, velocity), window (full, settled).
+    The axes of the result are natural period, measure (position, velocity), window (full, settled).
     """
     lines = lines_of((config.band[0], config.band[1]), config.record.duration)
     at_lines = curve.at(lines.frequency)

@@ -1,7 +1,7 @@
 """Runs a chain on the sinusoids of a probe and sums its squared errors in a record's windows.
 
-A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. A cosine or sine
-fills a lane; a sinusoid takes one lane or two. Kernels run sixteen lanes, a batch, at once.
+A cosine or sine fills a lane; a sinusoid takes one lane or two. Kernels run sixteen lanes, a
+pair's, at once.
 """
 
 from __future__ import annotations
@@ -28,18 +28,14 @@ MOST_INPUTS = 16_000_000
 #: in JUDGED cycles.
 TOLERANCE = 1e-7
 JUDGED = 32
-#: Number of steps after which sinusoids start anew, so that rounding errors do not accumulate.
+#: Number of steps after which sinusoids start again, so that rounding errors do not accumulate.
 BLOCK = 2048
 #: The fields of `Buffers.errors` beside the wave.
 ERRORS = ("p", "v", "pp", "vv")
 
 
 class Workspace:
-    """Runs one chain (a scheme as arrays) on probes (test inputs) that are as long as a record.
-
-    All runs use the same memory, because allocation takes time. Therefore only one run is allowed
-    at a time.
-    """
+    """Runs one chain on probes as long as a record, one run at a time, in the same memory."""
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.chain, self.arrays, self.cycle = chain, batch.arrays_of(chain), cycle_of(chain)
@@ -49,11 +45,7 @@ class Workspace:
         self.pairs: list[PairMemory] = []
 
     def pair(self, number: int) -> PairMemory:
-        """Return the memory, set to zero, of pair number `number`.
-
-        A pair is sixteen lanes (test inputs) that are run together. Memory is made for a new pair;
-        pairs are numbered from 0 without gaps.
-        """
+        """Return the memory, set to zero, of a pair, which are numbered from 0 without gaps."""
         if number == len(self.pairs):
             count = self.lead + 2 * self.chunk
             memory = new_memory(self.arrays, 2 * LANES, self.chunk)
@@ -69,8 +61,7 @@ class Workspace:
         """Compute the sums of squared errors over a record for each of the probe's n sinusoids.
 
         The result has the shape (2, 2, n): measures position and velocity, windows full and
-        settled. For a phasor (a cosine and a sine of one frequency), the sums of cosine and sine
-        are added.
+        settled. For a phasor, the sums of cosine and sine are added.
         """
         lanes_each = 2 if probe.phasor else 1
         each = min(WIDTH // lanes_each, max(MOST_INPUTS // (self.steps * lanes_each), 1))
@@ -101,7 +92,7 @@ class Workspace:
 
 
 class PairMemory(NamedTuple):
-    """The memory of a pair (sixteen lanes): a scheme's, and `Buffers.force` and `Buffers.wave`."""
+    """The memory of a pair: a scheme's, and `Buffers.force` and `Buffers.wave`."""
 
     memory: Memory
     force: Array
@@ -109,11 +100,7 @@ class PairMemory(NamedTuple):
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs (sixteen lanes each) to the first step at which all responses repeat.
-
-    A lane is one sinusoidal test input. If the responses do not repeat, run to the record's end,
-    `steps`. Return the step reached. Repetition is tested from the step `earliest` on.
-    """
+    """Run pairs to the first step at which all responses repeat; return this step, or `steps`."""
     done = place = agreeing = 0
     while agreeing < len(pairs):
         pair = pairs[place]
@@ -132,8 +119,7 @@ class _Pair:
     """Sixteen lanes: a scheme's state for the lanes, and sums of squared errors.
 
     The lanes hold the sinusoids of `probe`: up to eight cosines and their sines, or up to sixteen
-    sines. Unused lanes are zero. `number` is the number of the memory in `space` that the pair
-    uses.
+    sines. Unused lanes are zero. `number` is that of the memory in `space`.
     """
 
     def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
@@ -156,11 +142,7 @@ class _Pair:
         self.done, self.repeats = 0, False
 
     def advance(self, stop: int, judged: int) -> None:
-        """Run until the response repeats, but at most up to step `stop`.
-
-        Repetition is tested from step `judged` on. The attributes `done` (the step reached) and
-        `repeats` are updated.
-        """
+        """Run until the response repeats, tested from step `judged` on, or to step `stop`."""
         from owtsweep.studies.hub.error_curves.kernels import advance
 
         self.done, self.repeats = advance(
@@ -170,19 +152,12 @@ class _Pair:
 
     @property
     def sums(self) -> Array:
-        """The sums of squared errors; axes are part of the record, measure, sinusoid.
-
-        The parts are before and after settling; the measures are position and velocity.
-        """
+        """The sums of squared errors; axes are part (before, after settling), measure, sinusoid."""
         return self._of_lanes(self.buffers.sums)
 
     @property
     def ring(self) -> Array:
-        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid.
-
-        A slot holds the sums of one cycle. A cycle is the time after which the scheme's gains
-        repeat. The measures are position and velocity.
-        """
+        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid."""
         return self._of_lanes(self.buffers.ring)
 
     def _of_lanes(self, sums: Array) -> Array:
@@ -225,10 +200,7 @@ def _fixes(probe: Probe, space: Workspace) -> Array:
 
 
 def _in_lanes(values: Array, phasor: bool) -> Array:
-    """Arrange values (..., n) in lanes, (..., 16), padded with zeros.
-
-    If `phasor` is true, cosines and sines get the same values, at most eight.
-    """
+    """Arrange values (..., n), at most eight for phasors, in lanes (..., 16) padded with zeros."""
     missing = (1 if phasor else 2) * LANES - values.shape[-1]
     filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
     return np.concatenate([filled, filled], axis=-1) if phasor else filled

@@ -1,7 +1,6 @@
 """Makes the tables of a study that is run by the expected engine.
 
-The expected engine computes means over infinitely many records without making any. The tables'
-columns are those of a study with records, but there are no confidence intervals.
+The columns are those of a study with records, but there are no confidence intervals.
 """
 
 from __future__ import annotations
@@ -42,17 +41,11 @@ MOST_CELLS = 2000
 class Expected:
     """The expected mean square errors of schemes, of one measure in one window.
 
-    A measure is an error such as "position"; a window is a part of the record, "full" or "settled".
     At amplitude N (m) the expected mean square error is N^2 motion + noise.
 
-    Attributes
-    ----------
-    schemes
-        The schemes with results, in the study's order.
-    periods
-        Natural periods, s, increasing.
-    motion, noise
-        Mean square errors due to motion of 1 m and due to noise, shape (schemes, periods) each.
+    periods: natural periods, s, increasing.
+    motion, noise: mean square errors due to motion of 1 m and due to noise, shape
+        (schemes, periods) each.
     """
 
     schemes: tuple[str, ...]
@@ -61,19 +54,16 @@ class Expected:
     noise: Array
 
     def at(self, amplitudes: Array) -> Array:
-        """Compute the expected mean square error at amplitudes (m), shape (n,).
-
-        The result has the shape (schemes, periods, n).
-        """
+        """Compute the mean square errors at n amplitudes (m), shape (schemes, periods, n)."""
         N = np.asarray(amplitudes, dtype=float)
         return np.asarray(superpose(self.motion[..., None], 0.0, self.noise[..., None], N))
 
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
-    """Select one measure and one time window from a study's rows; return the expected errors.
+    """Select one measure and one window from the rows that the expected engine has made.
 
-    `rows` are the rows that the expected engine has made. Failed rows are ignored, and so are rows
-    of one amplitude, as SKF has. Schemes without other rows are left out.
+    Failed rows are left out, and so are rows of one amplitude, as SKF has, and schemes without
+    other rows.
     """
     rows = rows[rows["amplitude"].isna()]
     # plain text instead of the store's categories, which sort differently
@@ -90,18 +80,11 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
 
 @dataclass(frozen=True)
 class Verdict:
-    """The best scheme and the runner-up in every cell (a natural period and an amplitude).
+    """The best scheme and the runner-up in every cell; shape (periods, amplitudes).
 
-    Arrays have the shape (periods, amplitudes).
-
-    Attributes
-    ----------
-    best, runner_up
-        Indices of schemes; `runner_up` is -1 where there is only one scheme.
-    mse_best, mse_runner_up
-        Mean square error of the best scheme and of the runner-up.
-    distinguishable
-        Whether mse_best and mse_runner_up differ by more than `RESOLUTION`, relatively.
+    best, runner_up: indices of schemes; `runner_up` is -1 where there is only one scheme.
+    mse_best, mse_runner_up: mean square errors.
+    distinguishable: whether they differ by more than `RESOLUTION`, relatively.
     """
 
     best: NDArray[np.int64]
@@ -112,11 +95,10 @@ class Verdict:
 
 
 def judge(values: Array) -> Verdict:
-    """Find the scheme of least mean square error and the runner-up in every cell.
+    """Find the best scheme and the runner-up by mean square errors (schemes, periods, amplitudes).
 
-    `values` are mean square errors of shape (schemes, periods, amplitudes). Schemes that agree up
-    to rounding count as one scheme, under the last of their names. The runner-up is the best scheme
-    that does not coincide with the winner (`statistics.contest`).
+    Schemes that agree up to rounding count as one, under the last of their names. The runner-up is
+    the best scheme that does not coincide with the winner (`statistics.contest`).
     """
     result = contest(values.reshape(len(values), -1, 1))
     clear = result.difference > RESOLUTION * result.mse_best
@@ -133,18 +115,9 @@ def judge(values: Array) -> Verdict:
 def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:
     """Find where a baseline is better than the best scheme by more than `RESOLUTION`.
 
-    Parameters
-    ----------
-    values
-        MSE of the baselines, shape (baselines, periods, amplitudes).
-    mse_best
-        MSE of the best scheme, shape (periods, amplitudes).
-
-    Returns
-    -------
-    tuple of array
-        Index of the best baseline where it is better, else -1; and the logarithm of `mse_best`
-        divided by that baseline's MSE, -inf without baselines. Shape (periods, amplitudes) each.
+    `values` are the baselines' MSE, shape (baselines, periods, amplitudes). Return the index of the
+    best baseline where it is better, else -1; and the logarithm of `mse_best` divided by that
+    baseline's MSE, -inf without baselines. Shape (periods, amplitudes) each.
     """
     if not len(values):
         return np.full(mse_best.shape, -1), np.full(mse_best.shape, -np.inf)
@@ -155,8 +128,8 @@ def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Arr
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Make the tables "summary" and "best_scheme" from the rows of a study without records.
 
-    Since there are no records, confidence intervals are NaN and the number of replicates, n, is 0.
-    In grids of more than `MOST_CELLS` cells, "summary" has only the run's criterion and window.
+    Confidence intervals are NaN and the number of replicates, n, is 0. In grids of more than
+    `MOST_CELLS` cells, "summary" has only the run's criterion and window.
     """
     from owtsweep.studies.hub.conditions import criteria
     from owtsweep.studies.hub.listed import list_baselines, scheme_names
@@ -180,13 +153,11 @@ def best_scheme(
     window: str,
     baselines: Sequence[str] = (),
 ) -> pd.DataFrame:
-    """Make the table of the best scheme in every cell (natural period and amplitude).
+    """Make the table of the best scheme in every cell, by each of the `criteria`.
 
-    The columns are those of a study with records. With records, a confidence interval decides
-    whether two schemes are distinguishable. In this table, two schemes are distinguishable if their
-    mean square errors differ by more than `RESOLUTION`, relatively. By this rule, too, a baseline
-    wins against the best scheme. `window` is "full" or "settled"; `criteria` are the measures that
-    are compared; `baselines` are names of baselines, whose rows are compared with the best scheme.
+    The columns are those of a study with records. Two schemes are distinguishable if their mean
+    square errors differ by more than `RESOLUTION`, relatively. By this rule, too, a baseline wins
+    against the best scheme.
     """
     cube = Cube.of_rows(rows, [*schemes, *baselines], CONDITIONS, grid)
     table = find_best_schemes(cube, window, criteria, baselines)
@@ -200,11 +171,7 @@ def best_scheme(
 def coinciding(
     rows: pd.DataFrame, schemes: Sequence[str], window: str, criteria: Sequence[str]
 ) -> list[tuple[str, ...]]:
-    """Find groups of schemes whose errors due to motion and due to noise coincide by all criteria.
-
-    `criteria` are measures such as "position". The members of a group are in the order of
-    `schemes`. The list is empty if no schemes coincide.
-    """
+    """Find groups of schemes whose errors from motion and from noise coincide by all criteria."""
     curves = [expected(rows, schemes, criterion, window) for criterion in criteria]
     names = curves[0].schemes
     marks = np.concatenate([np.hstack([one.motion, one.noise]) for one in curves], axis=1)

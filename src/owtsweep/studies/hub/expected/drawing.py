@@ -42,16 +42,8 @@ def drawings(
 
     The figures are the maps of the best schemes, MSE against amplitude, the error spectra and, if
     the configuration asks for it, the efficiency. In grids of more than `MOST_PERIODS` natural
-    periods, MSE against amplitude is left out.
-
-    Parameters
-    ----------
-    tables
-        The run's tables "summary" and "best_scheme".
-    rows
-        The rows that the expected engine has made.
-    metadata
-        Texts by name to store inside the figures' files.
+    periods, MSE against amplitude is left out. `metadata` are texts to store inside the figures'
+    files.
     """
     from owtsweep.studies.hub.figures import error_spectra
 
@@ -71,12 +63,11 @@ def drawings(
 def draw_map(
     config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame, criterion: str
 ) -> Figure:
-    """Draw the map of the best schemes: amplitude (upwards) against natural period (across).
+    """Draw the map of the best schemes by a criterion: amplitude against natural period.
 
     The map is smooth. Cells are drawn instead if the grid has only one period or amplitude, if the
     spectrum exists only at some periods, or if SKF takes part, whose errors are computed cell by
-    cell. `tables` are the run's tables, `rows` the rows that the expected engine has made.
-    `criterion` is the measure that is compared, "position" or "velocity".
+    cell.
     """
     from owtsweep.figures import smooth_map, style
 

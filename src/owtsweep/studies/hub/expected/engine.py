@@ -1,8 +1,8 @@
 """The engine `expected`: plans the work of a study without records, and makes the study's rows.
 
-A block of work is one scheme at all natural periods. Most of the time goes into the curves of a
-scheme (its errors at each frequency), which do not depend on the period. SKF has other gains at
-each amplitude, so it has a block for each; see `expected.spectral`.
+A block is one scheme at all natural periods. Most of the time goes into the curves of a scheme,
+which do not depend on the period. SKF has other gains at each amplitude, so it has a block for
+each; see `expected.spectral`.
 """
 
 from __future__ import annotations
@@ -27,10 +27,7 @@ from owtsweep.sweep.study import Block
 
 
 def plan(config: HubConfig) -> list[Block]:
-    """Return the blocks of work of a study, each with all natural periods.
-
-    There is one block per scheme, but one per amplitude for SKF.
-    """
+    """Return the blocks of a study: one per scheme, but one per amplitude for SKF."""
     shared = list_content(config)
     if config.normalise == "peak":
         shared["peak_records"] = RECORDS
@@ -60,10 +57,7 @@ def plan(config: HubConfig) -> list[Block]:
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Compute the rows of some blocks of work; yield each block with its rows.
-
-    A block of work is one scheme at all natural periods, or SKF at these and one amplitude.
-    """
+    """Compute the rows of some blocks; yield each block with its rows."""
     for block in blocks:
         chosen, periods = block.choose(config), block.content["natural_periods"]
         if "amplitude" in block.content:
@@ -73,11 +67,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
 
 
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:
-    """Compute the rows of several schemes at natural periods (s), on all cores.
-
-    The rows, as `rows` makes them, are in the order of `names`. The kernels release the GIL, so
-    threads run in parallel.
-    """
+    """Compute the `rows` of several schemes at natural periods (s), in threads on all cores."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         if config.normalise == "peak":
             for rung in ladder(config, periods):  # ready by the time that the rows need them
@@ -93,8 +83,7 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
 
     A row has the mean square error due to motion of 1 m, the mean square error due to noise, and 0
     as the mean product of the two errors. Each further natural period costs only a sum over the
-    scheme's curves, without a loop over steps. If an error is not finite, there is one row with the
-    status "failed".
+    scheme's curves. If an error is not finite, there is one row with the status "failed".
     """
     sensors = sensing.sensors(config.sensors)
     curve = curves_of(config, name)

@@ -1,7 +1,7 @@
 """Computes the expected settled error of SKF in a cell under the true spectrum, without records.
 
-SKF believes in a shaping filter, whose spectrum is near the true one, which has hard edges. Here
-the motion has the true spectrum, so the difference of this error from what SKF states of itself
+SKF assumes a shaping filter, whose spectrum is near the true one, which has hard edges. Here the
+motion has the true spectrum, so the difference of this error from what SKF states of itself
 measures the fit.
 
 It is the limit of long records: the start has died away, and nothing depends on the settling time.
@@ -40,13 +40,9 @@ AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 class SpectralErrors(NamedTuple):
     """The settled mean square errors of SKF along x and y, means over the time between two fixes.
 
-    Attributes
-    ----------
-    true
-        Errors of position (m^2) and velocity ((m/s)^2) under the true spectrum, shape (axes, 2).
-    stated
-        What SKF's covariance says they are: the solution of the periodic Riccati equation of SKF's
-        own model, shape (axes, 2).
+    true: position (m^2) and velocity ((m/s)^2) under the true spectrum, shape (axes, 2).
+    stated: what SKF's covariance says they are: the solution of the periodic Riccati equation of
+        SKF's own model, shape (axes, 2).
     """
 
     true: Array
@@ -58,10 +54,7 @@ def find_expected_errors(
 ) -> SpectralErrors:
     """Compute the errors of SKF at a natural period (s) and an amplitude (m).
 
-    Raises
-    ------
-    InputError
-        If SKF's filter never settles, because its model has a bias without a walk.
+    Raises InputError if SKF's filter never settles, because its model has a bias without a walk.
     """
     sensors = sensing.sensors(config.sensors)
     truth = find_known_motion(config, natural_period, amplitude)
@@ -87,15 +80,7 @@ def find_expected_errors(
 
 
 def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> pd.DataFrame:
-    """Make the rows of SKF at natural periods (s) and an amplitude (m), in the settled window.
-
-    A row has the expected mean square error of one measure as its value.
-
-    Raises
-    ------
-    InputError
-        As `find_expected_errors`.
-    """
+    """Make the rows of SKF at natural periods (s) and an amplitude (m), in the settled window."""
     import pandas as pd
 
     rate = config.sensors.imu.rate
@@ -116,15 +101,10 @@ def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> 
 class ClosedStep(NamedTuple):
     """A step of a filter as a map: state after the measurements = loop state + fast u + slow z.
 
-    Attributes
-    ----------
-    loop
-        Factor of the state of the step before, after its copying, shape (N, N).
-    fast, slow
-        Factors of the fast measurement u and of the slow measurement z, shape (N,) each; `slow` is
-        zero at a step without a slow measurement.
-    copy
-        Factor of the state after the measurements that gives the state after copying, (N, N).
+    loop: factor of the state of the step before, after its copying, shape (N, N).
+    fast, slow: factors of the fast measurement u and of the slow measurement z, shape (N,) each;
+        `slow` is zero at a step without a slow measurement.
+    copy: factor of the state after the measurements that gives the state after copying, (N, N).
     """
 
     loop: Array
@@ -160,24 +140,15 @@ def find_motion_errors(
 ) -> Array:
     """Compute the mean square errors that sinusoidal motions cause.
 
-    Parameters
-    ----------
-    model, rows
-        The filter, with a state of N numbers, n of them states of the shaping filter, and its
-        gains until they have settled.
-    outputs
-        Rows (2, n) of position and velocity.
-    frequencies
-        The angular frequencies of the motions, rad/s, shape (m,); the fast measurement per
-        displacement at each, s^-2, shape (m,); and the time of a step, s.
-    scale
-        The slow measurement per displacement, which the filter takes for 1.
+    The result is for position and velocity per variance of the displacement, 1 and s^-2, shape
+    (2, m); means over a cycle.
 
-    Returns
-    -------
-    Array
-        Mean square errors of position and velocity per variance of the displacement, 1 and s^-2,
-        shape (2, m); means over a cycle.
+    model, rows: the filter, with a state of N numbers, n of them states of the shaping filter, and
+        its gains until they have settled.
+    outputs: rows (2, n) of position and velocity.
+    frequencies: the angular frequencies of the motions, rad/s, shape (m,); the fast measurement per
+        displacement at each, s^-2, shape (m,); and the time of a step, s.
+    scale: the slow measurement per displacement, which the filter takes for 1.
     """
     omega, force, step = frequencies
     steps, n = close_loop(model, rows), len(model.Q)
@@ -218,23 +189,12 @@ def find_noise_errors(
 ) -> Array:
     """Compute the mean square errors of position and velocity that the sensors' noise causes.
 
-    Parameters
-    ----------
-    model, rows, outputs
-        As for `find_motion_errors`.
-    noise
-        The true variances: of the fast and of the slow measurement's noise, and that which the bias
-        gains in a step.
+    They are in m^2 and (m/s)^2, means over a cycle, shape (2,); other parameters are as in
+    `find_motion_errors`.
 
-    Returns
-    -------
-    Array
-        Mean square errors of position (m^2) and velocity ((m/s)^2), means over a cycle, (2,).
-
-    Raises
-    ------
-    InputError
-        If the filter does not settle: its model has a bias without a walk.
+    noise: the true variances: of the fast and of the slow measurement's noise, and that which the
+        bias gains in a step.
+    Raises InputError if the filter does not settle: its model has a bias without a walk.
     """
     from scipy.linalg import solve_discrete_lyapunov
 

@@ -1,7 +1,6 @@
 """Draws how near each scheme comes to the bound: one map of cells per scheme.
 
-The efficiency is the bound divided by the scheme's error. The bound is that of estimators that know
-the motion's spectrum, bound (b) of `bounds.cells`.
+The efficiency is bound (b) of `bounds.cells` divided by the scheme's error.
 """
 
 from __future__ import annotations
@@ -43,11 +42,7 @@ EXPLANATION = (
 
 
 def draw(config: HubConfig, summary: pd.DataFrame, measure: str = "position") -> Figure:
-    """Draw the efficiency of each scheme and baseline over natural period and amplitude.
-
-    `summary` is the run's table "summary" with the column efficiency_b. `measure` is "position" or
-    "velocity". A scheme without results has no panel.
-    """
+    """Draw the efficiency of schemes and baselines over natural period and amplitude."""
     rows = summary[(summary["window"] == WINDOW) & (summary["measure"] == measure)]
     names = [*scheme_names(config), *list_baselines(config)]
     names = [name for name in names if (rows["scheme"] == name).any()]
@@ -81,7 +76,6 @@ def draw(config: HubConfig, summary: pd.DataFrame, measure: str = "position") ->
 
 
 def _draw_cells(axes: Axes, rows: pd.DataFrame, plane: Plane, colours: ScalarMappable) -> None:
-    """Draw the cells of one scheme; `rows` are the scheme's rows of the table."""
     plane.label_axes(axes)
     axes.grid(visible=False)
     for row in rows.to_dict("records"):

@@ -32,25 +32,12 @@ NAME = "envelope"
 def save_envelope(run: Run, structure: Structure, folder: Path) -> tuple[list[Path], list[str]]:
     """Write the map of a run with a structure's envelope, and the table of the sea states behind.
 
-    Parameters
-    ----------
-    run
-        A finished run of the hub study, over natural period and amplitude.
-    structure
-        The structure, which stands in water.
-    folder
-        Folder for envelope.png, envelope.svg and envelope.csv.
+    The files are envelope.png, envelope.svg and envelope.csv. Return their paths, and for each
+    tuning a sentence or two on the best scheme in which sea.
 
-    Returns
-    -------
-    files, sentences
-        The files, and for each tuning a sentence or two on the best scheme in which sea.
-
-    Raises
-    ------
-    InputError
-        If the run is of another study, has no results, or has a map without area; or if the
-        structure does not stand in water.
+    run: a finished run of the hub study, over natural period and amplitude.
+    Raises InputError if the run is of another study, has no results, or has a map without area; or
+    if the structure does not stand in water.
     """
     if run.study.name != "hub":
         raise InputError(
@@ -82,14 +69,7 @@ def make_region(
 ) -> maps_by_tuning.Region:
     """Return the region of a structure's points as it is drawn over a map, with its explanation.
 
-    Parameters
-    ----------
-    points
-        The points of the structure, as `compute_envelope` returns them.
-    structure
-        The structure, for its name.
-    size
-        The column of the size of the motion, "amplitude" or "rms".
+    The points are those of `compute_envelope`; `size` is the column "amplitude" or "rms".
     """
     heights, periods = points["hs"], points["tp"]
     text = (

@@ -1,7 +1,6 @@
 """Draws each scheme's error from motion against frequency, and its error from sensor noise alone.
 
-The figure shows why a scheme wins: because of a smaller error from motion or a smaller error from
-sensor noise.
+The figure shows which of the two errors makes a scheme win.
 """
 
 from __future__ import annotations
@@ -39,11 +38,7 @@ UNITS = {"position": "m²", "velocity": "m²/s²"}
 
 @dataclass(frozen=True)
 class SchemeErrors:
-    """A scheme's settled errors from motion and from noise.
-
-    `spectrum` is the error from motion at each frequency. `floor` is the error from sensor noise;
-    None if this error does not settle.
-    """
+    """A scheme's settled errors: from motion at each frequency, and from noise if these settle."""
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor | None
@@ -52,14 +47,13 @@ class SchemeErrors:
 def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeErrors]:
     """Return scheme -> the settled errors of the scheme, from motion and from sensor noise.
 
-    A scheme is left out if it has no kernel, if its response to motion does not settle with the
-    study's tuning, or if it is code of a stored run's author (such code is not run). `unsettled`
-    describes the schemes that are left out. `points` is the number of frequencies; a few near
-    multiples of the fix rate are dropped.
+    A scheme is left out if it has no kernel, if its response to motion does not settle, or if it is
+    code of a stored run's author (such code is not run); see `unsettled`. `points` is the number of
+    frequencies; a few near multiples of the fix rate are dropped.
     """
     sensors = sensing.sensors(config.sensors)
     low, high = config.band
-    # to the GNSS, a motion at a multiple of the fix rate looks like rest
+    # to the GNSS, a motion at a multiple of the fix rate is like rest
     highest = min(BEYOND[1] * high, max(high, 0.95 / sensors.fix_step))
     frequency = np.geomspace(BEYOND[0] * low, highest, points)
     phase = frequency * sensors.fix_step
@@ -90,22 +84,10 @@ def draw(
 ) -> Figure:
     """Draw the schemes' errors from motion and from sensor noise: position left, velocity right.
 
-    Parameters
-    ----------
-    config
-        The study's configuration.
-    coinciding
-        Groups of schemes with equal results, for the footnote.
-    errors
-        The result of `compute`; None to compute the errors here.
-    motion
-        Whether to draw, below the two panels, the spectra of the motion at the grid's natural
-        periods.
-
-    Raises
-    ------
-    InputError
-        If no scheme of the study has an error spectrum.
+    coinciding: groups of schemes with equal results, for the footnote.
+    errors: the result of `compute`; None to compute the errors here.
+    motion: whether to draw below the spectra of the motion at the grid's natural periods.
+    Raises InputError if no scheme of the study has an error spectrum.
     """
     shown = compute(config) if errors is None else errors
     figure = style.new_figure(10.0, 6.6 if motion else 5.2)
@@ -140,11 +122,7 @@ MOST_SPECTRA = 8
 
 
 def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
-    """Draw the spectra of the motion at the grid's natural periods, each scaled to a peak of 1.
-
-    Of many natural periods, `MOST_SPECTRA` are drawn. `limits` are the ends of the frequency axis,
-    Hz.
-    """
+    """Draw up to `MOST_SPECTRA` spectra of the motion, each scaled to a peak of 1; limits in Hz."""
     from owtsweep.motion.spectra import spectrum
 
     periods = sorted(config.grid.natural_period)
@@ -164,11 +142,7 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
 
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
-    """Write sentences that name the schemes without a curve or without a noise floor, and say why.
-
-    `errors` is the result of `compute`. The list is empty if every scheme has both a curve and a
-    floor.
-    """
+    """Say which schemes lack a curve or a noise floor in what `compute` returned, and why."""
     missing = [s for s in resolve_all(config.schemes, config) if s.name not in errors]
     theirs = [scheme.name for scheme in missing if isinstance(scheme, StoredScheme)]
     ours = [scheme.name for scheme in missing if not isinstance(scheme, StoredScheme)]
@@ -187,13 +161,8 @@ def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
 def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str) -> None:
     """Draw one measure's errors from motion, against frequency, and its errors from noise.
 
-    Both axes are logarithmic; the grid's natural periods are marked. `measure` is "position" or
-    "velocity". `errors` is the result of `compute`.
-
-    Raises
-    ------
-    InputError
-        If `errors` is empty.
+    Both axes are logarithmic; the grid's natural periods are marked. `errors` is the result of
+    `compute`. Raises InputError if it is empty.
     """
     if not errors:
         raise InputError(
@@ -202,8 +171,8 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
         )
     names = list(errors)
     for name, of_scheme in errors.items():
-        look, spectrum = style_of(name, names), of_scheme.spectrum
-        line: style.Look = {"color": look.color, "linestyle": look.line}
+        drawn, spectrum = style_of(name, names), of_scheme.spectrum
+        line: style.Look = {"color": drawn.color, "linestyle": drawn.line}
         curve = spectrum.frequency, spectrum.of(measure)
         axes.loglog(*curve, label=style.label_of(name), linewidth=1.6, **line)
         if of_scheme.floor is not None:
@@ -237,10 +206,7 @@ def _frequency_ticks(axes: Axes, low: float, high: float) -> None:
 
 
 def _mark_periods(axes: Axes, periods: Sequence[float]) -> None:
-    """Mark natural periods (s) by dotted vertical lines and by ticks on the upper edge.
-
-    Periods outside the frequency axis are not marked.
-    """
+    """Mark natural periods (s) on the frequency axis by dotted lines, and ticks at the top."""
     low, high = axes.get_xlim()
     shown = [period for period in periods if low < 1.0 / period < high]
     for period in shown:

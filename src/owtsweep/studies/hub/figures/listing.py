@@ -59,19 +59,10 @@ def drawings(
 ) -> dict[str, Drawing]:
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
-    Some figures show the run's results. The other figures are simulated from the run's
-    configuration.
+    Some show the run's results. The others are simulated from its configuration.
 
-    Parameters
-    ----------
-    config
-        The run's configuration.
-    tables
-        The run's tables "summary" and "best_scheme".
-    rows
-        The run's rows, including those of failed schemes.
-    metadata
-        Texts by name to store inside the figures' files.
+    rows: the run's rows, including those of failed schemes.
+    metadata: texts by name to store inside the figures' files.
     """
     summary, records = tables["summary"], config.grid.replicates
     same = find_coinciding(make_cube(config, rows), CRITERIA)
@@ -94,11 +85,7 @@ def drawings_of_plant(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """List all figures of a run with motion=plant: maps, a record, its spectrum, time histories.
-
-    There are the maps of each combination of those conditions that are not axes of the map.
-    Parameters are those of `drawings`.
-    """
+    """List all figures of a run with motion=plant, with maps for all conditions off their axes."""
     records, same = config.grid.replicates, find_coinciding(make_cube(config, rows), CRITERIA)
     found: dict[str, Draw] = {}
     for end, at in list_maps(config).items():
@@ -119,10 +106,7 @@ DRAWINGS = {"spectrum": drawings, "plant": drawings_of_plant}
 def save_each(
     figures: Mapping[str, Draw], origin: str, metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
-    """Turn functions that draw figures, by name, into functions that draw and save them.
-
-    `origin` is written above each figure: of which truth and which records it is.
-    """
+    """Turn functions that draw figures into functions that save them too, with `origin` above."""
 
     def with_origin(draw: Draw) -> Figure:
         from owtsweep.figures import style
@@ -137,10 +121,7 @@ def save_each(
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """List the two maps of the best scheme by name: judged by the run's criterion, and by velocity.
-
-    `draw_map` draws a map from the name of a criterion, "position" or "velocity".
-    """
+    """List by name the maps of the best scheme by the run's criterion and by velocity."""
     return {
         MAP: partial(draw_map, config.measures.criterion),
         "best_scheme_velocity": partial(draw_map, "velocity"),
@@ -161,26 +142,16 @@ def draw_cells(
 
     With motion=plant, the axes are two of the plant's conditions.
 
-    Parameters
-    ----------
-    tables
-        The run's tables; "best_scheme" is drawn.
-    rows
-        The run's rows, of which failed ones are counted.
-    criterion
-        The measure by which schemes are compared, "position" or "velocity".
-    coinciding
-        Groups of schemes with equal results. The map shows each group under the last of its names.
-    replicates
-        Planned number of records per cell, for the title; None leaves the number out.
-    at
-        Values of the conditions that are not axes of the map, condition -> value.
+    rows: the run's rows, of which failed ones are counted.
+    coinciding: groups of schemes with equal results, shown under the last of their names.
+    replicates: planned number of records per cell, for the title; None leaves it out.
+    at: values of the conditions that are not axes of the map.
     """
     from owtsweep.figures import best_scheme_map
 
     window = config.measures.window
     best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
-    told = f", {find_world(config).describe_values(at)}" if at else ""
+    values = f", {find_world(config).describe_values(at)}" if at else ""
     return best_scheme_map.draw(
         select(best, at or {}),
         names,
@@ -188,7 +159,7 @@ def draw_cells(
         criterion=criterion,
         window=window,
         tuning=config.tuning_name,
-        quantity=f"{criterion} MSE (x + y){told}",
+        quantity=f"{criterion} MSE (x + y){values}",
         coinciding=coinciding,
         replicates=replicates,
         failures=int((rows["status"] == FAILED).sum()),
@@ -204,11 +175,7 @@ def over_amplitude(
     *,
     printed: pd.DataFrame | None = None,
 ) -> dict[str, Draw]:
-    """List the figures of MSE against amplitude by name, one figure per natural period (s).
-
-    `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
-    `printed` are published numbers to mark (`mse_over_amplitude.draw`).
-    """
+    """List the figures of MSE against amplitude by name, one figure per natural period (s)."""
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     draw = partial(
@@ -229,10 +196,7 @@ def over_amplitude(
 
 
 def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]:
-    """List the figure of efficiency, if the configuration asks for efficiency, by its name.
-
-    `summary` is the run's table "summary".
-    """
+    """List the figure of efficiency, if the configuration asks for it, by its name."""
     if not config.measures.efficiency:
         return {}
     from owtsweep.studies.hub.figures import efficiency
@@ -241,10 +205,7 @@ def list_efficiency(config: HubConfig, summary: pd.DataFrame) -> dict[str, Draw]
 
 
 def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]:
-    """List the figure of the errors of single records, if there are several records, by its name.
-
-    `rows` are the run's rows.
-    """
+    """List the figure of the errors of single records, if there are several, by its name."""
     from owtsweep.figures import distributions, style
     from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
 
@@ -267,11 +228,7 @@ def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
-    """List the figures that need the configuration alone: name -> function that draws the figure.
-
-    The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
-    are groups of schemes with equal results, for a footnote.
-    """
+    """List the figures that need the configuration alone: record, spectrum, histories, errors."""
     from owtsweep.studies.hub.figures import error_spectra
 
     return {
@@ -282,7 +239,6 @@ def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> di
 
 
 def _record(config: HubConfig) -> dict[str, Draw]:
-    """List the figures of a displacement record and its spectrum: name -> function that draws."""
     from owtsweep.studies.hub.figures import record_and_spectrum
 
     return {
@@ -292,7 +248,6 @@ def _record(config: HubConfig) -> dict[str, Draw]:
 
 
 def _time_histories(config: HubConfig) -> dict[str, Draw]:
-    """List the figures of one record over time: name -> function that draws the figure."""
     from owtsweep.studies.hub.figures import time_histories
     from owtsweep.studies.hub.histories import simulate_histories
 

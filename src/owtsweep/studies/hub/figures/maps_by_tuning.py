@@ -43,16 +43,11 @@ MOST_LABELS = 300
 
 @dataclass(frozen=True)
 class Region:
-    """A region of natural periods and amplitudes to outline on a map.
+    """A region to outline on a map.
 
-    Attributes
-    ----------
-    natural_period
-        Natural periods (s), increasing, shape (n,).
-    low, high
-        Lower and upper edge of the region there (m), shape (n,).
-    label, text
-        The entry of the legend, and the sentences for the footnote.
+    natural_period: s, increasing, shape (n,).
+    low, high: lower and upper edge of the region there (m), shape (n,).
+    label, text: the entry of the legend, and the sentences for the footnote.
     """
 
     natural_period: Array
@@ -69,19 +64,9 @@ def draw(
 ) -> Figure:
     """Draw one map per tuning, with a sentence below each title.
 
-    Parameters
-    ----------
-    results
-        The results by tuning.
-    at
-        Condition -> value, for the conditions that are not axes of the maps; None for none.
-    region
-        A region to outline on every map; None for none.
-
-    Raises
-    ------
-    InputError
-        If a tuning has no cell that the run's criterion and window judge.
+    at: values of the conditions that are not axes of the maps.
+    region: a region to outline on every map.
+    Raises InputError if a tuning has no cell that the run's criterion and window judge.
     """
     config: AnyConfig = next(iter(results.values())).config
     criterion, window = config.measures.criterion, config.measures.window
@@ -111,10 +96,10 @@ def draw(
         labels = text if len(cells) <= MOST_LABELS else "none"
         draw_cells(axes, cells.to_dict("records"), names, planes[tuning], labels=labels)
         letters = int(12 * max(width, 4.8))
-        told = "\n".join(textwrap.wrap(tell_winners(cells), letters))
+        sentence = "\n".join(textwrap.wrap(tell_winners(cells), letters))
         if region is not None:
             _outline(axes, planes[tuning], region)
-        axes.set_title(f"Tuning {tuning}\n{told}", loc="left", fontsize=10)
+        axes.set_title(f"Tuning {tuning}\n{sentence}", loc="left", fontsize=10)
     named = {str(name) for cells in shown.values() for name in cells["best"]}
     handles: list[Patch] = [
         Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
@@ -143,10 +128,7 @@ def draw(
 
 
 def _find_groups(result: Results, cells: pd.DataFrame, *, second: bool) -> list[Sequence[str]]:
-    """Find the groups of schemes with equal results that the map of a tuning names.
-
-    `second` says whether it names runners-up. Results without rows have no groups.
-    """
+    """Find the groups of schemes with equal results that a map names, as runners-up if `second`."""
     if result.rows.empty:
         return []
     config: AnyConfig = result.config
@@ -162,7 +144,6 @@ _OUTLINE: style.Look = {
 
 
 def _outline(axes: Axes, plane: Plane, region: Region) -> None:
-    """Outline a region on a map."""
     across = plane.column_of(region.natural_period)
     low, high = plane.height_of(region.low), plane.height_of(region.high)
     corners = np.concatenate([np.stack([across, low], 1), np.stack([across, high], 1)[::-1]])

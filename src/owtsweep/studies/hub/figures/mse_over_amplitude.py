@@ -29,30 +29,15 @@ def draw(
 ) -> Figure:
     """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
 
-    Parameters
-    ----------
-    summary
-        The table summary.csv of a run.
-    natural_period
-        One of the natural periods in `summary`, in s.
-    schemes
-        Schemes to draw, in the order of the legend.
-    window
-        The time window of the rows to draw, "full" or "settled"; also named in the title.
-    tuning
-        Name of the tuning, for the title.
-    coinciding
-        Groups of schemes with equal results, for the footnote.
-    baselines
-        Baselines to draw too, as thin lines.
-    printed
-        Published numbers, of which those at this natural period are drawn as hollow marks. Columns:
-        table, natural_period (s), amplitude (m), scheme, measure, value, note.
-
-    Raises
-    ------
-    InputError
-        If `summary` has no data at that period in that window.
+    summary: the table summary.csv of a run.
+    natural_period: one of the natural periods in `summary`, in s.
+    schemes: in the order of the legend.
+    window, tuning: for the title; rows of other windows are not drawn.
+    coinciding: groups of schemes with equal results, for the footnote.
+    baselines: drawn as thin lines.
+    printed: published numbers, of which those at this natural period are drawn as hollow marks.
+        Columns: table, natural_period (s), amplitude (m), scheme, measure, value, note.
+    Raises InputError if `summary` has no data at that period in that window.
     """
     here = {NATURAL_PERIOD: natural_period}
     curves.choose(summary, schemes, window, here)  # baselines alone are no figure
@@ -83,7 +68,6 @@ def draw(
 
 
 def _explain_baselines(baselines: Sequence[str]) -> list[str]:
-    """Write a sentence for the footnote on the baselines that are drawn."""
     if not baselines:
         return []
     told = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in baselines)
@@ -96,10 +80,7 @@ def _choose_marks(
     amplitudes: pd.Series[float],
     schemes: Sequence[str],
 ) -> pd.DataFrame:
-    """Return the published numbers of the schemes at a natural period (s).
-
-    Numbers at amplitudes outside the range of `amplitudes` are left out.
-    """
+    """Return the published numbers of schemes at a natural period (s), in a range of amplitudes."""
     inside = printed["amplitude"].between(amplitudes.min(), amplitudes.max())
     here = np.isclose(printed["natural_period"], natural_period) & inside
     return printed[here & printed["scheme"].isin(list(schemes))]

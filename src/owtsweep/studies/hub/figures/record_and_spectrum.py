@@ -39,18 +39,12 @@ MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
 class Displacement:
     """The displacement of the hub in record 0, and what the figures say about the record.
 
-    Attributes
-    ----------
-    series, step
-        Displacement in m, shape (steps, 2), columns x and y; and the time step, s.
-    natural_period
-        Natural period, s; that of the first mode with motion=plant.
-    title, made_of, size
-        The motion for titles; of what the record is made, and how large the motion is.
-    given, given_label
-        The spectrum of Eq. (1) of Ren et al. (2019) at this natural period, and its label.
-    peaks
-        Label -> frequency (Hz) at which a peak of the spectrum is expected.
+    series, step: displacement in m, shape (steps, 2), columns x and y; and the time step, s.
+    natural_period: s; that of the first mode with motion=plant.
+    title, made_of, size: the motion for titles; of what the record is made, and how large the
+        motion is.
+    given, given_label: the spectrum of Eq. (1) of Ren et al. (2019) at this period, and its label.
+    peaks: label -> frequency (Hz) at which a peak of the spectrum is expected.
     """
 
     series: Array
@@ -94,11 +88,7 @@ def draw_record(config: HubConfig) -> Figure:
 
 
 def draw_spectrum(config: HubConfig) -> Figure:
-    """Draw the spectrum of the study's first displacement record, in a panel for x and one for y.
-
-    Each panel also shows the spectrum of Eq. (1) of Ren et al. (2019), scaled to the record's
-    variance.
-    """
+    """Draw the spectra of x and y in the study's first record, and that of the paper's Eq. (1)."""
     record = _first_record(config)
     rate, series = 1.0 / record.step, record.series
     length = min(round(SEGMENT * rate), len(series))
@@ -148,7 +138,6 @@ def draw_spectrum(config: HubConfig) -> Figure:
 
 
 def _mark_peaks(axes: Axes, peaks: dict[str, float]) -> None:
-    """Draw a vertical line at each expected peak, label -> frequency in Hz."""
     for (label, frequency), linestyle in zip(peaks.items(), ("--", ":"), strict=True):
         axes.axvline(frequency, color=EDGE, linestyle=linestyle, zorder=1.0, label=label)
 

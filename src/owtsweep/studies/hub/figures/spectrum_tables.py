@@ -1,8 +1,4 @@
-"""Draws and tabulates the error spectra and noise floors, for the command `spectrum`.
-
-An error spectrum is a scheme's error from motion over frequency; a noise floor is the scheme's
-error from sensor noise alone.
-"""
+"""Draws and tabulates the error spectra and noise floors, for the command `spectrum`."""
 
 from __future__ import annotations
 
@@ -27,16 +23,10 @@ from owtsweep.studies.hub.noise_floor import SOURCES
 
 
 def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:
-    """Draw the schemes' error spectra, and write error spectra and noise floors as tables.
+    """Write figures of the error spectra, and the tables spectrum and noise_floor, into a folder.
 
-    Return the files written (figures, and the tables "spectrum" and "noise_floor"), and a table of
-    the noise floors for the terminal. `metadata` are texts by name to store inside the figures'
-    files.
-
-    Raises
-    ------
-    InputError
-        If no scheme of the study has an error spectrum.
+    Return the files, and a table of the noise floors for the terminal. Raises InputError if no
+    scheme of the study has an error spectrum.
     """
     errors = error_spectra.compute(config)
     draw = partial(
@@ -52,9 +42,8 @@ def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     """Make a table of the error spectra, one row per scheme and frequency.
 
-    `errors` is the result of `error_spectra.compute`, and not empty. The columns are scheme,
-    frequency (Hz), position and velocity. The last two are mean square errors divided by the mean
-    square of the displacement, in m^2/m^2 and in s^-2.
+    The columns are scheme, frequency (Hz), and position and velocity: mean square errors divided by
+    the mean square of the displacement, in m^2/m^2 and in s^-2.
     """
     parts = [pd.DataFrame({"scheme": name, **vars(of.spectrum)}) for name, of in errors.items()]
     return pd.concat(parts, ignore_index=True)
@@ -63,9 +52,8 @@ def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     """Make a table of the noise floors, one row per scheme, measure and source of noise.
 
-    `errors` is the result of `error_spectra.compute`. The columns are scheme, measure (position or
-    velocity), source (gnss, imu, bias or all), and mse in m^2 or (m/s)^2. The mse is NaN if the
-    scheme's error from noise does not settle.
+    The columns are scheme, measure (position or velocity), source (gnss, imu, bias or all), and mse
+    in m^2 or (m/s)^2; NaN if the scheme's error from noise does not settle.
     """
     rows = []
     for name, of_scheme in errors.items():
@@ -79,11 +67,7 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 
 
 def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
-    """Find the groups of schemes whose error spectra are equal up to rounding.
-
-    `errors` is the result of `error_spectra.compute`. The list is empty if no two spectra are
-    equal.
-    """
+    """Find the groups of schemes whose error spectra are equal up to rounding."""
     spectra = [error.spectrum for error in errors.values()]
 
     def coincide(i: int, j: int) -> bool:
@@ -93,10 +77,7 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
 
 
 def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
-    """Make a table for the terminal: noise floors as root mean squares, in cm and cm/s.
-
-    `noise` is the result of `floors`.
-    """
+    """Make a table for the terminal of what `floors` returns: root mean squares, cm and cm/s."""
     table = Table(
         title=Text(
             f"Settled error from noise alone, rms of x + y, tuning {config.tuning_name}\n"

@@ -43,23 +43,11 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     The lowest panel shows the accumulated errors of x and y, or in a zoomed figure the errors of x.
     Drawn are MKF, HME1 and HME2, or all schemes if the histories have none of these three.
 
-    Parameters
-    ----------
-    histories
-        The result of `owtsweep.studies.hub.histories.simulate_histories`.
-    quantity
-        "position", "velocity", "acceleration" or "bias".
-    zoom
-        Whether to show only a few seconds: `ZOOM` s, or `ACCELERATION_ZOOM` s of acceleration.
-        These seconds end `SPAN` s after the record's start, or at the record's end if that is
-        earlier.
-    tuning
-        Name of the tuning, for the title.
-
-    Raises
-    ------
-    InputError
-        If none of the schemes estimates the quantity.
+    quantity: "position", "velocity", "acceleration" or "bias".
+    zoom: whether to show only `ZOOM` s, or `ACCELERATION_ZOOM` s of acceleration. They end `SPAN` s
+        after the record's start, or at the record's end if that is earlier.
+    tuning: name of the tuning, for the title.
+    Raises InputError if none of the schemes estimates the quantity.
     """
     names = _names(histories, quantity)
     view = _view(histories, quantity, zoom=zoom)
@@ -113,12 +101,7 @@ def _name_part(histories: Histories, view: View) -> str:
 
 
 def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
-    """Return the times (s), shape (n,), and a scheme's estimates at these times, shape (n, 2).
-
-    The columns of the estimates are x and y. The scheme is called `name`; `quantity` is "position",
-    "velocity", "acceleration" or "bias". A time is the moment to which the estimate refers, which
-    may be earlier than the moment at which the estimate is made.
-    """
+    """Return the times (n,), s, to which a scheme's estimates refer, and the estimates (n, 2)."""
     estimated = histories.estimated[name]
     values = getattr(estimated, quantity)
     if quantity in ("position", "velocity"):
@@ -129,11 +112,7 @@ def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Ar
 def _values(
     histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
 ) -> Panel:
-    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates.
-
-    `quantity` is what is shown over time, e.g. "position". `names` are the schemes to draw. `view`
-    are the first and the last time shown, s.
-    """
+    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
 
     def inside(time: Array, values: Array) -> Line:
         return make_line(*clip(time, values[:, axis], view))
@@ -172,19 +151,8 @@ def _drift(
 ) -> tuple[list[Curve], Limits, str]:
     """Make the line of the IMU's integrated acceleration, and a note on the line's drift.
 
-    `quantity` is "position" or "velocity"; `axis` is 0 for x, 1 for y; `view` are the first and the
-    last time shown, s.
-
-    Returns
-    -------
-    marks
-        List with the line, or an empty list if the line lies outside the panel during the whole
-        view.
-    limits
-        Limits of the vertical axis; None for both if the line is not drawn.
-    note
-        When the line leaves the panel, and whether it is shown at all; "" if the line is inside at
-        the end of the view.
+    Return the line, unless it lies outside the panel during the whole view; the limits of the
+    vertical axis, None without the line; and the note, which says when the line leaves the panel.
     """
     time, truth = histories.time, getattr(histories, quantity)[:, axis]
     alone = getattr(histories, f"integrated_{quantity}")[:, axis]
@@ -207,11 +175,7 @@ def _drift(
 
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
-    """Make the panel of the errors of x between two times, the `view` (s).
-
-    If `view` is None, make the panel of the accumulated errors of x and y over the whole record.
-    `quantity` is what is estimated, e.g. "position"; `names` are the schemes to draw.
-    """
+    """Make the panel of the errors of x in the `view`, or of accumulated errors without one."""
     truth = getattr(histories, quantity)
     estimates = {name: _estimate(histories, name, quantity) for name in names}
     errors = {
@@ -257,7 +221,6 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
 
 
 def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
-    """Write sentences on how late each scheme's filter knows its states."""
     lags: dict[float, list[str]] = {}
     for name in names:
         lag = histories.estimated[name].lag * float(histories.time[1])

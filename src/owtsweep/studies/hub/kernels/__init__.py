@@ -1,9 +1,9 @@
 """Compiled kernels: they run a scheme on many series at once, or on one series sample by sample.
 
-The batch engine runs many series at once. A lane is one series of numbers along one axis. All lanes
-share the gains, which do not depend on data. The innermost loop of every step runs over the lanes,
-and LLVM makes vectors of it (`layout` says what that asks for). A record is processed in chunks of
-steps; a chunk's data stay in the processor's cache. Errors are summed during the run.
+All lanes of the batch engine share the gains, which do not depend on data. The innermost loop of
+every step runs over the lanes, and LLVM makes vectors of it (`layout` says what that needs). A
+record is processed in chunks, whose data stay in the processor's cache. Errors are summed during
+the run.
 
 | file | what of Ren et al. (2019) |
 | --- | --- |

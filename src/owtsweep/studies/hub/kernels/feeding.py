@@ -1,7 +1,7 @@
 """Writes a span of up to eight records into arrays with a lane (column) for each series.
 
-A span is some thousand steps. The lanes of a kind stand side by side, one per record: `WIDTH` each.
-The compiled functions run without the GIL.
+The lanes of a kind stand side by side, one per record: `WIDTH` each. The compiled functions run
+without the GIL.
 """
 
 from __future__ import annotations
@@ -28,23 +28,15 @@ def noise(count, lead, normals, begun, bias, imu, force):
 
     The noise is white noise plus the IMU's bias (a random walk) minus gravity.
 
-    Parameters
-    ----------
-    lead
-        The row of `force` to which the first sample goes.
-    normals
-        Standard normal numbers, shape (lanes, 4, steps). The second axis is: bias in x, white noise
-        in x, bias in y, white noise in y.
-    begun, bias
-        The bias at the sample before the first, shape (lanes, 2). Unless `begun` is true, there is
-        no such sample, and the bias starts at its initial value. `bias` is updated to the last
-        sample.
-    imu
-        (walk, initial, sigma, gravity): standard deviation of the bias' change per step, initial
+    lead: the row of `force` to which the first sample goes.
+    normals: shape (lanes, 4, steps). The second axis is: bias in x, white noise in x, bias in y,
+        white noise in y.
+    begun, bias: the bias at the sample before the first, shape (lanes, 2), updated to the last.
+        Unless `begun` is true, there is no such sample, and the bias starts at its initial value.
+    imu: (walk, initial, sigma, gravity): standard deviation of the bias' change per step, initial
         bias, standard deviation of the white noise, and gravity (2,) in NED, all in m/s^2.
-    force
-        Array (rows, 3 WIDTH). The noise of x is written behind the first WIDTH columns, the noise
-        of y behind that of x.
+    force: shape (rows, 3 WIDTH). The noise of x is written behind the first WIDTH columns, the
+        noise of y behind that of x.
     """
     walk, initial, sigma, gravity = imu
     for axis in range(2):
@@ -65,8 +57,8 @@ def whole_series(count, lead, amplitude, direction, force, result):
     """Compute the specific force in x and y at an amplitude (m): scaled motion plus noise, m/s^2.
 
     `force`, shape (rows, 3 WIDTH), holds the motion's acceleration along the wave at unit
-    amplitude, the noise of x and the noise of y. `direction` holds the wave's direction cosines,
-    shape (2,). `count` rows of `result`, shape (rows, 2 WIDTH), are written from row `lead` on: x,
+    amplitude, the noise of x and the noise of y. `direction` (2,) holds the wave's direction
+    cosines. `count` rows of `result`, shape (rows, 2 WIDTH), are written from row `lead` on: x,
     then y.
     """
     for i in range(lead, lead + count):

@@ -1,7 +1,7 @@
 """The multirate Kalman filter, Algorithm 6 of Ren et al. (2019), on many lanes.
 
-A lane is one series along one axis. A row (`Memory.steps`) holds a step's state p, v, a, b
-(position, velocity, acceleration, bias) and its innovations.
+A row (`Memory.steps`) holds a step's state p, v, a, b (position, velocity, acceleration, bias) and
+its innovations.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from owtsweep.studies.hub.kernels.predicting import add_input
 
 @part
 def next_row(row, rows, cycle):
-    """Return the gain schedule's row of the next step; the last `cycle` rows repeat for ever."""
+    """Return the schedule's row of the next step; the last `cycle` rows repeat for ever."""
     return row + 1 if row + 1 < rows else rows - cycle
 
 
@@ -24,14 +24,9 @@ def predict_and_correct(before, now, force, at, f, K, row):
 
     The predicted position is left in now.s, for `correct`.
 
-    Parameters
-    ----------
-    before, now
-        The rows of the step before and of this step.
-    force, at
-        The specific forces (rows, lanes), and the row of this step's.
-    f, K, row
-        The filter (`FilterArrays`), its gains, and the row of the gains.
+    before, now: the rows of the step before and of this step.
+    force, at: the specific forces (rows, lanes), and the row of this step's.
+    f, K, row: the filter (`FilterArrays`), its gains, and the row of the gains.
     """
     A, B, h = f.A, f.B, f.h
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
@@ -72,8 +67,8 @@ def correct(now, positions, at, K, row):
 def filter_chunk(k0, count, fed, f, steps):
     """Filter the `count` steps from step k0 on; the states go to the last rows of `steps`.
 
-    Row 0 holds the state before.
-    `fed`, `f` and `steps` are `Fed`, `FilterArrays` and `Memory.steps`.
+    Row 0 holds the state before. `fed`, `f` and `steps` are `Fed`, `FilterArrays` and
+    `Memory.steps`.
     """
     force, fixes, source = fed.force, fed.fixes, k0 - f.input_delay - fed.base
     K, applied, M, first = f.K, f.applied, f.fix_interval, f.window + 1
@@ -96,8 +91,7 @@ def filter_chunk(k0, count, fed, f, steps):
 def filter_chunk_with_mhe(k0, count, fed, f, mhe, memory):
     """Filter as `filter_chunk` does, but with the positions of the MHE (HME2, Algorithm 2).
 
-    The MHE (moving horizon estimator) is run on the way, as its arrival state is the filter's.
-    `mhe` and `memory` are `HorizonArrays` and `Memory`.
+    The MHE is run on the way, as its arrival state is the filter's.
     """
     force, fixes, source = fed.force, fed.fixes, k0 - f.input_delay - fed.base
     steps, nodes, held = memory.steps, memory.nodes, memory.now[0]

@@ -1,14 +1,13 @@
-"""The moving horizon estimator (MHE) of HME2, Eq. (11) of Ren et al. (2019), without constraints.
+"""The moving horizon estimator of HME2, Eq. (11) of Ren et al. (2019), without constraints.
 
 Its least squares problem is linear. So the state at the newest fix is a matrix times the window's
 data: fixes, what the inputs between them add to position and velocity, and an arrival state. The
 window (`Memory.nodes`) is registers 2 and 3 of the paper, Algorithms 4 and 5. `take_fix` and
 `make_position` do so for many series.
 
-If fixes are missing or weighed, the window is solved anew, by a square-root information filter
-(`solve_window`). The problem is a chain of nodes, one node per fix, with links between successive
-nodes. It is factorised node by node: one QR step over each link yields a block of factors for the
-older node and a 3 x 3 factor for the newer node. Both axes share the factors.
+If fixes are missing or weighed, the window is solved again, by a square-root information filter
+(`solve_window`): one QR step over each link yields a block of factors for the older node and a 3 x
+3 factor for the newer node. Both axes share the factors.
 """
 
 from __future__ import annotations
@@ -99,10 +98,9 @@ NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
 
 @njit
 def put(target, row, column, source):
-    """Copy the matrix `source` into a larger matrix, `target`.
+    """Copy the matrix `source` into a larger one, from a row and a column of `target` on.
 
-    The first element of `source` goes to the given row and column of `target`. (numba takes seconds
-    to compile an assignment of slices.)
+    (numba takes seconds to compile an assignment of slices.)
     """
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
@@ -111,10 +109,7 @@ def put(target, row, column, source):
 
 @njit
 def take(target, source, row, column):
-    """Fill the matrix `target` with a part of a larger matrix, `source`.
-
-    The part's first element is at the given row and column of `source`.
-    """
+    """Fill the matrix `target` with the part of `source` that begins at a row and a column."""
     for i in range(target.shape[0]):
         for j in range(target.shape[1]):
             target[i, j] = source[row + i, column + j]
@@ -140,10 +135,7 @@ def square_root_information(P, U):
 
 @njit
 def triangularise(M, columns):
-    """Make the first `columns` columns of M zero below the diagonal, by Householder reflections.
-
-    M, shape (rows, width), is changed in place.
-    """
+    """Make M (rows, width) triangular in its first columns by Householder reflections, in place."""
     rows, width = M.shape
     for c in range(min(columns, rows - 1)):
         norm = 0.0
@@ -172,23 +164,16 @@ def triangularise(M, columns):
 def solve_window(n, h, m, x0, prior, kind, first):
     """Solve a window of n links; write the newest node's state to m.nodes[n].
 
-    A link leads from one node to the next. A state is (3, 2): position, velocity and bias of both
-    axes. For the older nodes only factors are left in m.blocks, from which `older_nodes` computes
-    their states. The data must determine the states.
+    A state is (3, 2): position, velocity and bias of both axes. For the older nodes only factors
+    are left in m.blocks, from which `older_nodes` computes their states. The data must determine
+    the states.
 
-    Parameters
-    ----------
-    h
-        The weights of the least squares problem, `HorizonSettings`.
-    m
-        The fixes, the effects of the inputs, and memory for factors and nodes: `OnlineRegisters`.
-    x0, prior
-        The arrival state (3, 2), and the square root (3, 3) of its information matrix.
-    kind
-        What is known about the oldest node: NO_ARRIVAL (nothing), PRIOR (x0 with uncertainty) or
+    h: the weights of the least squares problem, `HorizonSettings`.
+    m: the fixes, the effects of the inputs, and memory for factors and nodes: `OnlineRegisters`.
+    x0, prior: the arrival state (3, 2), and the square root (3, 3) of its information matrix.
+    kind: what is known about the oldest node: NO_ARRIVAL (nothing), PRIOR (x0 with uncertainty) or
         FIXED (its state is x0).
-    first
-        The fixes of nodes before number `first` are left out.
+    first: the fixes of nodes before number `first` are left out.
     """
     A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
     z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes
@@ -260,9 +245,8 @@ def solve_window(n, h, m, x0, prior, kind, first):
 def older_nodes(n, blocks, nodes):
     """Compute the states of the nodes n - 1 ... 0 from the state of node n, by back substitution.
 
-    A node is a time at which a fix may come. `blocks` are the factors that `solve_window` leaves,
-    shape (n or more, 3, 8). `nodes`, shape (n + 1 or more, 3, 2), holds the state of node n and
-    gets the other states.
+    `blocks`, shape (n or more, 3, 8), are the factors that `solve_window` leaves. `nodes`, shape
+    (n + 1 or more, 3, 2), holds the state of node n and gets the others.
     """
     for node in range(n - 1, -1, -1):
         block = blocks[node]
@@ -278,12 +262,11 @@ def older_nodes(n, blocks, nodes):
 
 @njit
 def violates(x, bounds, rotation, gravity):
-    """Return whether a node's state x breaks a constraint on either axis.
+    """Return whether a node's state x (3, 2) breaks a constraint on either axis.
 
-    The state x (3, 2) is position, velocity and x4 of both axes, where x4 = -R b^b + g contains the
-    bias b^b (Eq. 6 of Ren et al. 2019). The bounds (3,) apply to the magnitudes of position and
-    velocity in NED and of the bias in the IMU's frame. `rotation` is R (2, 2), `gravity` is g (2,)
-    in NED, m/s^2.
+    The bounds (3,) apply to the magnitudes of position and velocity in NED and of the bias b^b in
+    the IMU's frame; the state has x4 = -R b^b + g (Eq. 6 of Ren et al. 2019). `rotation` is R
+    (2, 2), `gravity` is g (2,) in NED, m/s^2.
     """
     for axis in range(2):
         bias = 0.0  # b^b = R' (g - x4), Eq. (6)

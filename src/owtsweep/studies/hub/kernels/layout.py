@@ -1,9 +1,8 @@
 """The arrays that the batch engine's kernels take: a scheme, its input, its memory.
 
-A chain is a scheme as arrays. A lane is one series of numbers along one axis. Kernels run all lanes
-of a row side by side: their innermost loops run over the lanes, and LLVM makes vectors of them.
-For that, a row is a record whose fields have a fixed number of lanes, so the compiler knows that
-fields do not overlap. A chunk is a stretch of a record whose steps are computed together.
+Kernels run all lanes of a row side by side: their innermost loops run over the lanes, and LLVM
+makes vectors of them. For that, a row is a record whose fields have a fixed number of lanes, so the
+compiler knows that fields do not overlap.
 """
 
 from __future__ import annotations
@@ -28,22 +27,15 @@ STATE = ("p", "v", "a", "b")
 class FilterArrays(NamedTuple):
     """The filter and smoother along one axis; states are position, velocity, acceleration, bias.
 
-    Attributes
-    ----------
-    A, B, h
-        Transition matrix (4, 4), input column (4,), and measurement row (4,) of specific force.
-    K
-        The filter's gains, shape (rows, 4, 2); the last axis is position, specific force.
-    applied
-        Whether the position is used at a step with this row of K, shape (rows,).
-    C, D
-        The smoother's gains (rows, 4, 4), and its gains for the innovations that leave the window
+    A, B, h: transition matrix (4, 4), input column (4,), and measurement row (4,) of specific
+        force.
+    K: the filter's gains, shape (rows, 4, 2); the last axis is position, specific force.
+    applied: whether the position is used at a step with this row of K, shape (rows,).
+    C, D: the smoother's gains (rows, 4, 4), and those for innovations that leave the window
         (rows, 4, 2).
-    cycle
-        K, C and D have one row per step. After the last row, the last `cycle` rows repeat.
-    input_delay, window, fix_interval
-        Delay of the specific force, length of the smoother's window, and time between fixes, all in
-        steps.
+    cycle: after the last row of K, C and D, the last `cycle` rows repeat.
+    input_delay, window, fix_interval: delay of the specific force, the smoother's lag, and time
+        between fixes, all in steps.
     """
 
     A: Array
@@ -62,8 +54,8 @@ class FilterArrays(NamedTuple):
 class LeanTerms(NamedTuple):
     """What an IMU that leans as it moves adds in one step of integrating its specific force.
 
-    In one step the position also grows by `pp` times itself, `pv` times the velocity and `pu` times
-    the input; the velocity by `vp`, `vv` and `vu` times these three. All are zero without a lean.
+    The position also grows by `pp` times itself, `pv` times the velocity and `pu` times the input;
+    the velocity by `vp`, `vv` and `vu` times these three. All are zero without a lean.
     """
 
     pp: float
@@ -109,32 +101,18 @@ class PredictorArrays(NamedTuple):
 
 
 class HorizonArrays(NamedTuple):
-    """The moving horizon estimator (MHE) without constraints: matrices that turn data into states.
+    """The MHE without constraints: matrices that turn data into states.
 
-    Attributes
-    ----------
-    active
-        Whether the scheme has an MHE.
-    maps
-        One matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
+    active: whether the scheme has an MHE.
+    maps: one matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
         columns are explained in `estimation.mhe.window_map`.
-    horizon
-        N_m, the number of intervals between fixes in a full window of the MHE.
-    interval
-        T_m, the time between the MHE's positions, in steps.
-    first
-        Number of the first fix at which the MHE's window can be solved.
-    arrival
-        Whether the MHE's window has an arrival state (a prior of its oldest state).
-    inputs
-        Which IMU samples are taken: ALL, AVERAGED or SAMPLED.
-    step
-        Sampling interval of the IMU, s.
-    growth
-        What a state at the last fix adds to position and velocity, beside itself, k steps later;
-        shape (steps between fixes, 2, 3), see `hub.horizon.growth_over`.
-    lean
-        What an IMU that leans adds in one step.
+    horizon: N_m, the number of intervals between fixes in a full window.
+    interval: T_m, the time between the MHE's positions, in steps.
+    first: number of the first fix at which the window can be solved.
+    arrival: whether the window has an arrival state (a prior of its oldest state).
+    inputs: which IMU samples are taken: ALL, AVERAGED or SAMPLED.
+    step: sampling interval of the IMU, s.
+    growth: as of `hub.horizon.growth_over` after the last fix, shape (steps between fixes, 2, 3).
     """
 
     active: bool
@@ -150,8 +128,6 @@ class HorizonArrays(NamedTuple):
 
 
 class ChainArrays(NamedTuple):
-    """The arrays of a whole scheme: filter with smoother, predictor, moving horizon estimator."""
-
     filter: FilterArrays
     predictor: PredictorArrays
     mhe: HorizonArrays
@@ -160,14 +136,8 @@ class ChainArrays(NamedTuple):
 class Fed(NamedTuple):
     """The data on which a scheme is run.
 
-    Attributes
-    ----------
-    force
-        Specific force, m/s^2, shape (rows, lanes).
-    base
-        The specific force of step k is in row k - base.
-    fixes
-        Position fixes, m, shape (fixes, lanes).
+    force: specific force, m/s^2, shape (rows, lanes); that of step k is in row k - base.
+    fixes: position fixes, m, shape (fixes, lanes).
     """
 
     force: Array
@@ -178,14 +148,10 @@ class Fed(NamedTuple):
 class Truth(NamedTuple):
     """The true motion, with which the estimates are compared.
 
-    Attributes
-    ----------
-    motion
-        Displacement along the wave (m) at unit amplitude in the first `WIDTH` columns, and its rate
-        (m/s) in the others; shape (rows, 2 WIDTH). Step k is in the same row as in `Fed`.
-    direction
-        The wave's direction cosines along x and y, times the amplitude of the motion in m (1 if
-        motion and noise are run apart); shape (2,).
+    motion: displacement along the wave (m) at unit amplitude in the first `WIDTH` columns, and its
+        rate (m/s) in the others; shape (rows, 2 WIDTH). Step k is in the same row as in `Fed`.
+    direction: the wave's direction cosines along x and y, times the amplitude of the motion in m (1
+        if motion and noise are run apart); shape (2,).
     """
 
     motion: Array
@@ -197,13 +163,10 @@ class Weights(NamedTuple):
 
     NEES is the normalised estimation error squared, NIS the normalised innovation squared.
 
-    Attributes
-    ----------
-    precision
-        Elements pp, pv, vv of the inverse covariance of position p and velocity v along an axis,
-        shape (rows, 3).
-    innovation, fresh
-        Inverse of the innovation's variance, and whether there is an innovation, shape (rows,).
+    precision: elements pp, pv, vv of the inverse covariance of position p and velocity v along an
+        axis, shape (rows, 3).
+    innovation, fresh: inverse of the innovation's variance, and whether there is an innovation,
+        shape (rows,).
     """
 
     precision: Array
@@ -214,30 +177,21 @@ class Weights(NamedTuple):
 class Memory(NamedTuple):
     """The memory of a running scheme, all zero at first, as the algorithms of the paper start.
 
-    Attributes
-    ----------
-    steps
-        One row per step. Fields: the state p, v, a, b (position, velocity, acceleration, bias) and
-        the innovations r of the specific force and s of the position. Row 0 is the filter's state
-        before the chunk; the next `window` rows (the smoother's lag) are kept from the chunk
-        before; the filter writes step k0 + i, where k0 is the chunk's first step, to row
-        1 + window + i. Smoother and predictor then replace what stands in the rows 1, 2, ...: in
-        the end row 1 + i holds the estimate of step k0 + i.
-    back
-        The smoother's correction p, v, a, b; one row.
-    inputs
-        What the inputs (specific forces) of the prediction add to position and velocity: p, v; one
-        row.
-    nodes
-        The MHE's window, registers 2 and 3 of the paper; fix number q is in row q modulo the number
-        of rows. Fields: the fix z; what the inputs until the next fix add to position and velocity,
-        ip and iv; the filter's state p, v, b.
-    now
-        The MHE between two fixes; one row. Fields: p and v, what the inputs since the last fix add
+    steps: one row per step, with the fields p, v, a, b (the state) and the innovations r of the
+        specific force and s of the position. Row 0 is the filter's state before the chunk; the next
+        `window` rows are kept from the chunk before; the filter writes step k0 + i, where k0 is the
+        chunk's first step, to row 1 + window + i. Smoother and predictor then replace what stands
+        in the rows 1, 2, ...: in the end row 1 + i holds the estimate of step k0 + i.
+    back: the smoother's correction p, v, a, b; one row.
+    inputs: what the inputs (specific forces) of the prediction add to position and velocity: p, v;
+        one row.
+    nodes: the MHE's window, registers 2 and 3 of the paper; fix number q is in row q modulo the
+        number of rows. Fields: the fix z; what the inputs until the next fix add to position and
+        velocity, ip and iv; the filter's state p, v, b.
+    now: the MHE between two fixes; one row. Fields: p and v, what the inputs since the last fix add
         to position and velocity; the sum of the IMU samples since the last multiple of T_m, and the
         sample or average taken until the next; np, nv, nb, the MHE's state at the last fix.
-    position
-        The MHE's newest position, which the filter takes, m, shape (1, lanes).
+    position: the MHE's newest position, which the filter takes, m, shape (1, lanes).
     """
 
     steps: Rows
@@ -271,9 +225,9 @@ SUMS = (
 def new_sums(lanes: int) -> Rows:
     """Make sums, all zero, for a run of `lanes` lanes: one row before and one after settling.
 
-    The fields p, v, motion and square are the estimates, the truth and the squared position error
-    of the step whose errors are being added. Kernels copy them into the row of the sums, because
-    the compiler knows that fields of one row do not overlap.
+    The fields p, v, motion and square are those of the step whose errors are being added. Kernels
+    copy them into the row of the sums, because the compiler knows that fields of one row do not
+    overlap.
     """
     own = [("p", lanes), ("v", lanes), ("motion", 2 * WIDTH), ("square", WIDTH)]
     return make_mixed_rows(own + [(name, WIDTH) for name in SUMS], 2)
@@ -283,8 +237,7 @@ def products(sums: Rows, direction: Array) -> Array:
     """Arrange sums as (2, 6, 3, WIDTH): part of the record, quantity, product, replicate.
 
     The parts are before and after settling; the quantities x, y, vx, vy, NEES, NIS; the products
-    motion x motion, motion x noise, noise x noise. `direction` are the wave's direction cosines
-    (2,), times the amplitude.
+    motion x motion, motion x noise, noise x noise. `direction` (2,) is that of `Truth`.
     """
     cx, cy = direction
     result = np.empty((2, 6, 3, WIDTH))

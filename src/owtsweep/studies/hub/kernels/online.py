@@ -1,11 +1,10 @@
 """Runs one estimator sample by sample, with gains for the measurements that really arrived.
 
-These kernels serve all four schemes on two axes: MHE (moving horizon estimator), filter, fixed-lag
-smoother, predictor, where all parts but the filter may be absent. All parts but the filter are
-recomputed from their registers at every step, so rounding errors do not accumulate. Memory is
-constant: registers have one row per step, and when they are full, the newest rows are moved to the
-front. In all kernels f, h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
-Smoother and predictor are in `online_output`.
+These kernels serve all four schemes on two axes. All parts but the filter are recomputed from their
+registers at every step, so rounding errors do not accumulate. Memory is constant: registers have
+one row per step, and when they are full, the newest rows are moved to the front. In all kernels f,
+h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`. Smoother and predictor are in
+`online_output`.
 """
 
 from __future__ import annotations
@@ -45,10 +44,9 @@ from owtsweep.studies.hub.kernels.predicting import add_input
 
 @njit
 def distance(fix, state, variance):
-    """Return the distance of a fix (2,) from a state's position, in standard deviations.
+    """Return the distance of a fix (2,) from a state (states, 2), in standard deviations.
 
-    The state has the shape (states, 2), positions first; `variance`, m^2, is that of the difference
-    along each axis.
+    `variance`, m^2, is that of the difference along each axis.
     """
     x, y = fix[0] - state[0, 0], fix[1] - state[0, 1]
     return np.sqrt((x * x + y * y) / variance)
@@ -56,11 +54,7 @@ def distance(fix, state, variance):
 
 @njit
 def judge(far, settings, counter):
-    """Return the weight, from 0 to 1, of a new fix that is `far` standard deviations away.
-
-    `settings` are `FilterSettings`. `counter[BEYOND]`, of `OnlineRegisters`, counts the fixes in a
-    row beyond the limit.
-    """
+    """Return the weight, from 0 to 1, of a new fix that is `far` standard deviations away."""
     if far <= settings.fix_limit:
         counter[BEYOND] = 0
         return 1.0
@@ -71,12 +65,11 @@ def judge(far, settings, counter):
 
 
 @njit
-def weigh_anew(n, h, m):
-    """Weigh the fixes of the MHE's window by their distances from its nodes; tell of changes.
+def weigh_again(n, h, m):
+    """Weigh the fixes of the MHE's window, of n links, by their distances from its nodes.
 
-    The MHE is the moving horizon estimator. The window has n links; h and m are `HorizonSettings`
-    and `OnlineRegisters`. The square roots of the weights go to m.weight. Return whether a weight
-    changed by more than `LEAST_CHANGE`.
+    The square roots of the weights go to m.weight. Return whether a weight changed by more than
+    `LEAST_CHANGE`.
     """
     variance = 1.0 / (h.inverse_sigma * h.inverse_sigma)
     changed = 0.0
@@ -91,22 +84,13 @@ def weigh_anew(n, h, m):
 
 @njit
 def advance(begin, resume, samples, f, h, m, estimates):
-    """Process the samples from row `begin` on and fill the rows of the estimates.
+    """Process the samples from row `begin` on and fill the rows of `OnlineEstimates`.
 
-    Return the number of rows when all rows are done. If the MHE (moving horizon estimator) violates
-    its constraints at a row, return the number of this row. The caller then solves the MHE's window
-    with its constraints and puts the position into m.given (at a fix, also the state into m.node).
-    Then the caller calls this function again, from this row, with `resume` set.
-
-    Parameters
-    ----------
-    samples
-        The specific force (steps, 2), m/s^2 in the IMU's frame, and the position fixes (steps, 2),
-        m in NED; NaN for a missing fix.
-    f, h, m
-        `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
-    estimates
-        The arrays to fill, `OnlineEstimates`.
+    Return the number of rows when all are done. If the MHE violates its constraints at a row,
+    return the number of this row. The caller then solves the window with its constraints, puts the
+    position into m.given (at a fix, also the state into m.node), and calls again, from this row,
+    with `resume` set. Samples are the specific force (steps, 2), m/s^2 in the IMU's frame, and the
+    position fixes (steps, 2), m in NED; NaN for a missing fix.
     """
     force, fixes = samples
     state, covariance, innovation, variance = estimates
@@ -142,10 +126,9 @@ def advance(begin, resume, samples, f, h, m, estimates):
 
 @part
 def take_sample(force, f, m):
-    """Turn the newest sample of specific force (2,) to NED; store the result in m.force.
+    """Turn the newest specific force (2,) to NED; store it in m.force, register 1 of the paper.
 
-    m.force is register 1 of Ren et al. (2019). If the registers are full, the newest rows of all
-    registers are first moved to the front. `f` is `FilterSettings`, `m` is `OnlineRegisters`.
+    If the registers are full, the newest rows of all are first moved to the front.
     """
     row = m.counter[ROW] + 1
     keep = f.delay + f.window + 2
@@ -166,8 +149,8 @@ def take_sample(force, f, m):
 def filter_step(fresh, f, m):
     """Run one step of the Kalman filter (Algorithm 6 of Ren et al. 2019), gain included.
 
-    `fresh` says whether m.given holds a position of this step. `f` is `FilterSettings`, `m` is
-    `OnlineRegisters`. Return the variance of the position's innovation along an axis, m^2.
+    `fresh` says whether m.given holds a position of this step. Return the variance of its
+    innovation along an axis, m^2.
     """
     row = m.counter[ROW]
     before, now, at = m.steps[row - 1], m.steps[row], row - f.delay
@@ -207,12 +190,10 @@ def predicted_variance(f, m):
 
 @njit
 def take_fix(fresh, fix, f, h, m):
-    """Add a node to the MHE's window, with a position fix or without; solve the window.
+    """Add a node to the MHE's window, with a fix (2,) if `fresh`; solve the window.
 
-    The MHE is the moving horizon estimator; a node is a time at which a fix may come. The window is
-    solved only if the window's fixes determine its states. Nodes are kept in registers 2 and 3 of
-    Ren et al. (2019). `fix` (2,) is used if `fresh` is true, that is, if a fix came. f, h and m are
-    `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
+    It is solved only if its fixes determine its states. Nodes are kept in registers 2 and 3 of Ren
+    et al. (2019).
     """
     n = m.counter[LINKS]
     if m.counter[STEP] > 0:
@@ -259,7 +240,7 @@ def take_fix(fresh, fix, f, h, m):
     if h.fix_rule == HUBER:
         for _ in range(MOST_WEIGHINGS):
             older_nodes(n, m.blocks, m.nodes)
-            if not weigh_anew(n, h, m):
+            if not weigh_again(n, h, m):
                 break
             solve_window(n, h, m, x0, prior, kind, first)
     put(m.node, 0, 0, m.nodes[n])
@@ -269,11 +250,7 @@ def take_fix(fresh, fix, f, h, m):
 
 @part
 def horizon_has_position(f, h, m):
-    """Return whether the MHE has a position for the filter at this step.
-
-    The MHE is the moving horizon estimator. f, h and m are `FilterSettings`, `HorizonSettings` and
-    `OnlineRegisters`.
-    """
+    """Return whether the MHE has a position for the filter at this step."""
     since = m.counter[STEP] % f.fix_interval
     if m.counter[DETERMINED]:
         return m.counter[STEP] % h.interval == 0
@@ -282,11 +259,7 @@ def horizon_has_position(f, h, m):
 
 @part
 def horizon_position(f, h, m):
-    """Put the MHE's position, if there is one at this step, into m.given.
-
-    Return False if the state of the MHE (moving horizon estimator) breaks a constraint; else True.
-    f, h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
-    """
+    """Put the MHE's position, if there is one, into m.given; return whether constraints hold."""
     n = m.counter[LINKS]
     since = m.counter[STEP] % f.fix_interval
     if not m.counter[DETERMINED]:
@@ -305,7 +278,7 @@ def horizon_position(f, h, m):
         last[2, axis] = b
         m.given[0, axis] = last[0, axis]
     if h.constrained:
-        if since > 0:  # the nodes at fixes were checked, and solved anew, at the last fix
+        if since > 0:  # the nodes at fixes were checked, and solved again, at the last fix
             # with a tolerance: this node is predicted from one that may be on its bound
             return not violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
         start = 1 if h.arrival == FIXED and m.counter[STEP] >= h.length * f.fix_interval else 0
@@ -319,10 +292,8 @@ def horizon_position(f, h, m):
 def after_filter(f, h, m):
     """Store the filter's state for the MHE, and integrate this step's specific force.
 
-    The MHE is the moving horizon estimator. The filter's state and covariance go to register 3 of
-    Ren et al. (2019), but only at steps at which a fix may come. The specific force is integrated
-    as the MHE takes it: all samples, averaged or sampled. f, h and m are `FilterSettings`,
-    `HorizonSettings` and `OnlineRegisters`.
+    State and covariance go to register 3 of Ren et al. (2019), but only at steps at which a fix may
+    come. The force is integrated as the MHE takes it: all samples, averaged or sampled.
     """
     n, x = m.counter[LINKS], m.steps[m.counter[ROW]]
     if m.counter[STEP] % f.fix_interval == 0:

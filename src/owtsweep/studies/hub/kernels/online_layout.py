@@ -27,15 +27,10 @@ PICK = (0, 1, 3)
 class OnlineEstimates(NamedTuple):
     """The output of an online estimator over some steps.
 
-    Attributes
-    ----------
-    state
-        Shape (steps, 4): x, y (m), v_x, v_y (m/s); x is north, y is east.
-    covariance
-        Covariance of position and velocity along an axis, equal for both axes; shape (steps, 2, 2).
-    innovation, innovation_variance
-        Innovation of the position along x and y (m), shape (steps, 2), and its variance along each
-        axis (m^2), shape (steps,); NaN at steps without an innovation.
+    state: x, y (m), v_x, v_y (m/s), shape (steps, 4); x is north, y is east.
+    covariance: of position and velocity along an axis, equal for both axes; shape (steps, 2, 2).
+    innovation, innovation_variance: innovation of the position along x and y (m), shape (steps, 2),
+        and its variance along each axis (m^2), shape (steps,); NaN at steps without an innovation.
     """
 
     state: Array
@@ -47,33 +42,21 @@ class OnlineEstimates(NamedTuple):
 class FilterSettings(NamedTuple):
     """The settings of filter, smoother and predictor, for one axis; times are in IMU steps.
 
-    Attributes
-    ----------
-    A, B, Q
-        The filter's transition matrix (4, 4), input column (4,) and process noise covariance
+    A, B, Q: the filter's transition matrix (4, 4), input column (4,) and process noise covariance
         (4, 4).
-    slow, h, r_slow, r_fast
-        Measurement rows (4,) of position and specific force, and the variances of their noises.
-    rule
-        Index in `estimation.gains.RULES`: how a step without a position fix is treated.
-    P0
-        Covariance (4, 4) of the first state.
-    fix_interval, delay, window
-        Time between position fixes, delay of the specific force, length of the smoother's window.
-    predicts
-        Whether there is a predictor.
-    predictor
-        The predictor's numbers.
-    ahead, response, added
-        The predictor's transition matrix over all its steps (3, 3), its response to the noise of
-        each input (inputs, 3), and the covariance that noise during the prediction adds (3, 3).
-    rotation, gravity
-        Rotation (2, 2) from the IMU's frame to NED, and gravity (2,) in NED, m/s^2.
-    fix_rule, fix_limit
-        What happens to a position whose innovation is longer than `fix_limit` standard deviations:
-        PLAIN, GATE or HUBER.
-    fix_patience
-        Number of positions that a gate refuses in a row.
+    slow, h, r_slow, r_fast: measurement rows (4,) of position and specific force, and the variances
+        of their noises.
+    rule: index in `estimation.gains.RULES`: how a step without a position fix is treated.
+    P0: covariance (4, 4) of the first state.
+    fix_interval, delay, window: time between fixes, delay of the specific force, the smoother's
+        lag.
+    ahead, response, added: the predictor's transition matrix over all its steps (3, 3), its
+        response to the noise of each input (inputs, 3), and the covariance that noise during the
+        prediction adds (3, 3).
+    rotation, gravity: rotation (2, 2) from the IMU's frame to NED, and gravity (2,) in NED, m/s^2.
+    fix_rule, fix_limit: what happens to a position whose innovation is longer than `fix_limit`
+        standard deviations: PLAIN, GATE or HUBER.
+    fix_patience: number of positions that a gate refuses in a row.
     """
 
     A: Array
@@ -101,35 +84,22 @@ class FilterSettings(NamedTuple):
 
 
 class HorizonSettings(NamedTuple):
-    """The settings of the moving horizon estimator (MHE), Eq. (11) of Ren et al. (2019).
+    """The settings of the MHE, Eq. (11) of Ren et al. (2019).
 
-    Attributes
-    ----------
-    active
-        Whether the scheme has an MHE.
-    interval
-        T_m, the time between the MHE's positions, in IMU steps.
-    length
-        N_m, the number of links in the window; a link leads from one fix to the next.
-    arrival
-        What is known about the oldest state: 0 nothing, 1 a prior, 2 the state itself.
-    inputs
-        Which IMU samples the MHE takes: 0 all, 1 averaged, 2 sampled.
-    step
-        Sampling interval of the IMU, s.
-    transition
-        Transition matrix (3, 3) from one fix to the next.
-    link, inverse_sigma, prior
-        Weights as square roots of information (inverse covariance): of a link (3, 3), of a fix, and
-        of the oldest state while the window fills (3, 3).
-    constrained, bounds
-        Whether there are constraints, and the bounds (3,) of |p|, |v| and |b^b|, the bias in the
-        IMU's frame; a quantity without a bound has the bound infinity.
-    growth, lean
-        As in `HorizonArrays`.
-    fix_rule, fix_limit
-        PLAIN, or HUBER: a fix counts less if its distance from the window's state is longer than
-        `fix_limit` standard deviations of a fix.
+    active: whether the scheme has an MHE.
+    interval: T_m, the time between the MHE's positions, in IMU steps.
+    length: N_m, the number of links in the window; a link leads from one fix to the next.
+    arrival: what is known about the oldest state: 0 nothing, 1 a prior, 2 the state itself.
+    inputs: which IMU samples the MHE takes: 0 all, 1 averaged, 2 sampled.
+    step: sampling interval of the IMU, s.
+    transition: transition matrix (3, 3) from one fix to the next.
+    link, inverse_sigma, prior: weights as square roots of information (inverse covariance): of a
+        link (3, 3), of a fix, and of the oldest state while the window fills (3, 3).
+    constrained, bounds: whether there are constraints, and the bounds (3,) of |p|, |v| and |b^b|,
+        the bias in the IMU's frame; infinity for none.
+    growth, lean: as in `HorizonArrays`.
+    fix_rule, fix_limit: PLAIN, or HUBER: a fix counts less if its distance from the window's state
+        is longer than `fix_limit` standard deviations of a fix.
     """
 
     active: bool
@@ -153,51 +123,35 @@ class HorizonSettings(NamedTuple):
 class OnlineRegisters(NamedTuple):
     """The registers of an online estimator, for two axes, x and y.
 
-    The MHE is the moving horizon estimator. A node is a time at which a fix may come, and a link
-    leads from one node of the MHE's window to the next. T_m is the time between the MHE's
-    positions.
+    A link leads from one node of the MHE's window to the next. Arrays with `rows` have one per
+    recent step.
 
-    Attributes
-    ----------
-    counter
-        The counters STEP, ROW, LINKS, DETERMINED, BEYOND; shape (5,).
-    P
-        The covariance (4, 4) of the filter's state.
-    work
-        Working memory (3, 4, 4) of the filter and the smoother.
-    predicted, given
-        The predicted position and the position that the filter takes, m, shape (1, 2) each.
-    force, steps, K
-        One row per recent step: specific force in NED (rows, 2), filtered state and innovations as
-        in `Memory.steps`, with the lanes x and y, and the gains (rows, 4, 2).
-    C, Pm, Pf
-        One row per recent step, shape (rows, 4, 4): the smoother's gain, and the covariances of the
-        predicted and of the filtered state.
-    back, inputs, estimate
-        The smoother's correction, what the predictor's inputs add, and the smoothed and then
-        predicted state; one row each, as in `Memory`, the states with the fields of `steps`.
-    smoothed, coupling, no_coupling
-        Results of `estimation.windowing.covariances`, shapes (window + 1, 4, 4) and
-        (window + 1, 4, 3), and a coupling of zero (4, 3).
-    zero
-        A state of zeros (3, 2).
-    z, have, weight
-        Position fix (m) of each node, shape (nodes, 2), whether the fix arrived, and the square
-        root of its weight in the window's cost.
-    effects
-        What the specific force adds to the state from each node to the next, shape (links, 3, 2).
-    states, covariances
-        The filter's position, velocity and bias at the nodes, shape (nodes, 3, 2), and their
-        covariances (nodes, 3, 3).
-    now
-        The MHE between two nodes, one row: the fields p, v, gathered and sample of `Memory.now`.
-    prior
-        Square root of the information about the oldest node (3, 3).
-    node, nodes
-        The MHE's state at the newest node (3, 2), and at all nodes and the present
+    counter: the counters STEP, ROW, LINKS, DETERMINED, BEYOND; shape (5,).
+    P: the covariance (4, 4) of the filter's state.
+    work: working memory (3, 4, 4) of the filter and the smoother.
+    predicted, given: the predicted position and the position that the filter takes, m, shape (1, 2)
+        each.
+    force, steps, K: specific force in NED (rows, 2), filtered state and innovations as in
+        `Memory.steps`, with the lanes x and y, and the gains (rows, 4, 2).
+    C, Pm, Pf: the smoother's gain, and the covariances of the predicted and of the filtered state,
+        shape (rows, 4, 4).
+    back, inputs, estimate: the smoother's correction, what the predictor's inputs add, and the
+        smoothed and then predicted state; one row each, as in `Memory`, the states with the fields
+        of `steps`.
+    smoothed, coupling, no_coupling: results of `estimation.windowing.covariances`, shapes
+        (window + 1, 4, 4) and (window + 1, 4, 3), and a coupling of zero (4, 3).
+    zero: a state of zeros (3, 2).
+    z, have, weight: position fix (m) of each node, shape (nodes, 2), whether the fix arrived, and
+        the square root of its weight in the window's cost.
+    effects: what the specific force adds to the state from each node to the next, shape
+        (links, 3, 2).
+    states, covariances: the filter's position, velocity and bias at the nodes, shape (nodes, 3, 2),
+        and their covariances (nodes, 3, 3).
+    now: the MHE between two nodes, one row: the fields p, v, gathered and sample of `Memory.now`.
+    prior: square root of the information about the oldest node (3, 3).
+    node, nodes: the MHE's state at the newest node (3, 2), and at all nodes and the present
         (nodes + 1, 3, 2).
-    blocks
-        Factors of the window's least squares problem, shape (links, 3, 8).
+    blocks: factors of the window's least squares problem, shape (links, 3, 8).
     """
 
     counter: NDArray[np.int64]

@@ -19,9 +19,8 @@ from owtsweep.studies.hub.kernels.smoothing import (
 def smoother_gain(A, filtered, predicted, work, C):
     """Compute the smoother's gain C = P_{k|k} A' P_{k+1|k}^-1 by Gaussian elimination.
 
-    `filtered` is P_{k|k}, `predicted` is P_{k+1|k}; all matrices are (n, n). The gain is written to
-    C. `work` is memory for at least two matrices. There is no pivoting, since covariances do not
-    need pivoting.
+    `filtered` is P_{k|k}, `predicted` is P_{k+1|k}; all matrices are (n, n). `work` is memory for
+    at least two. There is no pivoting, since covariances do not need it.
     """
     n = len(A)
     M, X = work[0], work[1]
@@ -51,9 +50,8 @@ def smoother_gain(A, filtered, predicted, work, C):
 def output(f, m, state, covariance):
     """Smooth and predict (Algorithms 8 and 9 of Ren et al. 2019); write the present estimate.
 
-    x, y, v_x, v_y are written to `state` (4,). The covariance of position and velocity along an
-    axis is written to `covariance` (2, 2). Without a predictor, the filter's state is the estimate.
-    `f` is `FilterSettings`, `m` is `OnlineRegisters`.
+    x, y, v_x, v_y are written to `state` (4,), the covariance of position and velocity along an
+    axis to `covariance` (2, 2). Without a predictor, the filter's state is the estimate.
     """
     row, k, window = m.counter[ROW], m.counter[STEP], f.window
     if not f.predicts:
@@ -97,10 +95,9 @@ def write(x, state):
 
 @njit
 def output_covariance(f, m, covariance):
-    """Write the covariance of predicted position and velocity to `covariance` (2, 2).
+    """Write the covariance (2, 2) of predicted position and velocity, equal for both axes.
 
-    The covariance is equal for both axes. `hub.chain` uses the same formula for the batch engine.
-    `f` is `FilterSettings`, `m` is `OnlineRegisters`.
+    `hub.chain` uses the same formula for the batch engine.
     """
     row, window = m.counter[ROW], f.window
     if f.delay + window == 0:

@@ -1,8 +1,8 @@
 """The predictor, Algorithm 9 of Ren et al. (2019): the model alone, from a past state to now.
 
-The model is linear. So the prediction is the past state times A^n, plus what the inputs (specific
-forces) of the n steps add to position and velocity. The latter is a moving sum: in each step the
-newest input is included and the oldest left out.
+The model is linear. So the prediction is the past state times A^n, plus what the inputs
+(specific forces) of the n steps add to position and velocity. The latter is a moving sum: in each
+step the newest input is included and the oldest left out.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from owtsweep.compiled import part
 
 @part
 def add_input(sums, u, T, half, lean):
-    """Integrate an input twice over a step: p = p + T v + T^2/2 u, v = v + T u.
+    """Integrate an input u twice over a step T, in place: p = p + T v + T^2/2 u, v = v + T u.
 
-    `sums` is a row with p and v, what the inputs add to position and velocity; u is the input of
-    each lane. `half` is T^2/2; `lean` are the `LeanTerms` of an IMU that leans.
+    `sums` is the row with p and v; `half` is T^2/2; `lean` are the `LeanTerms` of an IMU that
+    leans.
     """
     pp, pv, pu, vp, vv, vu = lean.pp, lean.pv, lean.pu, lean.vp, lean.vv, lean.vu
     for i in range(len(sums.p)):
@@ -29,7 +29,7 @@ def predict(x, sums, force, at, m):
     """Replace the past state in the row x by the prediction of now; move the sums on by a step.
 
     `sums` is the row with what the inputs of the last m.steps steps add. Row `at` of `force`
-    (rows, lanes) is the newest input. `m` is `PredictorArrays`.
+    (rows, lanes) is the newest input.
     """
     n, T, half, lean = m.steps, m.step, m.half, m.lean
     pv, pb, pp, vb, vp, vv = m.pv, m.pb, m.pp, m.vb, m.vp, m.vv
@@ -48,8 +48,7 @@ def predict(x, sums, force, at, m):
 def predict_chunk(k0, count, fed, m, steps, inputs):
     """Predict the `count` steps from step k0 on, from the states in the rows 1, 2, ... of `steps`.
 
-    The moving sums are computed anew for every chunk, so that rounding errors do not accumulate.
-    `fed`, `m`, `steps` and `inputs` are `Fed`, `PredictorArrays`, and fields of `Memory`.
+    The moving sums are computed again for every chunk, so that rounding errors do not accumulate.
     """
     force, start, sums = fed.force, k0 - fed.base, inputs[0]
     for i in range(len(sums.p)):

@@ -1,8 +1,7 @@
 """Runs a chain over records, chunk by chunk, and sums the errors during the run.
 
-A chain is a scheme as arrays; a chunk is a stretch of a record whose steps are computed together:
-so few that what filter, smoother, predictor and summation leave for the next of them stays in the
-second-level cache. Arguments are the structures of `kernels.layout`.
+A chunk has so few steps that what filter, smoother, predictor and summation leave for the next of
+them stays in the second-level cache. Arguments are the structures of `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ def estimate(k0, count, fed, chain, memory, whole):
     """Estimate the `count` steps from step k0 on: [MHE ->] filter [-> smoother] [-> predictor].
 
     The estimate of step k0 + i is left in row 1 + i of memory.steps. If `whole` is true, there is
-    no prediction: the row holds the whole state of step k0 + i - window. `leave` must be called
-    before the next chunk.
+    no prediction: the row holds the whole state of step k0 + i - window. Call `leave` before the
+    next chunk.
     """
     f, steps = chain.filter, memory.steps
     if chain.mhe.active:
@@ -45,17 +44,12 @@ def leave(count, window, steps):
 def run(stretch, fed, truth, chain, weights, memory, sums, squared):
     """Run a scheme on eight records; add the products of the errors to `sums`.
 
-    Parameters
-    ----------
-    stretch
-        (begin, stop, chunk, settled): the steps begin ... stop - 1 are processed `chunk` steps at a
-        time; errors from step `settled` on count as settled.
-    sums
-        What `layout.new_sums` makes: for three lanes per record, motion and noise apart, or for
+    stretch: (begin, stop, chunk, settled): the steps begin ... stop - 1 are processed `chunk` steps
+        at a time; errors from step `settled` on count as settled.
+    sums: what `layout.new_sums` makes: for three lanes per record, motion and noise apart, or for
         two, motion plus noise.
-    squared
-        Either (steps, 8), to be filled with the squared position error of each step of a run with
-        two lanes per record, or empty.
+    squared: either (steps, 8), to be filled with the squared position error of each step of a run
+        with two lanes per record, or empty.
     """
     k0, stop, chunk, settled = stretch
     f, steps = chain.filter, memory.steps

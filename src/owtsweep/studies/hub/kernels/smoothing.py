@@ -1,11 +1,10 @@
 """The online smoother, Algorithm 8 of Ren et al. (2019), in O(1) operations per step.
 
 With the innovations i_k = (s, r) of position and specific force, the corrections e_k = K_k i_k and
-the smoother's gains C_k and D_k, the smoothed state is x_{k|k} + S_k, where
-S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}): step k + 1 enters the sum, step
-k + 1 + window leaves it.
-This recursion is stable backwards in time only. So each chunk (steps that are computed together)
-starts it anew, one window after the chunk's last state; inside this window nothing leaves.
+the smoother's gains C_k and D_k, the smoothed state is x_{k|k} + S_k, where S_k = C_k (e_{k+1} +
+S_{k+1} + D_{k+1} i_{k+1+window}): step k + 1 enters the sum, step k + 1 + window leaves it. This
+recursion is stable backwards in time only. So each chunk starts it again, one window after the
+chunk's last state; inside this window nothing leaves.
 """
 
 from __future__ import annotations
@@ -76,8 +75,7 @@ def add_correction(x, S):
 def smooth_chunk(k0, count, f, steps, back):
     """Smooth the states of the steps k0 - window ... k0 - window + count - 1, in place.
 
-    They stand in the rows 1 ... count of `steps`. Before step 0 there are none. `f`, `steps` and
-    `back` are `FilterArrays` and fields of `Memory`.
+    They stand in the rows 1 ... count of `steps`. Before step 0 there are none.
     """
     S, window, K, C, D, applied = back[0], f.window, f.K, f.C, f.D, f.applied
     rows, cycle = K.shape[0], f.cycle

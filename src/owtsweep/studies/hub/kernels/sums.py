@@ -1,10 +1,10 @@
 """Sums of squared errors of eight replicates at once, computed during the run.
 
-A replicate is one record. In a superposed run it has three lanes: motion (the response to the unit
-displacement along the wave), noise of x, noise of y. An axis responds to motion as the motion's
-lane does, times the axis' direction cosine. So the products motion x motion, motion x noise and
-noise x noise give the errors at every amplitude. In a direct run a replicate has two lanes, x and y
-of motion plus noise; its squares count as noise x noise. Lanes of one kind stand side by side.
+In a superposed run a replicate has three lanes: motion (the response to the unit displacement along
+the wave), noise of x, noise of y. An axis responds to motion as the motion's lane does, times the
+axis' direction cosine. So the products motion x motion, motion x noise and noise x noise give the
+errors at every amplitude. In a direct run a replicate has two lanes, x and y of motion plus noise;
+its squares count as noise x noise. Lanes of one kind stand side by side.
 
 NEES is e' P^-1 e for the errors e of position and velocity, NIS is s^2 / S for the innovation s;
 both are sums over the axes. `layout.new_sums` explains the row t of the sums.
@@ -31,8 +31,7 @@ def copy_estimate(t, x, motion, at):
 def add_products(t, cx, cy, P, row):
     """Add the products of the errors from motion and of those from noise, for one step.
 
-    cx and cy are the wave's direction cosines. P (rows, 3) are elements pp, pv, vv of the inverse
-    covariance of position and velocity.
+    cx and cy are the wave's direction cosines. P (rows, 3) are `Weights.precision`.
     """
     pp, pv, vv = P[row, 0], P[row, 1], P[row, 2]
     for i in range(WIDTH):
@@ -74,10 +73,7 @@ def add_squares(t, cx, cy, P, row):
 
 @part
 def add_innovations(t, x, w, cx, cy):
-    """Add the products of a step's innovations, times the inverse w of their variance.
-
-    The innovations are those of the row x.
-    """
+    """Add the products of the innovations in the row x, times the inverse w of their variance."""
     for i in range(len(t.p)):
         t.p[i] = x.s[i]
     if len(t.p) == 3 * WIDTH:
@@ -97,8 +93,7 @@ def sum_chunk(k0, count, settled, fed, truth, f, weights, steps, sums, squared):
     """Add the errors of the `count` steps from step k0 on, whose estimates are in `steps`.
 
     Errors from step `settled` on go to the second row of `sums`. `squared`, shape (steps, WIDTH) or
-    empty, gets the squared position errors of a direct run. The other arguments are structures of
-    `kernels.layout`.
+    empty, gets the squared position errors of a direct run.
     """
     motion, direction = truth
     cx, cy = direction[0], direction[1]
@@ -124,8 +119,7 @@ def sum_chunk(k0, count, settled, fed, truth, f, weights, steps, sums, squared):
 def add_spectral_errors(early, found, motion, cosine, sums, squared):
     """Add the squared errors of SKF along one axis, of which the first `early` are not settled.
 
-    `found` are `LateEstimates` of eight records. The other arguments are those of
-    `spectral_batch.AxisRun`.
+    `found` are `LateEstimates` of eight records; the others are as in `spectral_batch.AxisRun`.
     """
     for k in range(len(motion)):
         total = sums[0 if k < early else 1]

@@ -1,9 +1,8 @@
 """Checks what an online estimator is given, and says in whose coordinates it works.
 
-It works about an origin, stated or the first fix.
-
 The schemes of Ren et al. (2019) start from zero with a standard deviation of about a metre. So
-positions far from zero, such as map coordinates, must be taken about an origin near the hub.
+positions far from zero, such as map coordinates, must be taken about an origin near the hub, which
+is stated or the first fix.
 """
 
 from __future__ import annotations
@@ -31,10 +30,7 @@ LEAST_RATIO = 100.0
 def check_origin(origin: object) -> Array | None:
     """Return the origin as an array (2,) in m, or None for the first fix.
 
-    Raises
-    ------
-    InputError
-        If the origin is neither None nor two finite numbers.
+    Raises InputError if the origin is neither None nor two finite numbers.
     """
     if origin is None:
         return None
@@ -51,18 +47,7 @@ def check_origin(origin: object) -> Array | None:
 def start_at_first_fix(axis: AxisFilter, mhe: Horizon | None) -> tuple[AxisFilter, Horizon | None]:
     """Raise the variance of the first position, so that the first fix alone decides the position.
 
-    Parameters
-    ----------
-    axis
-        The filter's model and variances for one axis.
-    mhe
-        The moving horizon estimator (MHE); None for a scheme without one.
-
-    Returns
-    -------
-    tuple
-        The arguments with other initial covariances, or unchanged where the variance of the first
-        position is already at least `LEAST_RATIO` times that of a fix.
+    It is left where it already is at least `LEAST_RATIO` times that of a fix.
     """
     first = _raise_variance(axis.initial_covariance, axis.position_variance)
     axis = replace(axis, initial_covariance=first)
@@ -81,8 +66,8 @@ def _raise_variance(covariance: Array, fix_variance: float) -> Array:
 def make_estimates(steps: int, unknown: int = 0) -> OnlineEstimates:
     """Make arrays for the estimates of some steps; nothing is known in the first `unknown` steps.
 
-    In these steps the state is NaN, the variances are infinite, and there is no innovation. The
-    values of the other steps are arbitrary: they are still to be filled.
+    In these the state is NaN, the variances are infinite, and there is no innovation. The values of
+    the other steps are still to be filled.
     """
     out = OnlineEstimates(
         np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
@@ -109,11 +94,8 @@ def _check_pair(name: str, value: Array) -> None:
 def check_samples(force: Array, positions: Array, first: int) -> NDArray[np.intp]:
     """Return which of some samples have a fix; `first` is the step of the first sample.
 
-    Raises
-    ------
-    ValueError
-        If the shapes are wrong, a number is infinite, a specific force is NaN, or only one
-        component of a fix is NaN.
+    Raises ValueError if the shapes are wrong, a number is infinite, a specific force is NaN, or
+    only one component of a fix is NaN.
     """
     if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
         raise ValueError(

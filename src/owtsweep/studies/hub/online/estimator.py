@@ -60,18 +60,10 @@ def filter_settings(
 ) -> FilterSettings:
     """Make the settings of filter, smoother and predictor for the online kernels.
 
-    Parameters
-    ----------
-    axis
-        The filter's model and variances for one axis.
-    rule
-        How a step without a position fix is treated, one of `estimation.gains.RULES`.
-    delay, window
-        Delay of the specific force, and length of the smoother's window, in steps.
-    predict
-        The predictor's model; None if the filtered state is the estimate.
-    fix_rule
-        How much the positions count that the filter gets.
+    rule: how a step without a position fix is treated, one of `estimation.gains.RULES`.
+    delay, window: delay of the specific force, and the smoother's lag, in steps.
+    predict: the predictor's model; None if the filtered state is the estimate.
+    fix_rule: how much the positions count that the filter gets.
     """
     steps = delay + window
     ahead: Array = np.eye(3)
@@ -108,10 +100,7 @@ def filter_settings(
 
 
 def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
-    """Make the settings of the moving horizon estimator (MHE) for the online kernels.
-
-    `mhe` is None for a scheme without an MHE; the settings then say so (`active` is false).
-    """
+    """Make the settings of the MHE for the online kernels; not `active` without an MHE."""
     eye = np.eye(3)
     if mhe is None:
         free = np.full(3, np.inf)
@@ -143,9 +132,8 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
 def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
     """Make the registers of a new online estimator: zeros, except the filter's covariance, f.P0.
 
-    f are the settings of filter, smoother and predictor; h are those of the moving horizon
-    estimator. The algorithms of Ren et al. (2019) start from zero. The counter ROW is not zero: it
-    starts behind the rows that stand for the time before the first step.
+    The algorithms of Ren et al. (2019) start from zero. The counter ROW starts behind the rows that
+    stand for the time before the first step.
     """
     keep = f.delay + f.window + 2
     rows = 3 * keep + 64
@@ -201,26 +189,15 @@ class OnlineEstimator(RecordEstimator):
     """A running scheme: `update` takes one IMU sample, `run` takes many samples.
 
     Any position fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at
-    multiples of the fix interval. A fix reports a past position, as old as the delay of the GNSS.
+    multiples of the fix interval. Fixes and estimates are in the caller's coordinates, e.g. of a
+    map. Where the origin is the first fix, the estimator starts with this fix: until then,
+    estimates are NaN and their variances infinite, and HME2 counts its multiples from there.
 
-    Fixes and estimates are in the caller's coordinates, e.g. of a map. Where the origin is the
-    first fix, the estimator starts with this fix: until then, estimates are NaN and their variances
-    infinite, and HME2 counts its multiples from there.
-
-    Parameters
-    ----------
-    sensors
-        The properties of the IMU and the GNSS.
-    settings, horizon
-        Settings for the kernels: of filter, smoother and predictor, and of the moving horizon
-        estimator (MHE).
-    mhe
-        The moving horizon estimator; None for a scheme without one.
-    solver
-        Name of the solver for the MHE's windows that break a constraint.
-    origin
-        The point about which the schemes start from zero, shape (2,), m in NED; None for the first
-        fix.
+    settings, horizon: settings for the kernels: of filter, smoother and predictor, and of the MHE.
+    mhe: the MHE; None for a scheme without one.
+    solver: name of the solver for the MHE's windows that break a constraint.
+    origin: the point about which the schemes start from zero, shape (2,), m in NED; None for the
+        first fix.
     """
 
     def __init__(
@@ -245,7 +222,7 @@ class OnlineEstimator(RecordEstimator):
 
     @property
     def origin(self) -> Array | None:
-        """The point about which the schemes start from zero, m; None if no fix told it yet."""
+        """The point about which the schemes start from zero, m; None before the first fix."""
         return None if self._origin is None else self._origin.copy()
 
     @property
@@ -256,32 +233,18 @@ class OnlineEstimator(RecordEstimator):
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
 
-        Parameters
-        ----------
-        specific_force
-            Specific force in the IMU's frame, m/s^2, shape (2,).
-        position
-            The fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS. None
-            (or two NaN) if there is no fix.
-
-        Returns
-        -------
-        Estimate
-            Position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and the
-            innovation of the position; None in place of an innovation if the filter took no
-            position at this step. Where the origin is the first fix, position and velocity are NaN
-            and their variances infinite until the first fix comes.
-
-        Raises
-        ------
-        ValueError
-            If a sample is not two finite numbers, a fix comes at a step at which HME2 cannot take
-            fixes, or the first fix lies more than 100 km from a stated origin. The estimator is
-            left unchanged.
-        ArithmeticError
-            If the solver cannot meet the constraints of the moving horizon estimator. The sample is
-            then only partly processed, so every later call raises this error too: start a new
-            estimator.
+        specific_force: in the IMU's frame, m/s^2, shape (2,).
+        position: the fix in NED, m, shape (2,). None (or two NaN) if there is no fix.
+        Returns: position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and
+            the innovation of the position; None in its place if the filter took no position at this
+            step. Where the origin is the first fix, position and velocity are NaN and their
+            variances infinite until it comes.
+        Raises ValueError if a sample is not two finite numbers, a fix comes at a step at which HME2
+        cannot take fixes, or the first fix lies more than 100 km from a stated origin. The
+        estimator is left unchanged.
+        Raises ArithmeticError if the solver cannot meet the constraints of the MHE. The sample is
+        then only partly processed, so every later call raises this error too: start a new
+        estimator.
         """
         check_sample(specific_force, position)
         self._force[0] = specific_force
@@ -299,27 +262,11 @@ class OnlineEstimator(RecordEstimator):
     def run(self, specific_force: Array, positions: Array) -> OnlineEstimates:
         """Take many IMU samples at once; the result is as if `update` took sample after sample.
 
-        Parameters
-        ----------
-        specific_force, positions
-            Specific force (m/s^2, IMU's frame) and position fixes (m, NED), shape (steps, 2) each.
+        specific_force, positions: m/s^2 in the IMU's frame, and m in NED, shape (steps, 2) each.
             Both components of a position are NaN at steps without a fix.
-
-        Returns
-        -------
-        OnlineEstimates
-            Arrays with one row per step.
-
-        Raises
-        ------
-        ValueError
-            If the shapes are wrong, a number is infinite, a specific force is NaN, only one
-            component of a fix is NaN, a fix comes at a step at which HME2 cannot take fixes, or the
-            first fix lies more than 100 km from a stated origin. The estimator is left unchanged.
-        ArithmeticError
-            If the solver cannot meet the constraints of the moving horizon estimator. Some samples
-            are then processed already, so every later call raises this error too: start a new
-            estimator.
+        Returns: arrays with one row per step.
+        Raises ValueError as `update`, or if the shapes are wrong. The estimator is left unchanged.
+        Raises ArithmeticError as `update`; some samples are then processed already.
         """
         from owtsweep.studies.hub.kernels.online import advance
 
@@ -350,11 +297,7 @@ class OnlineEstimator(RecordEstimator):
         return out
 
     def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
-        """Take many IMU samples at once, as `run` does; return the estimates as a `Trajectory`.
-
-        `Trajectory` is what the functions of `owtsweep.evaluation` take. `specific_force` (m/s^2)
-        and `positions` (m) have the shape (steps, 2) each. The errors are those of `run`.
-        """
+        """Take many IMU samples at once, as `run` does; return a `Trajectory` for `evaluation`."""
         out = self.run(specific_force, positions)
         return Trajectory(
             out.state,
@@ -364,13 +307,7 @@ class OnlineEstimator(RecordEstimator):
         )
 
     def _check(self, force: Array, positions: Array) -> int:
-        """Check the samples of some steps; take the first fix as origin if there is no other.
-
-        Returns
-        -------
-        int
-            Number of steps before the first fix, if that fix is the origin or will be; else 0.
-        """
+        """Check samples; return the number of steps before a first fix that is the origin."""
         if self._lost:
             raise ArithmeticError(self._lost)
         first = self._skipped + int(self._registers.counter[STEP])
@@ -400,15 +337,7 @@ class OnlineEstimator(RecordEstimator):
         self._located = True
 
     def _solve_with_constraints(self) -> None:
-        """Solve the MHE's present window with its constraints; put the result into the registers.
-
-        The MHE is the moving horizon estimator.
-
-        Raises
-        ------
-        ArithmeticError
-            If the solver cannot meet the constraints.
-        """
+        """Solve the MHE's window with its constraints; put the result into the registers."""
         from owtsweep.studies.hub import window
 
         if self._mhe is None:
@@ -454,33 +383,17 @@ def online_chain(
 ) -> OnlineEstimator:
     """Make a new online estimator from settings: [MHE ->] filter [-> smoother -> predictor].
 
-    Parts in brackets may be absent.
-
-    Parameters
-    ----------
-    tuning
-        The filter's tuning.
-    window
-        Length N_s of the smoother's window, in steps.
-    delay
-        Number of steps by which the specific force is delayed in register 1 of Ren et al. (2019).
-        The predictor predicts over these steps and the smoother's window. None means that there is
-        no predictor: the filter takes the specific force without delay, and the filter's state is
+    window: the smoother's lag N_s, in steps.
+    delay: number of steps by which the specific force is delayed in register 1 of Ren et al.
+        (2019). The predictor predicts over these steps and the smoother's lag. None means that
+        there is no predictor: the filter takes the specific force without delay, and its state is
         the estimate.
-    mhe
-        The moving horizon estimator; None for a scheme without one.
-    solver
-        Name of the solver for the MHE's windows that break a constraint.
-    hold
-        What the predictor's input does between samples, one of `estimation.discretisation.HOLDS`.
-    origin
-        The point about which the scheme starts from zero, shape (2,), m in NED; None for the first
-        fix, whose noise is then the uncertainty of the first position.
-
-    Raises
-    ------
-    InputError
-        If the origin is not two finite numbers.
+    mhe: the MHE; None for a scheme without one.
+    solver: name of the solver for the MHE's windows that break a constraint.
+    hold: what the predictor's input does between samples, one of `estimation.discretisation.HOLDS`.
+    origin: the point about which the scheme starts from zero, shape (2,), m in NED; None for the
+        first fix, whose noise is then the uncertainty of the first position.
+    Raises InputError if the origin is not two finite numbers.
     """
     point = check_origin(origin)
     axis = axis_filter(tuning, sensors)

@@ -22,20 +22,10 @@ class SpectralEstimator(RecordEstimator):
     Any position fix may be missing, but fixes come only at multiples of the fix interval, because
     the filter copies the positions that the fixes will report.
 
-    Parameters
-    ----------
-    filters
-        The filters along x and y, before their first step.
-    sensors
-        The properties of the IMU and the GNSS.
-    origin
-        The position of the hub at rest, x and y in m, in the coordinates of the fixes. The motion
-        of known spectrum is about this point, so one fix cannot tell it.
-
-    Raises
-    ------
-    InputError
-        If the origin is not two finite numbers.
+    filters: the filters along x and y, before their first step.
+    origin: the position of the hub at rest, x and y in m, in the coordinates of the fixes. The
+        motion of known spectrum is about this point, so one fix cannot tell it.
+    Raises InputError if the origin is not two finite numbers.
     """
 
     def __init__(
@@ -62,31 +52,14 @@ class SpectralEstimator(RecordEstimator):
 
     @property
     def step(self) -> float:
-        """The IMU's sampling interval, s."""
         return self._sensors.step
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
 
-        Parameters
-        ----------
-        specific_force
-            Specific force in the IMU's frame, m/s^2, shape (2,).
-        position
-            The fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS. None
-            (or two NaN) if there is no fix.
-
-        Returns
-        -------
-        Estimate
-            Position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and the
-            innovation of the fix; None in place of an innovation without a fix.
-
-        Raises
-        ------
-        ValueError
-            If a sample is not two finite numbers, or a fix comes at a step that is no multiple of
-            the fix interval. The estimator is left unchanged.
+        Arguments and result are as of `OnlineEstimator.update`. Raises ValueError if a sample is
+        not two finite numbers, or a fix comes at a step that is no multiple of the fix interval.
+        The estimator is left unchanged.
         """
         check_sample(specific_force, position)
         self._force[0] = specific_force
@@ -98,25 +71,14 @@ class SpectralEstimator(RecordEstimator):
         return Estimate(state[0, :2], state[0, 2:], covariance[0], innovation)
 
     def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
-        """Take many IMU samples at once; the result is as if `update` took sample after sample.
+        """Take many IMU samples, shape (steps, 2), at once, as if `update` took each in turn.
 
-        Parameters
-        ----------
-        specific_force, positions
-            Specific force (m/s^2, IMU's frame) and position fixes (m, NED), shape (steps, 2) each.
-            Both components of a position are NaN at steps without a fix.
-
-        Raises
-        ------
-        ValueError
-            If the shapes are wrong, a number is infinite, a specific force is NaN, only one
-            component of a fix is NaN, or a fix comes at a step that is no multiple of the fix
-            interval. The estimator is left unchanged.
+        Both components of a position are NaN at steps without a fix. Raises ValueError as `update`,
+        or if the shapes are wrong. The estimator is left unchanged.
         """
         return Trajectory(*self._run(specific_force, positions))
 
     def _run(self, specific_force: Array, positions: Array) -> tuple[Array, Array, Array, Array]:
-        """Process samples; return the four arrays of a `Trajectory`."""
         force = np.asarray(specific_force, dtype=float)
         fixes = np.asarray(positions, dtype=float)
         self._check(force, fixes)

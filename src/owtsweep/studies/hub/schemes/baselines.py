@@ -29,7 +29,6 @@ class ZeroEstimator:
         pass
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Return zero position and velocity."""
         return Estimate(np.zeros(2), np.zeros(2))
 
 
@@ -40,7 +39,6 @@ class HoldingEstimator:
         self.fix: Array = np.zeros(2)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take a position fix or None; return the last fix, and zero velocity."""
         if position is not None:
             self.fix = np.array(position, dtype=float)
         return Estimate(self.fix, np.zeros(2))
@@ -49,9 +47,8 @@ class HoldingEstimator:
 class ExtrapolatingEstimator:
     """An estimator that extrapolates the last two position fixes by a straight line.
 
-    A fix is the position of some time ago, its delay; so the line is extended by the delay and the
-    time since the fix arrived. The velocity is zero before the second fix, and the position is zero
-    before the first one.
+    It is extended by the delay of a fix and the time since the fix arrived. The velocity is zero
+    before the second fix, and the position is zero before the first one.
     """
 
     def __init__(self, sensors: Sensors) -> None:
@@ -61,7 +58,6 @@ class ExtrapolatingEstimator:
         self.age = 0  # number of steps since the last fix arrived
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take a position fix or None; return the extrapolated position, and the velocity."""
         self.age += 1
         if position is not None:
             if self.fix is not None:
@@ -83,11 +79,9 @@ class Baseline(ChainScheme):
         self.name, self._line, self._estimator = name, line, estimator
 
     def start(self, known: Known) -> Estimator:
-        """Return a new estimator that runs step by step."""
         return self._estimator(known.sensors)
 
     def make_chain(self, known: Known, steps: int) -> Chain:
-        """Return the baseline as a `Chain` for the batch engine."""
         return fix_chain(known.sensors, self._line)
 
 

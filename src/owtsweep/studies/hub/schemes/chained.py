@@ -34,11 +34,9 @@ class ChainScheme(Scheme):
         """Make the chain for records of `steps` IMU steps."""
 
     def kernel(self, known: Known, steps: int | None = None) -> Chain:
-        """Return the scheme as a chain for records of `steps` IMU steps; None: of any length."""
         return self._share(known, LONGEST_TRANSIENT if steps is None else steps, for_runs=False)
 
     def kernel_for_runs(self, known: Known, steps: int) -> Chain:
-        """Return the chain without the covariances that a run does not need."""
         return self._share(known, steps, for_runs=True)
 
     def _share(self, known: Known, steps: int, *, for_runs: bool) -> Chain:

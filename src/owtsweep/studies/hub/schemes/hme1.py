@@ -35,25 +35,14 @@ class DelayedChain:
     """The part that HME1 and HME2 have in common: register 1, filter, smoother and predictor.
 
     Register 1 delays the samples of the IMU. HME1 and HME2 differ only in the position that they
-    give to the filter. As long as every position fix arrives at the step at which the fix is due,
-    the covariances of estimates are taken from `gains`. Once a fix is missing or arrives at another
-    step, `on_schedule` is False, and the covariances are computed from the filter's own past
-    covariances.
+    give to the filter. As long as every fix arrives when it is due, the covariances of estimates
+    are taken from `gains`. After that, `on_schedule` is False, and the covariances are computed
+    from the filter's own past covariances.
 
-    Parameters
-    ----------
-    tuning
-        The tuning of the filter.
-    window
-        Length of the smoother's window in IMU steps.
-    sensors
-        The properties of the sensors.
-    gains
-        The scheme in its form for the batch engine, with precomputed covariances.
-    hold
-        The value of the key `hme.predictor.hold`.
-    fix_rule
-        How much the positions count that the filter gets; None: all alike.
+    window: the smoother's lag in IMU steps.
+    gains: the scheme as a chain, with precomputed covariances.
+    hold: the value of the key `hme.predictor.hold`.
+    fix_rule: how much the positions count that the filter gets; None: all alike.
     """
 
     def __init__(
@@ -85,8 +74,7 @@ class DelayedChain:
     def push(self, specific_force: Array) -> Array:
         """Store the newest IMU sample in register 1; return the sample of N_d steps ago.
 
-        N_d is the delay of the GNSS in IMU steps. A sample is a specific force in the IMU's frame,
-        in m/s^2, shape (2,).
+        N_d is the delay of the GNSS. Samples are in the IMU's frame, in m/s^2, shape (2,).
         """
         # a copy, because the caller may reuse its array
         self.samples.append(np.array(specific_force, dtype=float))
@@ -95,20 +83,11 @@ class DelayedChain:
     def step(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
         """Filter, smooth and predict (Algorithms 6 to 9 of Ren et al. 2019).
 
-        Parameters
-        ----------
-        delayed
-            The IMU sample of N_d steps ago, as `push` returns it. N_d is the delay of the GNSS.
-        fix
-            The position of N_d steps ago, in NED, in m, shape (2,); None if no position is given to
-            the filter at this step.
+        Return the estimate of the present motion, and the filter's results, which are for N_d steps
+        ago.
 
-        Returns
-        -------
-        Estimate
-            The estimate of the present motion.
-        FilterStep
-            The filter's results, which are for N_d steps ago.
+        delayed: the IMU sample of N_d steps ago, as `push` returns it.
+        fix: the position of N_d steps ago, in NED, in m, shape (2,); None if the filter gets none.
         """
         step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
@@ -146,10 +125,6 @@ class HME1Estimator:
         self.chain = DelayedChain(tuning.hme1, window, sensors, gains, hold, fix_rule)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the estimate of the present.
-
-        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
-        """
         if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
             self.chain.on_schedule = False
         delayed = self.chain.push(specific_force)
@@ -157,22 +132,16 @@ class HME1Estimator:
 
 
 class HME1(ChainScheme):
-    """The scheme HME1 (hub motion estimator 1 of Ren et al. 2019).
-
-    Its tuning is the configuration's sections `hme1` and `hme.predictor`, and the key
-    `hme.smoother_window`.
-    """
+    """The scheme HME1 (hub motion estimator 1 of Ren et al. 2019)."""
 
     name = "HME1"
     on_board = True
     sections = ("hme1", "hme.smoother_window", "hme.predictor")
 
     def start(self, known: Known) -> HME1Estimator:
-        """Return a new estimator that runs step by step."""
         return HME1Estimator(known, self.kernel(known))
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
         tuning = known.tuning
         return online_chain(
             tuning.hme1,
@@ -184,15 +153,13 @@ class HME1(ChainScheme):
         )
 
     def under(self, config: HubConfig) -> Scheme:
-        """Return the scheme for a tuning: `Stepwise` if fixes lose weight, else `self`."""
+        """Return `Stepwise` if fixes lose weight, else `self`."""
         return self if config.hme1.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
 
     def check(self, config: HubConfig) -> None:
-        """Refuse a smoother whose window is longer than the record, or needs too much memory."""
         check_window(config, "hme.smoother_window", config.hme.smoother_window)
 
     def make_chain(self, known: Known, steps: int) -> Chain:
-        """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
         sensors, tuning = known.sensors, known.tuning
         return chain(
             axis_filter(tuning.hme1, sensors),
@@ -215,22 +182,14 @@ def predicted_covariance(
 
     The prediction starts from the smoothed state of the oldest step s of the smoother's window and
     covers `steps` steps. The window's last step is k. The smoothed state's error is correlated with
-    the noise of the inputs in the window. For the input i steps after s, this correlation is
-    L_i P_{s+i|k}, where P_{s+i|k} is a smoothed covariance and L_i = C_s ... C_{s+i-1} is a product
-    of the smoother's gains C. The smoothed state's error is not correlated with the noise of inputs
-    after the window.
+    the noise of the inputs in the window. For the input i steps after s, this correlation is L_i
+    P_{s+i|k}, where P_{s+i|k} is a smoothed covariance and L_i = C_s ... C_{s+i-1} is a product of
+    the smoother's gains C. It is not correlated with the noise of inputs after the window.
 
-    Parameters
-    ----------
-    filtered, predicted
-        The filtered and the predicted covariance of each step of the window, oldest first. Each
-        has the shape (4, 4): position, velocity, acceleration and bias.
-    axis
-        The filter's model for one axis.
-    model
-        The predictor's model of one IMU step; its states are position, velocity and bias.
-    steps
-        Number of IMU steps of the prediction. If 0, the newest filtered covariance is returned.
+    filtered, predicted: covariances (4, 4) of each step of the window, oldest first.
+    axis: the filter's model for one axis.
+    model: the predictor's model of one IMU step; its states are position, velocity and bias.
+    steps: if 0, the newest filtered covariance is returned.
     """
     if steps == 0:
         return filtered[-1][:2, :2]

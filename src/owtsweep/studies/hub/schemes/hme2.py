@@ -33,25 +33,16 @@ if TYPE_CHECKING:
 
 
 class MovingHorizonEstimator:
-    """The moving horizon estimator (MHE) of HME2 on two axes, with its registers 2 and 3.
+    """The MHE of HME2 on two axes, with its registers 2 and 3.
 
-    Register 2 stores position fixes and inputs; register 3 stores states of the filter. The MHE
-    estimates the states at the nodes of a window. There is a node at each step at which a position
-    fix is due. If the fix is missing, the node has no measurement. Source: Algorithms 4 and 5 and
-    Eq. (11) of Ren et al. (2019). The paper prints that both parts of register 2 are built from
-    register 1. This class builds both parts from the past of register 2, which must be what the
-    paper means.
+    Register 2 stores position fixes and inputs; register 3 stores states of the filter. There is a
+    node at each step at which a fix is due. If the fix is missing, the node has no measurement.
+    Source: Algorithms 4 and 5 and Eq. (11) of Ren et al. (2019). The paper prints that both parts
+    of register 2 are built from register 1. This class builds both from the past of register 2,
+    which must be what the paper means.
 
-    Parameters
-    ----------
-    mhe
-        The settings of the MHE.
-    sensors
-        The properties of the sensors.
-    gains
-        HME2 in its form for the batch engine, with precomputed covariances of the filter.
-    solver
-        The solver that CasADi uses: "qrqp" or "ipopt".
+    gains: HME2 as a chain, with precomputed covariances of the filter.
+    solver: the solver that CasADi uses: "qrqp" or "ipopt".
     """
 
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
@@ -67,11 +58,7 @@ class MovingHorizonEstimator:
         self.fix_number = -1
 
     def take_fix(self, fix: Array | None) -> None:
-        """Begin the next node of the window, and store the node's position fix in register 2.
-
-        This method must be called at each step at which a fix is due. `fix` is a position in NED,
-        in m, shape (2,), or None if the fix is missing.
-        """
+        """Begin the next node, when a fix is due; store the fix in NED, m, (2,), in register 2."""
         self.fix_number += 1
         if self.fix_number > 0:
             self.effects.append(self._effect())
@@ -81,18 +68,14 @@ class MovingHorizonEstimator:
     def determined(self) -> bool:
         """Return whether the window has enough position fixes to determine the window's states.
 
-        One fix is enough if the MHE has an arrival term (a prior of the window's oldest state);
-        otherwise three fixes are enough. If this prior is a past state of the filter, it already
-        includes the window's oldest fix, so the oldest fix does not count.
+        One fix is enough if there is an arrival term (a prior of the oldest state); otherwise three
+        are. A prior from the filter already includes the oldest fix, which then does not count.
         """
         used = list(self.fixes)[1 if self.mhe.uses_filter(self.fix_number) else 0 :]
         return sum(fix is not None for fix in used) >= (1 if self.mhe.arrival else 3)
 
     def take_input(self, step: int, force: Array) -> None:
-        """Store the specific force of step number `step` in register 2.
-
-        `force` is in NED, in m/s^2, shape (2,).
-        """
+        """Store the specific force of a step, in NED, m/s^2, shape (2,), in register 2."""
         self.recent.append(force)
         if step % self.mhe.interval == 0:
             averaged = np.sum(self.recent, axis=0) / self.mhe.interval
@@ -101,18 +84,14 @@ class MovingHorizonEstimator:
         self.inputs.append(force if self.mhe.inputs == "all" else self.held)
 
     def take_state(self, filtered: FilterStep) -> None:
-        """Store the filter's results for the step of the newest node in register 3.
-
-        Register 3 holds past states of the filter, from which windows start.
-        """
+        """Store the filter's results for the newest node in register 3; windows start from them."""
         self.states[self.fix_number] = filtered
         self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
         """Solve the window; return the position `since_fix` IMU steps after the newest node.
 
-        The position is in NED, in m, shape (2,). It is the position at the delayed time at which
-        the filter runs.
+        It is in NED, in m, shape (2,), at the delayed time at which the filter runs.
         """
         filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
@@ -139,10 +118,7 @@ class MovingHorizonEstimator:
         return np.asarray(nodes[:2, -1])
 
     def _effect(self) -> Array:
-        """Compute how much the inputs since the newest node have changed the state, shape (6,).
-
-        The state is x, y, v_x, v_y, b_x, b_y: position, velocity and bias.
-        """
+        """Compute how much the inputs since the newest node have changed the state, shape (6,)."""
         inputs = np.array(self.inputs).reshape(-1, 2)
         axes = [predict(self.model, np.zeros(3), inputs[:, [i]]) for i in range(2)]
         return np.array(axes).T.ravel()
@@ -164,12 +140,7 @@ class HME2Estimator:
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
-        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
-
-        Raises
-        ------
-        ValueError
-            If a fix comes at a step at which no fix is due. The MHE could not use such a fix.
+        Raises ValueError if a fix comes at a step at which no fix is due. The MHE could not use it.
         """
         since_fix = self.step % self.sensors.fix_interval
         if position is not None and since_fix:
@@ -195,38 +166,27 @@ class HME2Estimator:
 
 
 def choose_window(tuning: HubConfig) -> int:
-    """Return the length of HME2's smoother window, in IMU steps.
-
-    `tuning` is the study's configuration. The length is the value of its key
-    `hme.mhe.smoother_window`. If this value is null, the length is the value of
-    `hme.smoother_window`, which HME1 uses too.
-    """
+    """Return HME2's smoother window, in IMU steps: its own, or else that of HME1."""
     window = tuning.hme.mhe.smoother_window
     return int(tuning.hme.smoother_window if window is None else window)
 
 
 def make_horizon(tuning: HubConfig, sensors: Sensors) -> Horizon:
-    """Return HME2's moving horizon estimator as numbers; `tuning` is the study's configuration."""
     mhe = horizon(tuning.hme.mhe, sensors, tuning.hme2.lean)
     return replace(mhe, fix_rule=make_fix_rule(tuning.hme2))
 
 
 class HME2(ChainScheme):
-    """The scheme HME2 (hub motion estimator 2 of Ren et al. 2019).
-
-    Its tuning is the configuration's sections `hme2` and `hme`.
-    """
+    """The scheme HME2 (hub motion estimator 2 of Ren et al. 2019)."""
 
     name = "HME2"
     on_board = True
     sections = ("hme2", "hme")
 
     def start(self, known: Known) -> HME2Estimator:
-        """Return a new estimator that runs step by step."""
         return HME2Estimator(known, self.kernel(known))
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
         sensors, tuning = known.sensors, known.tuning
         return online_chain(
             tuning.hme2,
@@ -240,21 +200,16 @@ class HME2(ChainScheme):
         )
 
     def under(self, config: HubConfig) -> Scheme:
-        """Return the scheme for a tuning: `Stepwise` if it is not linear, else `self`.
-
-        It is not linear with constraints, or if fixes lose weight.
-        """
+        """Return `Stepwise` with constraints, or if fixes lose weight; else `self`."""
         if np.any(np.isfinite(config.hme.mhe.bounds)):
             return Stepwise(self, "its constraints leave")
         return self if config.hme2.fix_rule == "plain" else Stepwise(self, "its fix_rule leaves")
 
     def check(self, config: HubConfig) -> None:
-        """Refuse windows that do not fit the record or the memory, and a step that fits no fix."""
         check_window(config, "hme.smoother_window", config.hme.smoother_window)
         check_mhe(config)
 
     def make_chain(self, known: Known, steps: int) -> Chain:
-        """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
         sensors, tuning = known.sensors, known.tuning
         return chain(
             axis_filter(tuning.hme2, sensors),

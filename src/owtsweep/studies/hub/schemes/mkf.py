@@ -46,19 +46,13 @@ class FilterEstimator:
         )
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the filtered state.
-
-        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
-        """
+        """Take an IMU sample, and a position fix or None; return the filtered state."""
         step = self.filter.step(specific_force, position)
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
 
 class FilterScheme(ChainScheme):
-    """A scheme that consists of a multirate Kalman filter alone, such as EKF and MKF.
-
-    `section` is the section of the configuration that tunes the filter.
-    """
+    """A scheme of a multirate Kalman filter alone, which the key `section` tunes."""
 
     on_board = True
 
@@ -67,20 +61,17 @@ class FilterScheme(ChainScheme):
         self.sections = (section,)
 
     def start(self, known: Known) -> FilterEstimator:
-        """Return a new estimator that runs step by step."""
         return FilterEstimator(self._choose(known.tuning), known.sensors)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
         return online_chain(self._choose(known.tuning), known.sensors, origin=origin)
 
     def under(self, config: HubConfig) -> Scheme:
-        """Return the scheme for a tuning: `Stepwise` if fixes lose weight, else `self`."""
+        """Return `Stepwise` if fixes lose weight, else `self`."""
         plain = self._choose(config).fix_rule == "plain"
         return self if plain else Stepwise(self, "its fix_rule leaves")
 
     def make_chain(self, known: Known, steps: int) -> Chain:
-        """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
         chosen, sensors = self._choose(known.tuning), known.sensors
         return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
 

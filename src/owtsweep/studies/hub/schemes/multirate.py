@@ -20,10 +20,8 @@ _I = np.eye(2)
 class FilterStep(NamedTuple):
     """The results of one step of the multirate Kalman filter (Algorithm 6 of Ren et al. 2019).
 
-    `x` is the filtered state, shape (8,), and `P` the covariance of `x`, shape (8, 8).
-    `x_predicted` and `P_predicted` are the predicted state and covariance, to which this step's
-    measurements have not been applied. `innovation` is the innovation of the position fix; it is
-    None at a step without a fix.
+    States have the shape (8,), covariances (8, 8). This step's measurements have not been applied
+    to `x_predicted` and `P_predicted`. `innovation` is that of the position fix; None without one.
     """
 
     x: Array
@@ -36,14 +34,12 @@ class FilterStep(NamedTuple):
 class MultirateKalmanFilter:
     """The multirate Kalman filter on the model Sigma_1 or Sigma_2 of Ren et al. (2019).
 
-    `fix_rule` decides how much a fix counts whose innovation is large; without it, all fixes count
-    alike.
-
-    The states are x, y, v_x, v_y, a_x, a_y, b_x, b_y: position, velocity, acceleration and bias.
-    In Sigma_1 the IMU is a measurement; yaw enters through the measurement matrix. In Sigma_2 the
-    IMU is an input, turned to NED first. Sigma_2 runs on 8 states too: its acceleration is white
-    noise that is not observed and does not affect the other states. The paper prints an initial
-    covariance P_0 = I_6 and registers for 9 states, but Sigma_1 has 8 states.
+    The states are x, y, v_x, v_y, a_x, a_y, b_x, b_y: position, velocity, acceleration and bias. In
+    Sigma_1 the IMU is a measurement; yaw enters through the measurement matrix. In Sigma_2 the IMU
+    is an input, turned to NED first. Sigma_2 runs on 8 states too: its acceleration is white noise
+    that is not observed and does not affect the other states. The paper prints an initial
+    covariance P_0 = I_6 and registers for 9 states, but Sigma_1 has 8 states. Without `fix_rule`,
+    all fixes count alike.
     """
 
     def __init__(
@@ -71,8 +67,8 @@ class MultirateKalmanFilter:
     def step(self, force: Array, fix: Array | None) -> FilterStep:
         """Predict one IMU step, then correct with the step's measurements; return both results.
 
-        `force` is the specific force in the IMU's frame, in m/s^2, shape (2,). `fix` is the
-        position in NED, in m, shape (2,), or None if no position fix has arrived.
+        `force` is in the IMU's frame, in m/s^2, shape (2,). `fix` is in NED, in m, shape (2,), or
+        None.
         """
         kf = self.kf
         kf.predict(u=self.previous_input)
@@ -100,11 +96,7 @@ class MultirateKalmanFilter:
         )
 
     def _correct(self, force: Array, fix: Array | None, variance: float) -> None:
-        """Correct the state by filterpy (Joseph form), with the IMU sample and the position fix.
-
-        `variance` is that of the fix, m^2. If `fix` is None, only the IMU sample corrects. If the
-        model takes the IMU as an input, only the fix corrects.
-        """
+        """Correct the state by filterpy (Joseph form), with the IMU sample and the fix, if any."""
         parts = []
         if fix is not None:
             parts.append((self.position_rows, fix, variance))
@@ -118,10 +110,9 @@ class MultirateKalmanFilter:
     def _masked(self, force: Array) -> None:
         """Correct at a step without a fix, by Algorithm 6, lines 5 to 10, of Ren et al. (2019).
 
-        `force` is the IMU sample, in m/s^2, shape (2,). The update rule says which part of the gain
-        K is set to zero. With `mask_columns`, the columns of the position fix are zero. With
-        `mask_rows`, the rows of the estimated position are zero. The corrected covariance is
-        (I - K H) P as the paper prints it; H is the measurement matrix.
+        The update rule says which part of the gain K is set to zero: with `mask_columns`, the
+        columns of the position fix; with `mask_rows`, the rows of the estimated position. The
+        corrected covariance is (I - K H) P as the paper prints it; H is the measurement matrix.
         """
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])

@@ -5,8 +5,8 @@ the shaping filter, makes of white noise, so that it has the given spectrum. Eac
 of its own, which measures IMU samples and position fixes. A fix is applied to a copy of the
 position that it reports (see `estimation.late`), so there is no smoother and no predictor.
 
-The spectrum and the variance are not data of the sensors. A sweep tells SKF those of each cell;
-elsewhere the keys skf.natural_period and skf.amplitude give them.
+The spectrum and the variance are not data of the sensors. A sweep gives SKF those of each cell;
+elsewhere the keys skf.natural_period and skf.amplitude do.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class SpectralScheme(Scheme):
-    """The scheme SKF, which must be told the motion."""
+    """The scheme SKF. Its methods raise InputError if nothing says what the motion is."""
 
     name = "SKF"
     #: Estimates are linear in the measurements, but the gains are those of one amplitude.
@@ -41,42 +41,21 @@ class SpectralScheme(Scheme):
     on_board = True
 
     def start(self, known: Known) -> SpectralEstimator:
-        """Return a new estimator that runs step by step.
-
-        Raises
-        ------
-        InputError
-            If nothing has said what the motion is.
-        """
         x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
         return SpectralEstimator((KalmanAxisFilter(x), KalmanAxisFilter(y)), known.sensors)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
-        """Return a new compiled estimator that runs step by step; `origin` is the hub at rest, m.
-
-        Raises
-        ------
-        InputError
-            If nothing has said what the motion is, or the origin is not stated.
-        """
+        """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
         x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
         filters = (CompiledAxisFilter(x), CompiledAxisFilter(y))
         return SpectralEstimator(filters, known.sensors, origin)
 
     def own_kernel(self, known: Known, steps: int) -> SpectralKernel:
-        """Return the scheme in its form for the batch engine, for records of `steps` IMU steps.
-
-        Raises
-        ------
-        InputError
-            If nothing has said what the motion is.
-        """
         from owtsweep.studies.hub.spectral_batch import SpectralKernel
 
         return SpectralKernel(make_axes(find_motion(known), known.tuning.skf, known.sensors))
 
     def check(self, config: HubConfig) -> None:
-        """Refuse a motion without a spectrum, and a number of states that is odd."""
         require_spectrum(config, "SKF")
         states = config.skf.states
         require(
@@ -87,12 +66,9 @@ class SpectralScheme(Scheme):
 
 
 def find_motion(known: Known) -> KnownMotion:
-    """Return what SKF takes for the motion: what its keys say, else what it is told.
+    """Return what SKF takes for the motion: what its keys say, else what is known.
 
-    Raises
-    ------
-    InputError
-        If nothing says what the motion is.
+    Raises InputError if nothing says what the motion is.
     """
     own = known.tuning.skf
     period = known.natural_period if own.natural_period is None else own.natural_period

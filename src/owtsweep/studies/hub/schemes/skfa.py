@@ -1,9 +1,9 @@
-"""SKFA: SKF that is told nothing, and tracks the spectrum and the variance of the motion itself.
+"""SKFA: SKF that is given nothing, and tracks the spectrum and the variance of the motion itself.
 
 It is for steady seas, fixes without outliers or red noise, and an IMU whose tilt is known: an
 outlier or a slow error of the fixes is taken for motion (docs/better.md, "Where SKFA is not the
-answer"). See `motion.tracking` for how a spectrum is chosen, and `tracking_filter` for what
-follows from it.
+answer"). See `motion.tracking` for how a spectrum is chosen, and `tracking_filter` for what follows
+from it.
 """
 
 from __future__ import annotations
@@ -37,17 +37,10 @@ class AdaptiveSpectralScheme(Scheme):
     least_duration = LEAST
 
     def start(self, known: Known) -> SpectralEstimator:
-        """Return a new estimator that runs step by step."""
         return _start(known, KalmanAxisFilter, ZERO)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
-        """Return a new compiled estimator that runs step by step; `origin` is the hub at rest, m.
-
-        Raises
-        ------
-        InputError
-            If the origin is not stated.
-        """
+        """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
         return _start(known, CompiledAxisFilter, origin)
 
     def check(self, config: HubConfig) -> None:

@@ -41,23 +41,17 @@ class SupervisorySwitching(Scheme):
         return chosen
 
     def start(self, known: Known) -> SwitchingEstimator:
-        """Return a new estimator that runs step by step."""
         return _start(known, lambda scheme: scheme.start(known))
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SwitchingEstimator:
-        """Return a new estimator whose two schemes are compiled where they can be.
-
-        `origin` is that of both schemes, as in `online_chain`.
-        """
+        """Return a new estimator of two schemes that are compiled where they can be."""
         return _start(known, lambda scheme: scheme.stream(known, origin))
 
     def check(self, config: HubConfig) -> None:
-        """Refuse names of schemes, or a boundary, with which it cannot work."""
         check_switch(self.name, config.switch)
 
 
 def _choose_schemes(config: HubConfig) -> tuple[Scheme, Scheme]:
-    """Return the schemes below and above the boundary."""
     from owtsweep.studies.hub.listed import resolve
 
     settings = config.switch

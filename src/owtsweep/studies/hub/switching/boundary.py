@@ -34,13 +34,9 @@ NONE, ANY = -30.0, 30.0
 class Boundary:
     """A table of amplitudes over periods.
 
-    Attributes
-    ----------
-    log_period
-        Logarithms of the periods in s, rising, shape (n,).
-    log_amplitude
-        Logarithms of the amplitudes in m, shape (n,). `NONE`: the scheme above the boundary is
-        better at every amplitude; `ANY`: the scheme below it is.
+    log_period: logarithms of the periods in s, rising, shape (n,).
+    log_amplitude: logarithms of the amplitudes in m, shape (n,). `NONE`: the scheme above the
+        boundary is better at every amplitude; `ANY`: the scheme below it is.
     """
 
     log_period: Array
@@ -49,8 +45,8 @@ class Boundary:
     def amplitude(self, period: float) -> float:
         """Return the amplitude (m) at a period (s), interpolated between logarithms.
 
-        Beyond its ends the table is continued by its end values. If the period is NaN, the result
-        is the least amplitude of the table.
+        Beyond its ends the table keeps its end values. For a period of NaN, its least amplitude is
+        taken.
         """
         if isnan(period):
             return float(np.exp(self.log_amplitude.min()))
@@ -58,12 +54,9 @@ class Boundary:
 
 
 def read_boundary(points: Sequence[Sequence[float]]) -> Boundary:
-    """Return the boundary that the key `switch.boundary` states.
+    """Return the boundary of the key `switch.boundary`: rising periods (s) and amplitudes (m).
 
-    Raises
-    ------
-    InputError
-        If the points are no table of rising periods (s) and amplitudes (m) above zero.
+    Raises InputError if it is no table of such numbers above zero.
     """
     example = "give pairs of natural period (s) and amplitude (m), e.g. [[4,0.7],[8,1.2]]"
     if not points or any(len(point) != 2 for point in points):
@@ -81,23 +74,14 @@ def read_boundary(points: Sequence[Sequence[float]]) -> Boundary:
 def compute_boundary(config: HubConfig, below: str, above: str, crest: float) -> Boundary:
     """Compute the boundary of two schemes from their expected errors, without records.
 
-    A motion that is almost a sinusoid of period T makes the settled mean square error
-    v C(1/T) + noise, where v is the motion's mean square and C the scheme's error by frequency
+    A motion that is almost a sinusoid of period T makes the settled mean square error v C(1/T) +
+    noise, where v is the motion's mean square and C the scheme's error by frequency
     (`error_curves.curves`). The boundary is where the two schemes' errors are equal.
 
-    Parameters
-    ----------
-    config
-        The study's configuration.
-    below, above
-        Names of the scheme that is used below the boundary, and of the one that is used above it.
-    crest
-        Amplitude of the motion divided by the root mean square of the displacement.
-
-    Raises
-    ------
-    InputError
-        If a scheme's expected errors cannot be computed: it is not linear, or has no kernel.
+    below, above: names of the schemes used below and above the boundary.
+    crest: amplitude of the motion divided by the root mean square of the displacement.
+    Raises InputError if a scheme's expected errors cannot be computed: it is not linear, or has no
+    kernel.
     """
     from owtsweep.studies.hub.error_curves.of_schemes import curves_of
     from owtsweep.studies.hub.listed import resolve, under
@@ -130,10 +114,7 @@ def compute_boundary(config: HubConfig, below: str, above: str, crest: float) ->
 
 
 def check_switch(own: str, settings: Switch) -> None:
-    """Raise `InputError` unless `switch` names two schemes and its boundary is a table.
-
-    `own` is the name of the scheme that switches, which cannot be one of the two.
-    """
+    """Raise `InputError` unless `switch` names two other schemes and its boundary is a table."""
     others = ", ".join(name for name in LISTED if name != own)
     for key, name in (("below", settings.below), ("above", settings.above)):
         require(

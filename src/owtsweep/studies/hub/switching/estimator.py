@@ -22,13 +22,6 @@ class SwitchingEstimator(RecordEstimator):
     The stated covariance is then the weighted mean of both covariances: by convexity of the square,
     no weighted mean of two estimates has a larger one, however their errors are correlated. The
     innovation is that of the scheme with the larger weight.
-
-    Parameters
-    ----------
-    below, above
-        The estimators of the schemes below and above the boundary, before their first step.
-    supervisor
-        Decides which one is handed out.
     """
 
     def __init__(self, below: Any, above: Any, supervisor: Supervisor) -> None:
@@ -36,14 +29,9 @@ class SwitchingEstimator(RecordEstimator):
 
     @property
     def step(self) -> float:
-        """The interval between two IMU samples, s, of estimators that run on board."""
         return float(self._below.step)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the estimate of the present.
-
-        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
-        """
         below = self._below.update(specific_force, position)
         above = self._above.update(specific_force, position)
         (x, y), (vx, vy) = above.position.tolist(), above.velocity.tolist()
@@ -62,11 +50,6 @@ class SwitchingEstimator(RecordEstimator):
         )
 
     def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
-        """Take many IMU samples at once; return the estimates that `update` would give.
-
-        `specific_force` (m/s^2) and `positions` (m; NaN at steps without a fix) have the shape
-        (steps, 2) each.
-        """
         below, above = (
             run_steps(each, specific_force, positions) for each in (self._below, self._above)
         )

@@ -15,14 +15,9 @@ class SeaWatch:
     the hub does not count. The variances of the estimates' own errors, as their scheme states them,
     are subtracted.
 
-    Parameters
-    ----------
-    step
-        Time between two estimates, s.
-    memory
-        Time after which an estimate has the weight 1/e, s.
-    crest
-        Amplitude of the motion divided by the root mean square of the displacement.
+    step: time between two estimates, s.
+    memory: time after which an estimate has the weight 1/e, s.
+    crest: amplitude of the motion divided by the root mean square of the displacement.
     """
 
     def __init__(self, step: float, memory: float, crest: float) -> None:
@@ -85,26 +80,17 @@ class Supervisor:
     """The weight of the scheme above the boundary in what is handed out: 0 to 1.
 
     The scheme above the boundary is chosen when the estimated amplitude is larger than the
-    boundary's at the estimated period, times the hysteresis; the scheme below the boundary when the
-    amplitude is smaller than the boundary's divided by the hysteresis. In between the choice stays.
-    After a new choice the weight moves to 0 or 1 at a constant rate, so that nothing jumps.
+    boundary's at the estimated period, times the hysteresis; the scheme below when it is smaller
+    than the boundary's divided by the hysteresis. In between the choice stays. After a new choice
+    the weight moves to 0 or 1 at a constant rate, so that nothing jumps.
 
     Until the watch has seen a motion for its `memory`, the scheme above is chosen: it is the one
     whose error grows less with the motion.
 
-    Parameters
-    ----------
-    watch
-        The estimated amplitude and period.
-    boundary
-        The amplitudes above which the second scheme is better.
-    hysteresis
-        Ratio of at least 1.
-    step, memory, blend
-        Time between two estimates, time before the first choice, and time in which the weight moves
-        from 0 to 1, s. With blend 0 the weight jumps.
-    every
-        Number of steps from one choice to the next.
+    hysteresis: ratio of at least 1.
+    step, memory, blend: time between two estimates, time before the first choice, and time in which
+        the weight moves from 0 to 1, s. With blend 0 the weight jumps.
+    every: number of steps from one choice to the next.
     """
 
     def __init__(

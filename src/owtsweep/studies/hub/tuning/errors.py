@@ -44,17 +44,13 @@ def amplitudes(config: HubConfig) -> Array:
 
 
 def has_curves(scheme: Scheme) -> bool:
-    """Return whether a scheme's errors can be computed without records."""
     return scheme.linear and scheme.batched == "chain"
 
 
 def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
     """Compute a scheme's settled MSE, m^2 or (m/s)^2, shape (periods, amplitudes).
 
-    Raises
-    ------
-    ValueError, ArithmeticError
-        If the scheme cannot be computed with this tuning.
+    Raises ValueError or ArithmeticError if the scheme cannot be computed with this tuning.
     """
     sensors = sensing.sensors(config.sensors)
     steps, settled = (round(seconds / sensors.step) for seconds in (DURATION, SETTLING))
@@ -75,10 +71,7 @@ def expected_errors(config: HubConfig, scheme: Scheme) -> Array:
 
 
 def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
-    """Return the criterion's index (position, velocity), and each axis' share of the motion.
-
-    An axis that the criterion leaves out has the share None.
-    """
+    """Return the criterion's index, and each axis' share of the motion; None if it is left out."""
     angle = np.deg2rad(config.wave_direction)
     x, y = float(np.cos(angle) ** 2), float(np.sin(angle) ** 2)
     criterion = config.measures.criterion
@@ -89,15 +82,7 @@ def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
 def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int) -> Array:
     """Run schemes on records; return their settled MSE by `measures.criterion`.
 
-    Returns
-    -------
-    array
-        Shape (schemes, periods, amplitudes, replicates), m^2 or (m/s)^2.
-
-    Raises
-    ------
-    InputError
-        If a case fails.
+    The shape is (schemes, periods, amplitudes, replicates). Raises InputError if a case fails.
     """
     entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)
@@ -117,7 +102,7 @@ def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int
 
 
 def score(errors: Array) -> float:
-    """Return the geometric mean of the errors of all cells; infinite if one of them is not finite.
+    """Return the geometric mean of the errors of all cells, in their unit; infinite if one is.
 
     The geometric mean weighs a percent less the same in each cell, whatever the cell's error.
     """

@@ -61,10 +61,7 @@ def find_space(config: HubConfig, scheme: str) -> Space:
 
 
 def _list_intervals(imu_rate: float, gnss_rate: float) -> list[float]:
-    """Return the longest allowed values of T_m, s: whole IMU steps that divide the GNSS interval.
-
-    The rates are in Hz.
-    """
+    """Return the longest allowed T_m, s: whole IMU steps that divide the GNSS interval."""
     M = round(imu_rate / gnss_rate)
     steps = [n for n in range(M, 0, -1) if M % n == 0]
     return [n / imu_rate for n in steps[:INTERVALS]]
@@ -107,7 +104,6 @@ def _make_training(config: HubConfig, scheme: Scheme) -> HubConfig:
 
 
 def _judge(config: HubConfig, scheme: Scheme, values: Plain) -> tuple[float, Plain]:
-    """Compute the score of a tuning; there are no details."""
     tuned = with_values(config, values)
     if has_curves(scheme):
         return score(expected_errors(tuned, scheme)), {}

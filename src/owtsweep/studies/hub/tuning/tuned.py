@@ -29,10 +29,7 @@ if TYPE_CHECKING:
 def list_tunable(config: HubConfig) -> list[Scheme]:
     """Return the schemes of a run whose numbers can be searched.
 
-    Raises
-    ------
-    InputError
-        If there is none, or the search would see the records that judge it.
+    Raises InputError if there is none, or the search would see the records that judge it.
     """
     schemes = [s for s in resolve_all(config.schemes, config) if find_space(config, s.name)]
     require(
@@ -74,16 +71,10 @@ def tune(config: HubConfig, advance: Callable[[str], None]) -> TunedSchemes:
 class TunedSchemes:
     """The best numbers found, an `owtsweep.sweep.study.Tuned`.
 
-    Attributes
-    ----------
-    before
-        The configuration with the tuning that the search began with.
-    best
-        Scheme -> the best values by key; empty if no trial was better than that tuning.
-    trials
-        Number of trials made, of all schemes together.
-    stopped
-        Whether the user stopped the search.
+    before: the configuration with the tuning that the search began with.
+    best: scheme -> the best values by key; empty if no trial was better than that tuning.
+    trials: number of trials made, of all schemes together.
+    stopped: whether the user stopped the search.
     """
 
     before: HubConfig
@@ -98,7 +89,6 @@ class TunedSchemes:
         return with_values(self.before, values)
 
     def text(self, name: str) -> str:
-        """Return the tuning file: each section that a tuning sets, after comments on its origin."""
         sections = {section: as_mapping(getattr(self.after, section)) for section in TUNED}
         plain = yaml.safe_dump({"tuning": name, **sections}, sort_keys=False)
         comments = "\n".join(f"# {line}" for line in self._describe())
@@ -117,7 +107,6 @@ class TunedSchemes:
         ]
 
     def judge(self) -> RenderableType:
-        """Run both tunings on the same records; return a table of what each scheme has gained."""
         from rich import box
         from rich.console import Group
         from rich.table import Table
@@ -144,12 +133,12 @@ class TunedSchemes:
                 Text(name), f"{gain.before:.3g}", f"{gain.after:.3g}",
                 f"{100 * gain.change:+z.1f} %", reach, f"{gain.after / bound:.2f}",
             )  # fmt: skip
-        told = (
+        text = (
             f"Bound: {bound:.3g} {unit}, the least error of an estimator that assumes nothing "
             "about the motion. MSE are geometric means over natural periods and amplitudes, after "
             f"the first {config.measures.settling_time:g} s."
         )
-        return Group(table, Text(told))
+        return Group(table, Text(text))
 
     def _unit(self) -> str:
         return "(m/s)²" if self.before.measures.criterion == "velocity" else "m²"
@@ -164,14 +153,11 @@ def _range(config: HubConfig) -> str:
 class Gain:
     """The change of a scheme's error from one tuning to another, on the same records.
 
-    Attributes
-    ----------
-    before, after
-        Geometric mean over natural periods and amplitudes of the settled MSE, m^2 or (m/s)^2.
-    change
-        Geometric mean of after / before over records, natural periods and amplitudes, minus 1.
-    low, high
-        The 95 % interval of `change`, from the differences between the two, record by record.
+    before, after: geometric mean over natural periods and amplitudes of the settled MSE, m^2 or
+        (m/s)^2.
+    change: geometric mean of after / before over records, natural periods and amplitudes, minus 1.
+    low, high: the 95 % interval of `change`, from the differences between the two, record by
+        record.
     """
 
     before: float
@@ -182,11 +168,7 @@ class Gain:
 
 
 def judge(before: HubConfig, after: HubConfig, schemes: Sequence[str]) -> dict[str, Gain]:
-    """Run schemes with two tunings on the same records; return what each has gained.
-
-    Records have the seed `seed` and the length `record.duration` of the configurations; there are
-    `tune.replicates` of them per natural period.
-    """
+    """Run schemes with two tunings on the same records; return what each has gained."""
     count = before.tune.replicates
     errors = [errors_on_records(config, schemes, count) for config in (before, after)]
     return {name: _compare(*parts) for name, *parts in zip(schemes, *errors, strict=True)}

@@ -57,7 +57,6 @@ def draw(errors: Errors) -> Figure:
 
 
 def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors at the motion with the index `number`."""
     of_texts = isinstance(errors.values[0], str)
     (_draw_marks if of_texts else _draw_curves)(axes, errors, number)
     curves.scale_axes(axes, errors.along, errors.values)
@@ -81,25 +80,22 @@ def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
     best = find_best(errors, errors.schemes)[number]
     for name, rms in zip(errors.names, errors.rms()[:, :, number], strict=True):
         if name in errors.baselines:
-            look = style_of(name, errors.baselines)
-            axes.plot(place, rms, label=style.label_of(name), **curves.thin_line(look))
+            drawn = style_of(name, errors.baselines)
+            axes.plot(place, rms, label=style.label_of(name), **curves.thin_line(drawn))
             continue
-        look = style_of(name, errors.schemes)
+        drawn = style_of(name, errors.schemes)
         on_top = sum(name in names for names in best) / len(
             best
         )  # of lines that coincide, the best scheme's is seen
         axes.plot(
-            place, rms, color=look.color, linestyle=look.line, marker=look.marker,
+            place, rms, color=drawn.color, linestyle=drawn.line, marker=drawn.marker,
             markersize=4.5, zorder=2.0 + on_top, label=style.label_of(name),
         )  # fmt: skip
     axes.plot(place, errors.rms_of_bound(), zorder=3.5, **BOUND_LINE)
 
 
 def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors over texts, which have no values between them.
-
-    Schemes are marks side by side; baselines and bound are short lines.
-    """
+    """Draw the errors over texts: marks for schemes, short lines for baselines and bound."""
     place = np.arange(len(errors.values))
     ends = (place - HALF_WIDTH, place + HALF_WIDTH)
     offsets = np.linspace(-0.6, 0.6, len(errors.schemes)) * HALF_WIDTH
@@ -108,9 +104,9 @@ def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
             line = curves.thin_line(style_of(name, errors.baselines))
             axes.hlines(rms, *ends, label=style.label_of(name), **line)
             continue
-        look = style_of(name, errors.schemes)
+        drawn = style_of(name, errors.schemes)
         axes.plot(
-            place + offsets[n], rms, color=look.color, linestyle="none", marker=look.marker,
+            place + offsets[n], rms, color=drawn.color, linestyle="none", marker=drawn.marker,
             markersize=6, label=style.label_of(name),
         )  # fmt: skip
     axes.hlines(errors.rms_of_bound(), *ends, **BOUND_LINE)

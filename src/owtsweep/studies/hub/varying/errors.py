@@ -1,7 +1,6 @@
 """Computes the errors of all schemes and baselines over the values of one key.
 
-The errors are expected ones (`studies.hub.expected`), of the settled part of a record. No record is
-simulated.
+The errors are expected ones (`studies.hub.expected`), of the settled part of a record.
 """
 
 from __future__ import annotations
@@ -33,10 +32,7 @@ from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
 
 
 def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
-    """Return the facts that hold for each configuration: tuning, sensors and truth, in this order.
-
-    A fact that differs between the configurations is left out.
-    """
+    """Return the facts that hold for each configuration: tuning, sensors, truth."""
     listed = [_list_facts(config) for config in configs]
     return tuple(fact for fact in listed[0] if all(fact in facts for facts in listed))
 
@@ -60,21 +56,18 @@ BOUND = (
 def list_notes(
     along: Condition, configs: Mapping[Value, HubConfig], schemes: Sequence[str], mse: Array
 ) -> tuple[str, ...]:
-    """Return sentences on coinciding schemes, HME2's numbers, the bound and the window.
-
-    `mse` are the MSE of `schemes`, shape (schemes, values, motions).
-    """
+    """Return sentences on coinciding schemes, HME2's numbers, the bound and the window."""
     groups = group_coinciding(schemes, lambda i, j: bool(agree(mse[i], mse[j]).all()))
-    told = [f"{' and '.join(group)} have the same errors." for group in groups]
+    sentences = [f"{' and '.join(group)} have the same errors." for group in groups]
     recorded = [value for value, config in configs.items() if _has_recorded_numbers(config)]
     one_tuning = len({config.tuning_name for config in configs.values()}) == 1
     if RECORDED_FOR in schemes and one_tuning and 0 < len(recorded) < len(configs):
         places = " and ".join(along.show(value) for value in recorded)
-        told.append(
+        sentences.append(
             f"At {places}, {RECORDED_FOR} has the numbers that tuning=matched keeps for the "
             "paper's sensors; elsewhere its numbers follow a rule (docs/tuning.md)."
         )
-    return (*told, BOUND, OTHER_WINDOW["settled"])
+    return (*sentences, BOUND, OTHER_WINDOW["settled"])
 
 
 def _has_recorded_numbers(config: HubConfig) -> bool:
@@ -96,26 +89,12 @@ WINDOW = "settled"
 class Errors:
     """The expected settled MSE of schemes over the values of one key.
 
-    Attributes
-    ----------
-    along
-        The key that is varied.
-    values
-        The values of the key, in the order of tables and figure.
-    schemes, baselines
-        Names of the schemes and of the baselines.
-    motions
-        The motions, as pairs of natural period (s) and amplitude (m).
-    criterion
-        The measure that is shown: "position", "velocity", "x" or "y".
-    mse
-        Measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
-    bounds
-        Measure -> Kalman bound of the MSE at each value, shape (values,).
-    facts
-        What holds at every value, e.g. the tuning and the sensors' properties that do not vary.
-    notes
-        Sentences that a reader of the errors needs.
+    along, values: the key that is varied, and its values in the order of tables and figure.
+    motions: the motions, as pairs of natural period (s) and amplitude (m).
+    mse: measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
+    bounds: measure -> Kalman bound of the MSE at each value, shape (values,).
+    facts: what holds at every value, e.g. the tuning and the sensors' properties that do not vary.
+    notes: sentences that a reader of the errors needs.
     """
 
     along: Condition
@@ -131,7 +110,6 @@ class Errors:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the schemes, then those of the baselines."""
         return (*self.schemes, *self.baselines)
 
     def rms(self) -> Array:
@@ -158,12 +136,7 @@ class Errors:
 def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
     """Compute the errors of all schemes and baselines, and the Kalman bound, at each value.
 
-    `check` has passed the configurations.
-
-    Raises
-    ------
-    InputError
-        If a scheme cannot be computed.
+    `check` has passed the configurations. Raises InputError if a scheme cannot be computed.
     """
     one = next(iter(configs.values()))
     schemes, baselines, measures = scheme_names(one), list_baselines(one), criteria(one)
@@ -200,11 +173,8 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
 def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
     """Check that the errors can be computed, and shown in one figure.
 
-    Raises
-    ------
-    InputError
-        If the configurations ask for records, for SKF, or for other motions, schemes or criteria
-        than the first.
+    Raises InputError if the configurations ask for records, for SKF, or for other motions, schemes
+    or criteria than the first.
     """
     one = next(iter(configs.values()))
     for config in configs.values():
@@ -238,20 +208,14 @@ def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
 def _compute_rows(
     config: HubConfig, names: Sequence[str], periods: Sequence[float], place: str
 ) -> pd.DataFrame:
-    """Compute the rows of all schemes, on all cores; `place` says in messages which value it is.
-
-    Raises
-    ------
-    InputError
-        If a scheme cannot be computed, or its error is not finite.
-    """
+    """Compute the rows of all schemes, on all cores; `place` says in messages which value it is."""
 
     def compute_one(name: str) -> pd.DataFrame:
         try:
             made = rows(config, name, periods)
         except Exception as error:  # a scheme of the user's may raise anything
-            told = str(error) if isinstance(error, InputError) else as_text(error)
-            raise InputError(f"schemes: {name} cannot be computed at {place}: {told}") from error
+            text = str(error) if isinstance(error, InputError) else as_text(error)
+            raise InputError(f"schemes: {name} cannot be computed at {place}: {text}") from error
         require(
             bool((made["status"] == OK).all()),
             f"schemes: the error of {name} is not finite at {place}; leave out the scheme or the "

@@ -35,8 +35,7 @@ def describe_motion(period: float, amplitude: float) -> str:
 def find_best(errors: Errors, names: Sequence[str]) -> list[list[tuple[str, ...]]]:
     """Return which of `names` have the least error at each motion and, in there, each value.
 
-    They are several where the expected errors, which are accurate to `RESOLUTION`, cannot tell them
-    apart. `names` are `errors.schemes`, or `errors.names`, which has the baselines too.
+    They are several where the expected errors, accurate to `RESOLUTION`, cannot tell them apart.
     """
     mse = errors.mse[errors.criterion][: len(names)]
     best = mse <= (1.0 + RESOLUTION) * mse.min(axis=0)
@@ -62,22 +61,19 @@ def answer_each(errors: Errors) -> Iterator[str]:
 
 
 def _follow_best(errors: Errors, best: list[str], least: Array) -> str:
-    """Return a sentence on the best scheme's error over the values, and on the Kalman bound.
-
-    `best` and `least` are the best scheme's name and its rms error (m or m/s) at each value.
-    """
+    """Return a sentence on the best scheme's rms error, `least`, over the values, and the bound."""
     show, values, unit = errors.along.show, errors.values, unit_of_error(errors)
     bound = errors.rms_of_bound()
     if isinstance(values[0], str):
         low, high = int(np.argmin(least)), int(np.argmax(least))
-        told = " and ".join(
+        text = " and ".join(
             f"{what} with {show(values[n])} ({best[n]}, {least[n]:.3g} {unit}; "
             f"bound {bound[n]:.3g} {unit})"
             for what, n in (("smallest", low), ("largest", high))
         )
         if not _differ(least[low], least[high]):
             return f"The best scheme's error is the same at all values: {least[low]:.3g} {unit}."
-        return f"The best scheme's error is {told}."
+        return f"The best scheme's error is {text}."
     ends = f"From {show(values[0])} to {show(values[-1])}"
     verb, verb_of_bound = (_name_change(of[0], of[-1]) for of in (least, bound))
     sentence = (
@@ -107,13 +103,10 @@ def _name_change(first: float, last: float) -> str:
 
 
 def _name_baselines(errors: Errors, motion: int) -> list[str]:
-    """Return a sentence on each baseline that is best, and beats every scheme, at some values.
-
-    `motion` is the index of the motion.
-    """
+    """Return a sentence on each baseline that is best, and beats every scheme, at some values."""
     mse, count = errors.mse[errors.criterion][:, :, [motion]], len(errors.schemes)
     winning, _ = find_winning(mse[count:], mse[:count].min(axis=0))
-    told = []
+    sentences = []
     for number, name in enumerate(errors.baselines):
         places = [
             errors.along.show(value)
@@ -121,5 +114,5 @@ def _name_baselines(errors: Errors, motion: int) -> list[str]:
             if winner == number
         ]
         if places:
-            told.append(f"{name} has less error than every scheme at {', '.join(places)}.")
-    return told
+            sentences.append(f"{name} has less error than every scheme at {', '.join(places)}.")
+    return sentences

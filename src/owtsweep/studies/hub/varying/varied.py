@@ -32,27 +32,22 @@ class VariedErrors:
     errors: Errors
 
     def write(self, folder: Path, metadata: Mapping[str, str]) -> list[Path]:
-        """Write vary.csv, vary.png and vary.svg into `folder`; return their paths.
-
-        `metadata` holds texts by name to store in the figure's files.
-        """
+        """Write vary.csv, vary.png and vary.svg into `folder`; return their paths."""
         from owtsweep.studies.hub.varying import drawing
 
         files = save_figure(partial(drawing.draw, self.errors), metadata)(folder, "vary")
         return [*files, write_table(folder, "vary", self.errors.table())]
 
     def answer(self) -> RenderableType:
-        """Return what holds at all values, a table for each motion, and sentences that answer."""
         from rich.console import Group
         from rich.text import Text
 
         tables = [self._make_table(number) for number in range(len(self.errors.motions))]
         facts = f"At all values: {'; '.join(self.errors.facts)}"
-        told = [*answer_each(self.errors), " ".join(self.errors.notes)]
-        return Group(Text(facts), *tables, *(Text(sentence) for sentence in told))
+        sentences = [*answer_each(self.errors), " ".join(self.errors.notes)]
+        return Group(Text(facts), *tables, *(Text(sentence) for sentence in sentences))
 
     def _make_table(self, number: int) -> Table:
-        """Make the table of the motion with the index `number`: a row for each value."""
         from rich import box
         from rich.table import Table
         from rich.text import Text
