@@ -35,12 +35,7 @@ def place_files(
 ) -> Iterator[tuple[list[str], list[Path]]]:
     """Give the files that overrides of groups name a place and a name for Hydra, for a while.
 
-    Parameters
-    ----------
-    overrides
-        The user's overrides.
-    model
-        The model of the configuration; its `tuned` and `from_files` say what files may set.
+    The model's `tuned` and `from_files` say what files may set.
 
     Yields
     ------

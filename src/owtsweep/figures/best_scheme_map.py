@@ -93,23 +93,14 @@ def draw(
 ) -> Figure:
     """Draw a map of the best scheme in every cell, with title, legend and footnote.
 
-    A cell is one value of each condition.
-
     Parameters
     ----------
     best
-        A run's table best_scheme.csv, one row per cell, criterion and window.
+        A run's table best_scheme.csv; rows of `criterion` and `window` are shown.
     schemes
         Names of all schemes and baselines that the table names, in the order of the legend.
     conditions
         The study's conditions; at most two of them may have several values.
-    criterion
-        The measure by which schemes are judged, e.g. "position"; the map shows its rows of `best`.
-    window
-        The part of the records over which the criterion is averaged, "full" or "settled"; the map
-        shows its rows of `best`.
-    tuning
-        Name of the schemes' tuning, for the title.
     quantity
         What the title says the schemes are judged by; if empty, "<criterion> <score>".
     score
@@ -120,8 +111,8 @@ def draw(
     replicates
         Planned number of records per cell, for the title; None leaves the number out.
     failures
-        Number of failed cases; a case is one scheme on one record. If the number is not 0, title
-        and footnote say that cells may have fewer records.
+        Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
+        records.
     notes
         Sentences at the end of the footnote.
 
@@ -186,14 +177,10 @@ def draw_cells(
 
     Parameters
     ----------
-    axes
-        The matplotlib axes to draw into.
     rows
         The cells: rows of a run's table best_scheme.csv with one criterion and one window.
     schemes
         Names of all compared schemes, which determine the colours.
-    plane
-        The conditions and values on the axes of the map.
     labels
         The text in a cell. "two lines" and "one line": the best and the next best scheme, on two
         lines or on one. "best": the best scheme only. "none": no text, and the cells are drawn as
@@ -247,20 +234,10 @@ def _style_text(fill: str) -> style.Look:
 def _label(
     axes: Axes, fill: str, place: tuple[int, int], names: tuple[str, str], *, tall: bool
 ) -> None:
-    """Write the names of the best and of the next best scheme into a cell of a map.
+    """Write the names of the best and of the next best scheme (or "") into the cell at `place`.
 
-    Parameters
-    ----------
-    axes
-        The matplotlib axes to draw into.
-    fill
-        The colour of the cell, which gives the colour of the text.
-    place
-        Column and line of the cell, from 0.
-    names
-        Texts for the best and for the next best scheme; the second may be "".
-    tall
-        Whether the cell has room for two lines of text.
+    The colour of the cell, `fill`, gives the colour of the text. `tall` cells have room for two
+    lines.
     """
     column, line = place
     best, runner_up = names
@@ -275,10 +252,9 @@ def _label(
 
 
 def _describe_runner_up(row: Row) -> str:
-    """Return the next best scheme of a cell and by how much its MSE is larger, e.g. "HME1 +12 %".
+    """Return a cell's next best scheme and by how much its MSE is larger, e.g. "HME1 +12 %".
 
-    `row` is the row of the cell in best_scheme.csv. Return "" if there is no next best scheme, or
-    if the MSE of the best scheme is not positive.
+    Return "" if there is none, or if the MSE of the best scheme is not positive.
     """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""
@@ -315,11 +291,7 @@ def _make_legend(
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
-    """Return entries of a map's legend for hatched cells and for cells without a result.
-
-    `hatched` and `holes` say whether the map has hatched cells, and cells without a result; if it
-    has none of a kind, the entry for this kind is left out.
-    """
+    """Return entries of a map's legend for hatched cells and for cells without a result."""
     marks = []
     if hatched:
         look: style.Look = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}

@@ -36,19 +36,8 @@ PANEL, BOX, BESIDE_BOXES, BESIDE_PANELS = 3.6, 0.22, 0.75, 1.2
 def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
     """Return the errors of single records in a few cells of a run's map.
 
-    The cells are at the first, the middle and the last value of each condition.
-
-    Parameters
-    ----------
-    cube
-        The values of the run. It has one or two conditions.
-    criterion, window
-        The measure, e.g. "position", and the part of the record over which it is averaged.
-
-    Returns
-    -------
-    DataFrame
-        A row for each scheme, cell and record. Columns: scheme, conditions, error.
+    The cells are at the first, the middle and the last value of each of one or two conditions. The
+    table has a row for each scheme, cell and record, and the columns scheme, conditions, error.
 
     Raises
     ------
@@ -77,7 +66,6 @@ def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
 
 
 def _choose(count: int) -> list[int]:
-    """Return the indices of the first, the middle and the last of `count` values."""
     return sorted({0, count // 2, count - 1})
 
 
@@ -99,8 +87,6 @@ def draw(
         Names of all schemes in it, from top to bottom.
     conditions
         Its conditions: the first runs from left to right, the second from bottom to top.
-    title
-        Title of the figure.
     label
         Label of the axes of errors, which are logarithmic.
     """

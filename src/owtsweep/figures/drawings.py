@@ -25,8 +25,8 @@ Drawing = Callable[[Path, str], list[Path]]
 def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
     """Return a function that draws and saves a figure; its arguments are a folder and a name.
 
-    `draw` makes the figure and is called in the package's style. The `metadata`, texts by name, are
-    stored inside the files; None stores nothing. The returned function returns the files.
+    `draw` is called in the package's style. The texts of `metadata`, by name, are stored in the
+    files.
     """
 
     def drawing(folder: Path, name: str) -> list[Path]:
@@ -49,16 +49,13 @@ def draw_each(
     Parameters
     ----------
     drawings
-        Name of a figure -> function that draws and saves the figure. The function raises
-        `InputError` if the run lacks the data.
-    folder
-        Folder for the files.
+        Name of a figure -> function that draws and saves the figure, or raises `InputError` if the
+        run lacks the data.
     only
-        Name of the only figure to draw. None means all figures; figures for which the run lacks
-        data are then left out with a warning.
+        Name of the only figure to draw. None means all figures; those for which the run lacks data
+        are then left out with a warning.
     guard
-        Function that makes the context in which each figure is drawn; the context may turn errors
-        into `InputError`.
+        Makes the context in which each figure is drawn; it may turn errors into `InputError`.
 
     Raises
     ------

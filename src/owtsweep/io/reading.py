@@ -26,8 +26,8 @@ def require_regular(path: Path, *, links: bool = True) -> None:
     Raises
     ------
     InputError
-        If nothing exists at the path, the path cannot be read, or a folder, a pipe or a device is
-        there; without `links` also if a link is there.
+        If nothing is there, it cannot be read, or is a folder, a pipe or a device; without `links`
+        also if it is a link.
     """
     mode = _mode(path, "file")
     if not links and path.is_symlink():
@@ -38,14 +38,7 @@ def require_regular(path: Path, *, links: bool = True) -> None:
 
 
 def require_folder(path: Path) -> None:
-    """Check that a path is a folder.
-
-    Raises
-    ------
-    InputError
-        If nothing exists at the path, the path cannot be read, or something other than a folder is
-        there.
-    """
+    """Raise `InputError` unless a path is a folder that can be read."""
     if not stat.S_ISDIR(_mode(path, "folder")):
         raise InputError(f"{path}: this is a file; name a folder")
 
@@ -100,13 +93,12 @@ def _mode(path: Path, kind: str) -> int:
 def read_bytes(path: Path, most: int, *, links: bool = True) -> bytes:
     """Read a file of at most `most` bytes; return its content.
 
-    Nothing is read of a file that is too large, or of a large one with holes.
-
     Raises
     ------
     InputError
         If the path is no regular file (or a link, without `links`), or the file cannot be read, is
-        larger than `most` bytes, or has holes and more than `MOST_SPARSE` bytes.
+        larger than `most` bytes, or has holes and more than `MOST_SPARSE` bytes. Nothing has been
+        read then.
     """
     require_regular(path, links=links)
     try:
@@ -164,8 +156,7 @@ def read_text(path: Path, most: int) -> str:
     Raises
     ------
     InputError
-        If the path is no regular file, or the file cannot be read, is larger than `most` bytes, or
-        is no text in UTF-8.
+        As `read_bytes`, or if it is no text in UTF-8.
     """
     try:
         return read_bytes(path, most).decode("utf-8")
@@ -179,8 +170,7 @@ def read_json(path: Path, most: int) -> object:
     Raises
     ------
     InputError
-        If the file is refused as by `read_text`, if the text is no JSON, or if the data nest too
-        deeply for Python's parser.
+        As `read_text`, or if it is no JSON, or nests too deeply for Python's parser.
     """
     import json
 

@@ -15,12 +15,10 @@ from owtsweep.errors import InputError, require
 class Losses:
     """The losses of a sensor's samples, drawn piece by piece.
 
-    At each sample an outage begins with the same probability, independently of other samples. It
-    may begin inside another outage, too. No outage begins before the first sample. With a length of
-    1, each sample is lost independently of the others. In the long run the share 1 - (1 -
-    probability)^length of samples is lost. If the probability or the length is raised, and the
-    random stream is the same, all samples that were lost before are lost again, and others may be
-    lost too.
+    At each sample an outage begins with the same probability, independently of others, perhaps
+    inside another outage; none begins before the first sample. In the long run the share 1 - (1 -
+    probability)^length of samples is lost. If probability or length is raised, and the random
+    stream is the same, all samples that were lost before are lost again.
 
     Attributes
     ----------
@@ -28,10 +26,8 @@ class Losses:
         The random stream, from which one uniform number per sample is drawn.
     probability
         Probability that an outage begins at a sample.
-    length
-        Length of an outage in samples.
-    remaining
-        Number of samples for which the present outage continues.
+    length, remaining
+        Length of an outage, and what remains of the present one, in samples.
 
     Raises
     ------
@@ -51,7 +47,7 @@ class Losses:
             raise InputError(f"length: an outage of {self.length} samples; give 1 or more")
 
     def draw(self, count: int) -> NDArray[np.bool_]:
-        """Draw which of the next `count` samples are lost; return a mask of shape (count,)."""
+        """Return a mask (count,) of which of the next `count` samples are lost."""
         begins = self.generator.random(count) < self.probability
         sample = np.arange(count)
         last = np.maximum.accumulate(np.where(begins, sample, -self.length))
@@ -92,8 +88,6 @@ def draw_outliers(
         Standard deviation of an offset along each axis, in the unit of the samples.
     length
         Number of samples of a burst.
-    axes
-        Number of axes.
 
     Raises
     ------
