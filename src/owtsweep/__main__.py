@@ -74,8 +74,8 @@ def _use_one_blas_thread() -> None:
 def _open_missing_streams() -> None:
     """Open the null device for each standard stream that is closed, e.g. by `>&-` in a shell.
 
-    Otherwise the next file that is opened would get the number of the closed stream. Everything
-    that libraries and child processes print would then go into this file.
+    Otherwise the next file that is opened would get the stream's number, and all that libraries and
+    child processes print.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
@@ -97,7 +97,7 @@ def _stop(number: int, frame: FrameType | None) -> None:
     """Handle a signal: raise `KeyboardInterrupt`, so that the command says what is stored and ends.
 
     At a second signal, or if the command has not ended after `GRACE` seconds, end the process at
-    once. `number` is the signal's number; `frame` is not used.
+    once.
     """
     global _stopped_by, _lost
     if _lost and number == signal.SIGALRM:
@@ -117,9 +117,8 @@ def _stop(number: int, frame: FrameType | None) -> None:
 def _raise_again(lost: "sys.UnraisableHookArgs") -> None:
     """Let a `KeyboardInterrupt` that Python has lost be raised again; report all other exceptions.
 
-    Python drops exceptions that are raised while it runs a callback of the garbage collection. A
-    stop that comes just then would be reported as a traceback and have no effect. `lost` is what
-    `sys.unraisablehook` is given.
+    Python drops exceptions that are raised in a callback of the garbage collection: a stop that
+    comes just then would be reported as a traceback and have no effect.
     """
     global _lost
     if lost.exc_type is not KeyboardInterrupt or not hasattr(signal, "setitimer"):
@@ -145,7 +144,7 @@ def _say(text: str) -> None:
 
 
 def _end(code: int) -> NoReturn:
-    """End this process at once with the exit code `code`, after all of its worker processes."""
+    """End this process at once, after all of its worker processes."""
     _flush()
     _end_workers()
     os._exit(code)
@@ -154,8 +153,8 @@ def _end(code: int) -> NoReturn:
 def _end_workers() -> None:
     """End the worker processes of joblib, and all processes that the workers have started.
 
-    Their results are stored. Left to themselves, they would take seconds of computing to unload
-    their libraries, and this process would wait for them.
+    Their results are stored. Left to themselves, they would take seconds to unload their libraries,
+    and this process would wait for them.
     """
     if "joblib" in sys.modules:
         from multiprocessing import active_children

@@ -23,19 +23,14 @@ def run(overrides: Sequence[str] = ()) -> Run:
     """Run a study and return the run.
 
     If a run of the same configuration was interrupted, only what is missing is computed.
-
-    Parameters
-    ----------
-    overrides
-        Hydra overrides as on the command line, e.g. `["grid.replicates=2", "tuning=matched"]`.
-        Without overrides, the default configuration is run.
+    `overrides` are Hydra's as on the command line, e.g. `["grid.replicates=2", "tuning=matched"]`.
 
     Returns
     -------
     Run
-        The run. Its methods `cases()`, `summary()` and `best_scheme()` return tables; `config` is
-        its configuration. In the table of `cases()`, the status is "failed" where a scheme failed,
-        and "unable" where a scheme cannot work under the conditions; the column `reason` says why.
+        Its methods `cases()`, `summary()` and `best_scheme()` return tables; `config` is its
+        configuration. In `cases()`, the status is "failed" where a scheme failed, and "unable"
+        where it cannot work under the conditions; the column `reason` says why.
 
     Raises
     ------
@@ -50,8 +45,6 @@ def run(overrides: Sequence[str] = ()) -> Run:
 
 def load(path: str | PathLike[str]) -> Run:
     """Open the run in a folder, without importing or executing any code that the folder names.
-
-    `path` is the path of the folder.
 
     Raises
     ------
@@ -71,8 +64,7 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     ----------
     files
         A path, a pattern such as "data/*.csv", or a list of paths and patterns. An empty list
-        stands for the files that a table lists; the override `replay.table=FILE.csv` names this
-        table.
+        stands for the files of the table that the override `replay.table=FILE.csv` names.
     overrides
         Hydra overrides as on the command line, e.g. `["columns.position_x=TwHt1TPxi",
         "sensors.gnss.rate=5"]`.
@@ -80,9 +72,9 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Returns
     -------
     Replay
-        The result. Its methods `errors()`, `advice()`, `records()` and `estimates()` return
-        DataFrames; its attribute `run` is the run. Of several records, those that cannot be used
-        are left out; `refused()` lists them with the reason.
+        Its methods `errors()`, `advice()`, `records()` and `estimates()` return DataFrames; its
+        attribute `run` is the run. Of several records, those that cannot be used are left out;
+        `refused()` lists them with the reason.
 
     Raises
     ------

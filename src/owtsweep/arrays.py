@@ -19,11 +19,10 @@ LINE = 64
 
 
 def aligned(*shape: int) -> Array:
-    """Return an array of zeros whose memory begins at a cache line, for use by compiled kernels.
+    """Return an array of zeros of this shape whose memory begins at a cache line, for kernels.
 
-    `shape` gives the lengths of the axes. A row of eight numbers is as long as a cache line. A row
-    that began inside a cache line would lie across two cache lines, and each access to the row
-    would touch both.
+    A row of eight numbers is as long as a cache line. A row that began inside one would lie across
+    two, and each access to the row would touch both.
     """
     size = 8 * math.prod(shape)
     raw = np.zeros(size + LINE, dtype=np.uint8)

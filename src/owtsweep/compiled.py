@@ -31,8 +31,8 @@ COMMAND = "OWTSWEEP_COMMAND"
 def kernel_sources() -> tuple[Path, ...]:
     """Return the package's files that kernels are made of, sorted by path.
 
-    A kernel is a function that numba compiles. The files are those that import this module,
-    `compiled`, and all files of the package that they import, directly or through other files.
+    These are the files that import this module, and all files of the package that they import,
+    directly or through other files.
     """
     texts = {path: path.read_text("utf-8") for path in _PACKAGE.rglob("*.py")}
     todo = [p for p, text in texts.items() if Path(__file__).resolve() in _imported(text)]
@@ -46,7 +46,6 @@ def kernel_sources() -> tuple[Path, ...]:
 
 
 def _imported(text: str) -> Iterator[Path]:
-    """Yield the files of this package from which the Python source `text` imports."""
     for name in _IMPORT.findall(text):
         path = _PACKAGE.joinpath(*name.split("."))
         yield path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
@@ -54,7 +53,6 @@ def _imported(text: str) -> Iterator[Path]:
 
 @cache
 def source_hash() -> str:
-    """Return a hash of the files in `kernel_sources()` and numba's version, as hexadecimal text."""
     import numba
 
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
@@ -67,9 +65,9 @@ def source_hash() -> str:
 def cache_directory() -> Path:
     """Return the folder for compiled kernels, whose name contains `source_hash()`.
 
-    The folder lies in the folder that NUMBA_CACHE_DIR names, if this environment variable is set.
-    Otherwise it lies in the virtual environment that runs this process, if there is one and it can
-    be written, or else in the user's cache folder.
+    It lies in the folder that the environment variable NUMBA_CACHE_DIR names; otherwise in the
+    virtual environment that runs this process, if that can be written, or else in the user's cache
+    folder.
     """
     home = os.environ.get("NUMBA_CACHE_DIR")
     if home:
@@ -83,10 +81,7 @@ def cache_directory() -> Path:
 
 @cache
 def announce(directory: Path) -> None:
-    """Log that kernels are being compiled into the folder, and print it to stderr.
-
-    It is printed once per folder and command, whichever of the command's processes is the first.
-    """
+    """Log, and print to stderr once per folder and command, that kernels are being compiled."""
     text = f"compiling kernels, once (up to a minute); they are kept in {directory}"
     logging.getLogger(__name__).info(text)
     if _is_first_to_tell(directory):
@@ -118,10 +113,7 @@ def name_command() -> None:
 
 @cache
 def _announce_when_compiling() -> None:
-    """Make numba call `announce` whenever it compiles a kernel of this package.
-
-    When numba reads a compiled kernel from the cache, `announce` is not called.
-    """
+    """Make numba call `announce` when it compiles a kernel, not when it reads one of the cache."""
     from numba.core import event
 
     class Listener(event.Listener):  # type: ignore[misc]
@@ -136,10 +128,7 @@ def _announce_when_compiling() -> None:
 
 
 def usable_directory() -> Path:
-    """Make the folder for compiled kernels and return its path.
-
-    If the folder cannot be made, return a path in the system's folder for temporary files.
-    """
+    """Make the folder for compiled kernels, or else one for temporary files; return its path."""
     directory = cache_directory()
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -149,10 +138,10 @@ def usable_directory() -> Path:
 
 
 def njit(function: object) -> Any:
-    """Return a function compiled by `numba.njit`; numba compiles it when it is first called.
+    """Return a function that numba compiles when it is first called, and caches on disk.
 
-    The compiled function is cached on disk, runs without Python's global lock (GIL), and computes
-    in the order that the source says (no fastmath).
+    It runs without Python's global lock (GIL), and computes in the order of the source (no
+    fastmath).
     """
     return _compiled(function)
 
@@ -161,7 +150,7 @@ def part(function: object) -> Any:
     """Return a function that only kernels call: its code becomes a part of each of them.
 
     What does not change from one call to the next is then fetched once, numba counts no references
-    to arrays on the way, and no interface to Python is compiled. Otherwise it is as `njit` has it.
+    to arrays on the way, and no interface to Python is compiled.
     """
     return _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 

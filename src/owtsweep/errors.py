@@ -8,8 +8,8 @@ class InputError(ValueError):
     """The error for bad input; its message names the argument, what is wrong, and what would work.
 
     The command line prints the message without a traceback and exits with code 2. The message may
-    quote a file that another person made. Therefore, the message is made one printable line
-    (`printable`), and the middle of a long message is left out (`shorten`).
+    quote a file that another person made, so it is made one printable line (`printable`), and the
+    middle of a long one is left out (`shorten`).
     """
 
     def __init__(self, message: str) -> None:
@@ -17,16 +17,14 @@ class InputError(ValueError):
 
 
 def require(condition: bool, message: str) -> None:
-    """Raise `InputError(message)` unless the condition holds."""
     if not condition:
         raise InputError(message)
 
 
 def as_text(error: BaseException) -> str:
-    """Return the type and the message of an exception in one printable line.
+    """Return the type and the message of an exception in one printable line, the middle cut out.
 
-    If the exception cannot make its message, the line says so. The middle of a long line is left
-    out.
+    If the exception cannot make its message, the line says so.
     """
     try:
         message = str(error)
@@ -46,8 +44,8 @@ def shorten(text: str, most: int = LONGEST) -> str:
 def printable(text: str) -> str:
     r"""Return the text with an escape such as `\x1b` in place of each unprintable character.
 
-    Unprintable are control characters, line breaks, marks that reverse the direction of writing,
-    and halves of characters (surrogates). A terminal would obey the first three kinds.
+    These are control characters, line breaks, marks that reverse the direction of writing, and
+    halves of characters (surrogates). A terminal would obey the first three kinds.
     """
     if text.isprintable():
         return text

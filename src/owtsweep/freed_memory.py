@@ -18,15 +18,13 @@ _LARGEST_KEPT = 2**30
 def keep_freed_memory() -> None:
     """Make glibc keep freed memory for later use instead of returning it to the system.
 
-    A sweep computes its cases in blocks. Each block needs arrays of the same sizes as the block
-    before. By default, glibc (the C library of most Linux systems) returns large arrays to the
-    system at once, and the system clears each page of memory at its next use. Clearing takes a
-    tenth of the time of a sweep on one thread, and more on several threads. The peak of memory use
-    remains that of the largest block. All threads are made to share one arena (a pool of memory in
-    glibc), because one arena for each thread would keep more memory.
+    A sweep computes blocks one after the other, with arrays of the same sizes. By default, glibc
+    returns large arrays to the system at once, and the system clears each page of memory at its
+    next use. Clearing takes a tenth of the time of a sweep on one thread, and more on several
+    threads. The peak of memory use remains that of the largest block. All threads share one arena
+    (a pool of memory in glibc), because one for each thread would keep more memory.
 
-    The setting holds for the whole process, so only processes that belong to a sweep should call
-    this function. Without glibc, nothing happens.
+    The setting holds for the whole process, so only processes of a sweep should call this function.
     """
     _call_glibc("mallopt", _M_ARENA_MAX, 1)
     _call_glibc("mallopt", _M_MMAP_THRESHOLD, _LARGEST_KEPT)
@@ -34,10 +32,7 @@ def keep_freed_memory() -> None:
 
 
 def give_back_freed_memory() -> None:
-    """Make glibc return the memory that it has kept to the system: some hundred MB per thread.
-
-    glibc is the C library of most Linux systems. Without it, nothing happens.
-    """
+    """Make glibc return the memory that it has kept to the system: some hundred MB per thread."""
     _call_glibc("malloc_trim", 0)
 
 

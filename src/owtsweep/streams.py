@@ -21,14 +21,9 @@ def stream(
 
     Parameters
     ----------
-    seed
-        The run's seed.
-    study
-        The study's name.
     conditions
-        Values of the record's conditions, but only of those conditions that must change the random
-        numbers. All calls for a study give the same conditions in the same order. Numbers are
-        rounded to a millionth.
+        Values of those of the record's conditions that must change the random numbers. All calls
+        for a study give the same conditions in the same order. Numbers are rounded to a millionth.
     replicate
         Number of the record among the records with equal conditions.
     name

@@ -35,17 +35,7 @@ NEWTON_STEPS, NEWTON_CHANGE = 50, 1e-14
 
 @dataclass(frozen=True)
 class Sea:
-    """A sea state.
-
-    Attributes
-    ----------
-    hs
-        Significant wave height, m.
-    tp
-        Period of the spectrum's peak, s.
-    gamma
-        Peak enhancement factor of the JONSWAP spectrum.
-    """
+    """A sea state: significant wave height (m), peak period (s), JONSWAP's gamma."""
 
     hs: float
     tp: float
@@ -74,8 +64,7 @@ class Sea:
     def is_found(self) -> bool:
         """Whether sea states as steep as this one are found (`STEEPEST_SEAS`).
 
-        The limit is about half of that at which a single wave breaks (`breaks`), because a sea
-        loses its height in its largest waves.
+        That is about half as steep as `breaks`: a sea loses its height in its largest waves.
         """
         return bool(self.steepness() <= np.interp(self.tp, *STEEPEST_SEAS))
 
@@ -94,16 +83,9 @@ class Waves:
     The elevation at the structure is Re sum_m elevation[m] exp(2 pi i f_m t), f_m = numbers[m] /
     period.
 
-    Attributes
-    ----------
-    numbers
-        Numbers of the lines, shape (lines,).
-    period
-        Time in s after which the waves repeat.
-    elevation
-        Complex amplitudes in m, shape (lines,).
-    depth, gravity
-        Water depth in m, and acceleration of gravity in m/s^2.
+    `numbers`, `elevation`: numbers of the lines, and their complex amplitudes in m, shape (lines,)
+    each. `period`: time in s after which the waves repeat. `depth`, `gravity`: water depth in m,
+    and acceleration of gravity in m/s^2.
     """
 
     numbers: NDArray[np.int64]
@@ -136,18 +118,15 @@ class Waves:
         return np.asarray(self.omega * ratio * self.elevation)
 
     def acceleration(self, height: float) -> NDArray[np.complex128]:
-        """Compute the complex amplitudes of the water's horizontal acceleration, m/s^2.
-
-        The shape is (lines,); `height` is in m, -depth to 0.
-        """
+        """Compute the complex amplitudes of the acceleration, m/s^2, as `velocity` does in m/s."""
         return np.asarray(1j * self.omega * self.velocity(height))
 
 
 def find_wave_number(omega: Array, depth: float, gravity: float = GRAVITY) -> Array:
     """Solve the dispersion relation omega^2 = g k tanh k d of linear waves for k, rad/m.
 
-    `omega` is in rad/s, above 0, any shape; `depth` in m; `gravity` in m/s^2. Newton's method on
-    x tanh x, x = k d, which begins at the larger of the limits for deep and shallow water.
+    `omega` is in rad/s, above 0; `depth` in m. Newton's method on x tanh x, x = k d, which begins
+    at the larger of the limits for deep and shallow water.
     """
     target = np.asarray(omega) ** 2 * depth / gravity
     x = np.maximum(target, np.sqrt(target))
@@ -166,23 +145,9 @@ def draw_waves(
     """Draw a realisation of a sea: deterministic amplitudes, uniform random phases.
 
     Lines are at m / period inside `BAND`, with the amplitude sqrt(2 S df); so the significant wave
-    height of every realisation is that of the spectrum in the band.
-
-    Parameters
-    ----------
-    sea
-        The sea state.
-    phase
-        Random generator of the phases. Line m takes the random number of index m, in every sea.
-    period
-        Time in s after which the waves repeat.
-    depth, gravity
-        Water depth in m, and acceleration of gravity in m/s^2.
-
-    Raises
-    ------
-    InputError
-        If the period is so short that no line lies in the band.
+    height of every realisation is that of the spectrum in the band. In every sea, line m takes the
+    random number of index m of `phase`. `period` is in s, `depth` in m. Raise `InputError` if the
+    period is so short that no line lies in the band.
     """
     numbers = np.arange(
         int(np.ceil(BAND[0] * period - 1e-9)), int(np.floor(BAND[1] * period + 1e-9)) + 1
@@ -199,17 +164,7 @@ def draw_waves(
 
 @dataclass(frozen=True)
 class Cylinder:
-    """A vertical cylinder at one height in the water.
-
-    Attributes
-    ----------
-    diameter
-        Diameter in m.
-    density
-        Density of the water in kg/m^3.
-    drag
-        Coefficient C_D of Morison's equation.
-    """
+    """A vertical cylinder: diameter (m), density of the water (kg/m^3), Morison's drag C_D."""
 
     diameter: float
     density: float = 1025.0
@@ -221,14 +176,8 @@ def inertia_coefficient(wave_number: Array, diameter: float) -> NDArray[np.compl
 
     The force per length is C_M rho pi D^2/4 times the complex amplitude of the undisturbed water's
     acceleration at the cylinder's axis, with time as exp(i omega t): C_M = -4 i / (pi (k a)^2
-    H_1^(2)'(k a)), a = D/2. C_M is 2 for k a -> 0.
-
-    Parameters
-    ----------
-    wave_number
-        Wave numbers k in rad/m, above 0, shape (lines,).
-    diameter
-        Diameter D in m.
+    H_1^(2)'(k a)), a = D/2. C_M is 2 for k a -> 0. Wave numbers are in rad/m, above 0, shape
+    (lines,); the diameter D is in m.
     """
     from scipy.special import h2vp
 

@@ -1,7 +1,4 @@
-"""Draw how the boundary between two schemes depends on a swept configuration key.
-
-The boundary is the value of a condition above which the second of two schemes is better.
-"""
+"""Draw how the boundary between two schemes depends on a swept configuration key."""
 
 from __future__ import annotations
 
@@ -35,11 +32,9 @@ def draw(
 ) -> Figure:
     """Draw the boundary between two schemes against the first swept key, one line per cell.
 
-    The boundary is the value of the last condition above which the second scheme is better. A cell
-    is one value of each other condition. The horizontal axis shows the values of the first swept
-    key; if the runs differ in a second key, each value of the second key has its own panel. The
-    vertical axis shows the last condition. A boundary far outside the run's values of the last
-    condition is drawn as a hollow mark at the end of the vertical axis.
+    If the runs differ in a second key, each of its values has its own panel. The vertical axis is
+    the last condition; a boundary far outside the run's values of it is a hollow mark at the end of
+    the axis.
 
     Parameters
     ----------
@@ -48,8 +43,6 @@ def draw(
         `index`: the index of the run in `comparison.runs`. In at least one row a boundary exists.
     comparison
         The runs, which differ in one or two keys.
-    shared
-        The conditions, values and schemes that all runs have.
     subtitle
         The end of the title, which says by what the schemes are judged.
     """
@@ -99,10 +92,7 @@ def draw(
 
 
 def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.DataFrame]:
-    """Split the table `boundaries` by cell; return the cell's name in the legend -> its rows.
-
-    A cell is one value of each of the conditions `outer`.
-    """
+    """Return the cell's name in the legend -> its rows; a cell is one value of each of `outer`."""
     names = [condition.name for condition in outer]
     groups = boundaries.groupby(names) if names else [((), boundaries)]
     return {
@@ -154,18 +144,9 @@ def _draw_panel(
 def _say_why_empty(
     axes: Axes, boundaries: pd.DataFrame, places: dict[int, int], expanded: Condition
 ) -> None:
-    """Write into a panel why there is no boundary, for each run without any boundary.
+    """Write into a panel why there is no boundary: once, or for each run without one.
 
-    If no run of the panel has a boundary, write one message in the middle of the panel.
-
-    Parameters
-    ----------
-    boundaries
-        One row per run and cell; the column `index` is the run's index.
-    places
-        Index of a run -> its place on the horizontal axis, for the runs of this panel.
-    expanded
-        The condition on the vertical axis.
+    `places` maps the index of each run of this panel to its place on the horizontal axis.
     """
     in_panel = boundaries[boundaries["index"].isin(list(places))]
     if not (in_panel["wins"] == "").any():

@@ -29,27 +29,14 @@ SCHEME_COLUMNS = (
 )  # fmt: skip
 SHIFT_COLUMNS = ("ratio", "ratio_low", "ratio_high")
 
-#: Cell (one value of each condition) -> name of the best scheme.
+#: Cell -> name of the best scheme.
 Winners = Mapping[tuple[Value, ...], str]
 #: A row of a table: column -> value.
 Row = dict[Hashable, object]
 
 
 def list_winners(best: pd.DataFrame, names: Sequence[str]) -> dict[tuple[Value, ...], str]:
-    """Return the best scheme of every cell of a run.
-
-    Parameters
-    ----------
-    best
-        The run's table of best schemes, one row per cell.
-    names
-        Names of the conditions, which are columns of `best`.
-
-    Returns
-    -------
-    dict
-        Cell, as a tuple of one value of each condition in `names` -> name of its best scheme.
-    """
+    """Return the best scheme of every cell of a run; `names` are the conditions."""
     cells = zip(*(best[name].tolist() for name in names), strict=True)
     return dict(zip(cells, best["best"].tolist(), strict=True))
 
@@ -64,28 +51,23 @@ def compare_cells(
 ) -> list[Row]:
     """List the cells in which the best scheme of the first run is not best in the second.
 
-    A cell is one value of each condition. Let P be the cell's best scheme in the first run and Q
-    in the second. The gap of a run is MSE(Q) - MSE(P) in that run. The change from P to Q is
-    established if the gap is shown to be positive in the first run and negative in the second: the
-    larger p-value of the two gaps (an intersection-union test) passes Holm's correction over all
-    cells that have a best scheme in both runs.
+    Let P be the cell's best scheme in the first run and Q in the second. The gap of a run is MSE(Q)
+    - MSE(P) in that run. The change from P to Q is established if the gap is shown to be positive
+    in the first run and negative in the second: the larger p-value of the two gaps (an
+    intersection-union test) passes Holm's correction over all cells that have a best scheme in both
+    runs.
+
+    Return one row per changed cell: the conditions and `CHANGED_COLUMNS` without `criterion`.
+    `change` is the gap in the second run minus the gap in the first; `_low` and `_high` are the
+    ends of 95 % intervals.
 
     Parameters
     ----------
     first, second
         The MSE in the two runs: one row per scheme and cell, one column per replicate, NaN where a
         scheme did not finish a replicate. Both tables have the same rows and columns.
-    best_first, best_second
-        Cell -> name of the best scheme, for the first and for the second run.
     paired
-        Whether replicates of equal number have the same motion and noise in both runs.
-
-    Returns
-    -------
-    list of dict
-        One row per changed cell: the conditions and `CHANGED_COLUMNS` without `criterion`.
-        `change` is the gap in the second run minus the gap in the first. The columns ending in
-        `_low` and `_high` are the ends of 95 % intervals. The list is empty if no cell changed.
+        Whether equal replicates have the same motion and noise in both runs.
     """
     import pandas as pd
 
@@ -120,31 +102,19 @@ def compare_cells(
 def compare_schemes(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) -> list[Row]:
     """Compute the difference and the ratio of each scheme's MSE between two runs, cell by cell.
 
-    A cell is one value of each condition.
+    Parameters are as in `compare_cells`.
 
-    Parameters
-    ----------
-    first, second
-        The MSE in the two runs: one row per scheme and cell, one column per replicate, NaN where a
-        scheme did not finish a replicate. Both tables have the same rows and columns.
-    paired
-        Whether replicates of equal number have the same motion and noise in both runs.
-
-    Returns
-    -------
-    list of dict
-        One row per scheme and cell: scheme, conditions and `SCHEME_COLUMNS` without `criterion`.
-        `difference` is the MSE in the second run minus the MSE in the first; `ratio` is the MSE in
-        the second run divided by the MSE in the first. `verdict` is "better" if the MSE is shown
-        to be smaller in the second run, and "worse" if it is shown to be larger, both under Holm's
-        correction over all rows; otherwise "". Rows without a finite difference are left out.
+    Return one row per scheme and cell: scheme, conditions and `SCHEME_COLUMNS` without `criterion`.
+    `difference` is second minus first, `ratio` second over first. `verdict` is "better" if the MSE
+    is shown to be smaller in the second run, and "worse" if it is shown to be larger, both under
+    Holm's correction over all rows; otherwise "". Rows without a finite difference are left out.
     """
     a, b = first.to_numpy(), second.to_numpy()
     if paired:
         both = np.isfinite(a) & np.isfinite(b)
         a, b = np.where(both, a, np.nan), np.where(both, b, np.nan)
     change = difference(a, b, paired=paired)
-    told = np.where(change.value < 0.0, "better", "worse")
+    words = np.where(change.value < 0.0, "better", "worse")
     table = first.index.to_frame(index=False).assign(
         mse_from=gap(a).value,
         mse_to=gap(b).value,
@@ -152,41 +122,29 @@ def compare_schemes(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) 
         **_name_columns("ratio", ratio(a, b, paired=paired)),
         n_from=change.n_first,
         n_to=change.n_second,
-        verdict=np.where(holm(change.p), told, ""),
+        verdict=np.where(holm(change.p), words, ""),
     )
     return table[np.isfinite(change.value)].to_dict("records")
 
 
 def _name_columns(name: str, contrast: Contrast) -> dict[str, Array]:
-    """Return the columns `<name>`, `<name>_low` and `<name>_high` of a table.
-
-    The columns hold the values of an estimated contrast and the ends of its 95 % intervals.
-    """
+    """Return the columns `<name>`, `<name>_low` and `<name>_high`: values and 95 % intervals."""
     return {name: contrast.value, f"{name}_low": contrast.low, f"{name}_high": contrast.high}
 
 
 def compare_boundaries(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) -> list[Row]:
     """Compute the ratio of the boundaries in two runs, second run to first run, cell by cell.
 
-    A boundary is the value of the last condition above which the second of two schemes is better
-    than the first. A cell is one value of each other condition. The ends of the 95 % interval are
+    A cell is one value of each condition but the last. The ends of the 95 % interval are
     percentiles of a bootstrap over the records. If the runs are paired, each resample draws the
-    same records for both runs, among the records that both schemes finished in both runs.
-    Otherwise each run's records are resampled independently.
+    same records for both runs, among those that both schemes finished in both runs. Otherwise each
+    run's records are resampled independently.
 
-    Parameters
-    ----------
-    first, second
-        For each run, the difference of the two schemes' results in every record, as
-        `results.boundary.subtract_schemes` returns it.
-    paired
-        Whether replicates of equal number have the same motion and noise in both runs.
+    `first`, `second`: for each run, the difference of the two schemes' results in every record, as
+    `results.boundary.subtract_schemes` returns it. `paired`: whether equal replicates have the same
+    motion and noise in both runs.
 
-    Returns
-    -------
-    list of dict
-        One row per cell with a boundary in both runs: the cell's conditions and `SHIFT_COLUMNS`.
-        The list is empty if there is no such cell.
+    Return one row per cell with a boundary in both runs: the cell's conditions and `SHIFT_COLUMNS`.
     """
     if paired:
         common = first.index.intersection(second.index)

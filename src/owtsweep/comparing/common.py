@@ -21,26 +21,11 @@ if TYPE_CHECKING:
 def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[Aspects, list[str]]:
     """Find the schemes, and the values of each condition, that all runs have.
 
-    Parameters
-    ----------
-    runs
-        The runs.
-    aspects
-        The study's description of each run.
+    Raise `InputError` if the runs have no scheme or no value of some condition in common, have
+    different conditions or criteria, or if some have records and others expected values only.
 
-    Returns
-    -------
-    tuple
-        The first item is the description of the first run, but with only those schemes and values
-        of conditions that all runs have. The second item is a list of sentences for the user: what
-        was left out, and what runs without records lack.
-
-    Raises
-    ------
-    InputError
-        If the runs have no scheme or no value of some condition in common, have different
-        conditions, are judged by different criteria, or if some runs have records and others have
-        expected values only.
+    Return the description of the first run with only those schemes and values; and sentences for
+    the user on what was left out, and what runs without records lack.
     """
     first = aspects[0]
     without = " or ".join(
@@ -95,29 +80,19 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
 class Judged:
     """A run's results in the cells and schemes that all compared runs have.
 
-    A cell is one value of each condition. A boundary is the value of the last condition above
-    which the second of two schemes is better than the first.
-
     Attributes
     ----------
-    run
-        The run.
-    aspects
-        The study's description of the run.
     best
-        A table with the best scheme of every cell; columns as in best_scheme.csv.
+        The best scheme of every cell; columns as in best_scheme.csv.
     samples
-        The MSE by which schemes are judged: one row per scheme and cell, one column per replicate.
+        The MSE by which schemes are judged: one row per scheme and cell, one column per replicate,
         NaN where a scheme did not finish a replicate.
-    boundaries
-        The boundaries of the run, as `results.boundary.find_boundary` returns them. None if the
-        study names no two schemes for a boundary, or if the boundaries cannot be computed.
-    products
-        The data from which the boundaries are computed, as `results.boundary.subtract_schemes`
-        returns them. None if `boundaries` is None.
+    boundaries, products
+        As `results.boundary.find_boundary` returns them, and the data they are computed from, as
+        `subtract_schemes` there returns them. None if the study names no two schemes for a
+        boundary, or the boundaries cannot be computed.
     no_boundary
-        A sentence that says why the boundaries cannot be computed; "" if they can be computed or
-        the study names no two schemes for a boundary.
+        A sentence that says why the boundaries cannot be computed; otherwise "".
     """
 
     run: Candidate
@@ -130,21 +105,7 @@ class Judged:
 
 
 def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
-    """Compute the results of a run for the conditions and schemes that all compared runs have.
-
-    The results are the best scheme of every cell (one value of each condition), the MSE of every
-    record, and the boundaries between two schemes.
-
-    Parameters
-    ----------
-    run
-        The run.
-    aspects
-        The study's description of the run.
-    shared
-        The description with the conditions and schemes that all compared runs have, as
-        `find_common` returns it.
-    """
+    """Compute a run's results in the cells and schemes of `shared`, from `find_common`."""
     rows, criterion = run.rows, shared.criterion
     for condition in shared.conditions:
         if not condition.expands:
@@ -157,9 +118,9 @@ def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
     samples = _arrange_samples(cube, aspects.window, shared)
     if shared.boundary is None:
         return Judged(run, aspects, best, samples)
-    asked = shared.conditions, shared.boundary, criterion, aspects.window
+    query = shared.conditions, shared.boundary, criterion, aspects.window
     try:
-        boundaries, products = find_boundary(rows, *asked), subtract_schemes(rows, *asked)
+        boundaries, products = find_boundary(rows, *query), subtract_schemes(rows, *query)
     except InputError as error:  # a scheme is missing, or amplitudes were run one by one
         reason = f"{run.label}: no {'/'.join(shared.boundary)} boundary ({error})"
         return Judged(run, aspects, best, samples, no_boundary=reason)

@@ -28,24 +28,10 @@ def compare(
 ) -> Findings:
     """Make tables, figures and text on how best scheme, boundary and errors change between runs.
 
-    The figures are written into `folder`. Tables and text are returned, but not written.
-
-    Parameters
-    ----------
-    comparison
-        The runs, and the pairs of runs to compare.
-    folder
-        Folder for the figures.
-    describe
-        Function that returns the study's description of a run.
-    metadata
-        Name -> text; these texts are stored inside the files of the figures.
-
-    Raises
-    ------
-    InputError
-        If the runs cannot be compared, for example because they have no scheme in common, or no
-        run has a usable number: a stranger may seal NaN, or the name of another scheme.
+    The figures are written into `folder`, with the texts of `metadata` inside; tables and text are
+    only returned. `describe` returns the study's description of a run. Raise `InputError` if the
+    runs cannot be compared, for example because they have no scheme in common, or no run has a
+    usable number: a stranger may seal NaN, or the name of another scheme.
     """
     import pandas as pd
 
@@ -53,7 +39,7 @@ def compare(
 
     aspects = [describe(run) for run in comparison.runs]
     shared, left_out = find_common(comparison.runs, aspects)
-    runs = [judge(run, told, shared) for run, told in zip(comparison.runs, aspects, strict=True)]
+    runs = [judge(run, own, shared) for run, own in zip(comparison.runs, aspects, strict=True)]
     require(
         any(run.samples.shape[1] > 0 for run in runs),
         f"runs: none has a finite number of {', '.join(shared.schemes)} in a cell; sweep them "
@@ -80,10 +66,7 @@ def compare(
 
 
 def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame:
-    """Join the tables of several runs; the first columns are the run's folder and swept values.
-
-    `tables` has one table per run. A run whose table is None is left out.
-    """
+    """Join the tables of the runs that have one; the first columns are folder and swept values."""
     import pandas as pd
 
     return pd.DataFrame(
@@ -99,23 +82,7 @@ def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) ->
 def _compare_pairs(
     pairs: Sequence[Pair], runs: Sequence[Judged], shared: Aspects
 ) -> tuple[dict[str, pd.DataFrame], list[str]]:
-    """Make the tables that compare pairs of runs.
-
-    Parameters
-    ----------
-    pairs
-        The pairs to compare.
-    runs
-        The results of all runs.
-    shared
-        The conditions, values and schemes that all runs have.
-
-    Returns
-    -------
-    tuple
-        The tables by name; and a list with a sentence for the user if the runs of some pair do not
-        have the same motion and noise, otherwise an empty list.
-    """
+    """Return the tables of pairs of runs, and a note if some differ in motion and noise."""
     import pandas as pd
 
     from owtsweep.comparing import changes
@@ -166,11 +133,7 @@ def _draw(
     metadata: Mapping[str, str],
     origin: str,
 ) -> tuple[list[Path], list[str]]:
-    """Draw and save the figures of a comparison.
-
-    `origin` is the text above each figure: where its numbers come from.
-    Return the files, and sentences that name each figure that was not drawn, with the reason.
-    """
+    """Save the figures, with `origin` above each; return the files, and why others are missing."""
     import pandas as pd
 
     from owtsweep.comparing import boundary_figure, maps
@@ -212,7 +175,6 @@ def _draw(
 
 
 def _add_origin(figure: Figure, origin: str) -> None:
-    """Write `origin` above a figure in lines that fit its width; do nothing if it is empty."""
     from owtsweep.figures import style
 
     if origin:

@@ -34,10 +34,7 @@ FIRST = "first run"
 
 
 def show(value: object) -> str:
-    """Return a configuration value as a user would type it in an override.
-
-    A text of more than 30 letters is cut after 27 letters, and "..." is appended.
-    """
+    """Return a configuration value as a user would type it in an override."""
     if isinstance(value, float):
         return f"{value:.10g}"
     text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
@@ -59,10 +56,9 @@ def identify(value: object) -> str:
 
 
 def rank_values(values: Sequence[object]) -> list[int]:
-    """Return the rank of each value: its index, from 0, among the distinct values in order.
+    """Return the rank of each value: its index among the distinct values in order.
 
-    If all values are numbers, the distinct values are ordered by size, otherwise by their first
-    appearance. Equal values have equal ranks.
+    If all are numbers, they are ordered by size, otherwise by their first appearance.
     """
     distinct = {identify(value): value for value in values}
     numbers = {
@@ -81,14 +77,12 @@ class Candidate:
 
     Attributes
     ----------
-    name
-        The name of the run's folder.
-    hash
-        The hash of the run's configuration.
+    name, hash
+        The name of the run's folder, and the hash of the run's configuration.
     config
         The resolved configuration.
     rows
-        The sorted rows of the run's stored cases, including the failed cases.
+        The sorted rows of the run's stored cases, including the failed ones.
     values
         Swept configuration key -> this run's value, in the order of `Comparison.keys`.
     """
@@ -171,18 +165,18 @@ class Findings:
     Attributes
     ----------
     tables
-        Name -> table; each table is to be written as `<name>.csv`.
+        Name -> table, to be written as `<name>.csv`.
     overview
-        A table of texts for the terminal, one row per run, in the order of the runs.
+        Texts for the terminal, one row per run.
     notes
         Sentences for the reader, e.g. on what was left out.
     report
         Sections of the file `comparison.md`, in Markdown.
     figures
-        Paths of the figures' files, which have been written.
+        Files that have been written.
     origin
-        Sentences on where the numbers come from: settings that all runs share, and settings that
-        differ. They stand at the head of the report and above the terminal's table.
+        Sentences on the settings that all runs share and those that differ, for the head of the
+        report and the terminal.
     """
 
     tables: Mapping[str, pd.DataFrame]
@@ -213,16 +207,9 @@ def swept_keys(
     """Find a few keys that distinguish the configurations.
 
     Return two lists of dotted keys: the distinguishing keys, and the other keys in which the
-    configurations differ. Keys are tried in order. A key is put into the first list unless the keys
-    already in this list determine its value. For example, the key `tuning` changes dozens of keys.
-    If `tuning` is in the first list, these keys are in the second list.
-
-    Parameters
-    ----------
-    configs
-        Configurations as plain mappings.
-    preferred
-        Dotted keys to try first: the keys that the user swept.
+    configurations differ. Keys are tried in order, those of `preferred`, which the user swept,
+    first. A key goes into the second list if the keys of the first list determine its value:
+    `tuning`, for example, changes dozens of keys.
     """
     flat = [
         {key: item for key, item in flatten(c).items() if key.split(".")[0] not in NOT_SWEPT}
@@ -245,18 +232,11 @@ def swept_keys(
 
 
 def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pair]:
-    """Return the pairs of runs to compare.
+    """Return the pairs of runs to compare: two indices, and the key in which they differ.
 
     Two runs are a pair if they differ in one key only and have neighbouring values of this key. The
-    first run is also paired with every other run. A pair is the two runs' indices and the key.
-
-    Parameters
-    ----------
-    places
-        One sequence per run, with one number per key: the rank of the run's value among all values
-        of the key, as `comparing.comparison.rank_values` computes it.
-    keys
-        The keys in which the runs differ.
+    first run is also paired with every other run. `places` has one sequence per run, with the rank
+    (`rank_values`) of its value of each of `keys`.
     """
     pairs = []
     for axis, key in enumerate(keys):
@@ -279,35 +259,29 @@ class Aspects:
     Attributes
     ----------
     conditions
-        The conditions of the study, i.e. the axes of its grid.
+        The axes of the study's grid.
     grid
-        Name of a condition -> the run's values of this condition.
+        Name of a condition -> the run's values of it.
     schemes
         Names of the run's schemes, in the study's order.
-    criterion
-        The measure by which the run judges its schemes, e.g. "position" for the mean squared
-        position error.
-    window
-        The part of each record over which the criterion is averaged: "full" or "settled".
+    criterion, window
+        By which the run judges its schemes, e.g. "position" and "settled".
     pairing
-        Configuration key -> its value, for all keys that determine the motion and noise of the
-        records. If two runs agree in all these values, records with equal conditions and replicate
-        are equal too, and the runs are compared record by record.
+        Configuration key -> its value, for all keys that determine motion and noise. If two runs
+        agree in all of them, the runs are compared record by record.
     boundary
         Names of two schemes: the first is expected to be better at small values of the last
         condition, the second at large values. None if no two schemes are expected to differ so.
     origin
-        Name of a setting -> its value in words, for the settings that a reader must know to read
-        the run's numbers: tuning, truth, records per cell and seed. It is shown in titles.
+        Name of a setting -> its value in words, for titles: tuning, truth, records per cell, seed.
     score
         What the number is called by which schemes are judged.
     beside
         Names of the run's baselines, which a comparison leaves out.
     best_of
-        For a run with expected values instead of records: a function that makes the table of best
-        schemes. The arguments of the function are the run's rows, the values of the conditions
-        that all compared runs have, the names of the schemes, and the criterion. None for a run
-        with records.
+        For a run with expected values instead of records, a function that makes the table of best
+        schemes of the run's rows, the values of the conditions that all compared runs have, the
+        names of the schemes, and the criterion. None for a run with records.
     """
 
     conditions: tuple[Condition, ...]
@@ -329,5 +303,5 @@ class Aspects:
 
     @property
     def size(self) -> int:
-        """The number of cells; a cell is a combination of one value of each condition."""
+        """The number of cells."""
         return math.prod(len(self.grid[name]) for name in self.names)

@@ -1,7 +1,4 @@
-"""Draw maps of the best scheme of several runs side by side, with a boundary of two schemes.
-
-The boundary is the value of a condition above which the second of two schemes is better.
-"""
+"""Draw maps of the best scheme of several runs side by side, with a boundary of two schemes."""
 
 from __future__ import annotations
 
@@ -32,18 +29,12 @@ Panels = list[list[int | None]]
 
 
 def arrange(comparison: Comparison) -> Panels | None:
-    """Assign a panel of a figure to every run of a comparison.
+    """Assign a panel of a figure to every run, row by row; None for an empty panel.
 
     If the runs differ in two keys, each value of the first key has a column of panels, and each
-    value of the second key has a row. If the runs differ in one key, they fill rows of `WRAP`
+    value of the second key has a row. If they differ in one key, they fill rows of `WRAP` panels.
+    Return None if they differ in more than two keys, or there would be more than `MOST_PANELS`
     panels.
-
-    Returns
-    -------
-    list of list, or None
-        Row by row, the index of the run in each panel; None for an empty panel. Instead of the
-        list, None if the runs differ in more than two keys, or if there would be more than
-        `MOST_PANELS` panels.
     """
     keys, count = comparison.keys, len(comparison.runs)
     if len(keys) > 2 or count > MOST_PANELS:
@@ -70,10 +61,7 @@ def draw(
     *,
     subtitle: str,
 ) -> Figure:
-    """Draw a map of the best scheme for each run, one run per panel.
-
-    If the study names two schemes for a boundary, the maps also show this boundary where it
-    exists: the value of the last condition above which the second scheme is better.
+    """Draw a map of the best scheme for each run, one run per panel, with its boundary if any.
 
     Parameters
     ----------
@@ -81,8 +69,6 @@ def draw(
         Row by row, the index in `runs` of the run in each panel; None for an empty panel.
     runs
         The results of the runs, which differ in one or two keys.
-    shared
-        The conditions, values and schemes that all runs have.
     plane
         The axes of each map.
     subtitle
@@ -113,11 +99,11 @@ def draw(
             hatched |= not all(cell["distinguishable"] for cell in cells)
             holes |= len(cells) < shared.size
             line |= _draw_boundary(axes, judged.boundaries, plane)
-        for row, indices in enumerate(panels):  # label the leftmost panel
+        for row, indices in enumerate(panels):
             leftmost = next(c for c, index in enumerate(indices) if index is not None)
             grid[row][leftmost].tick_params(labelleft=True)
             grid[row][leftmost].set_ylabel(plane.upwards.title if plane.upwards else "")
-        for column in range(columns):  # label the lowest panel
+        for column in range(columns):
             lowest = max(row for row in range(rows) if panels[row][column] is not None)
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
@@ -137,9 +123,7 @@ def draw(
 def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) -> bool:
     """Draw the boundary of two schemes into a map; return whether anything was drawn.
 
-    The boundary is drawn only if the vertical axis of the map is the condition in which the
-    boundary is measured. Nothing is drawn if the table `boundaries` is None or holds no boundary.
-    `plane` is the map's axes.
+    Nothing is, unless the map's vertical axis is the condition in which the boundary is measured.
     """
     if boundaries is None or plane.upwards is None or not plane.upwards.expands:
         return False

@@ -20,20 +20,10 @@ MOST_VALUES = 4
 def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame) -> pd.DataFrame:
     """Make the table of a comparison for the terminal: one row per run, with texts as entries.
 
-    The columns are: for each scheme, the number of cells in which the scheme is best; the range of
-    the boundary between two schemes, if the study has one; and the number of cells in which the
-    best scheme differs from the best scheme of the first run. A cell is one value of each
-    condition.
-
-    Parameters
-    ----------
-    runs
-        The results of the runs.
-    shared
-        The conditions, values and schemes that all runs have.
-    changed
-        The table changed_cells.csv: for each pair of runs, one row per cell in which the best
-        scheme differs between the two runs.
+    The columns are: for each scheme, the number of cells in which it is best; the range of the
+    boundary between two schemes, if the study has one; and the number of cells with another best
+    scheme than in the first run. `changed` is the table changed_cells.csv: for each pair of runs,
+    one row per cell in which the best scheme differs.
     """
     import pandas as pd
 
@@ -69,15 +59,8 @@ def _tell_range(boundaries: pd.DataFrame | None, shared: Aspects) -> str:
 def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
     """Return the sections of a comparison's report, in Markdown.
 
-    The sections explain the columns of the overview, say which cells changed their best scheme and
-    how the boundary moved, and list the files.
-
-    Parameters
-    ----------
-    shared
-        The conditions, values and schemes that all runs have.
-    tables
-        The comparison's tables by name.
+    They explain the columns of the overview, say which cells changed their best scheme and how the
+    boundary moved, and list the files.
     """
     files = [
         "- `runs.csv`: run folders, hashes, swept values",
@@ -116,9 +99,9 @@ def _tell_changes(changed: pd.DataFrame) -> str:
     rows = []
     for (one, other), cells in changed.groupby(["from_run", "to_run"], sort=False):
         moves = (cells["best_from"] + " -> " + cells["best_to"]).value_counts(sort=False)
-        told = ", ".join(f"{move}: {count}" for move, count in moves.items())
+        text = ", ".join(f"{move}: {count}" for move, count in moves.items())
         established = str(int(cells["established"].sum()))
-        rows.append([str(one), str(other), str(len(cells)), established, told])
+        rows.append([str(one), str(other), str(len(cells)), established, text])
     return markdown.table(["from", "to", "cells", "established", "from -> to"], rows)
 
 
@@ -142,19 +125,13 @@ def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
 def describe_origins(aspects: Sequence[Aspects]) -> str:
     """Return sentences on the tuning, truth, seed and number of records of compared runs.
 
-    One sentence lists the settings that have one value in all runs, with this value. Another lists
-    the settings that differ between the runs, with their values. The text is empty if the study
-    does not say where its numbers come from.
-
-    Parameters
-    ----------
-    aspects
-        The study's description of each run, in the order of the runs.
+    One lists the settings that have one value in all runs, another those that differ. The text is
+    empty if the study does not say where its numbers come from.
     """
-    names = dict.fromkeys(name for told in aspects for name in told.origin)
+    names = dict.fromkeys(name for own in aspects for name in own.origin)
     common, different = [], []
     for name in names:
-        values = list(dict.fromkeys(told.origin.get(name, "none") for told in aspects))
+        values = list(dict.fromkeys(own.origin.get(name, "none") for own in aspects))
         if len(values) == 1:
             common.append(f"{name} {values[0]}")
             continue

@@ -28,12 +28,8 @@ T = TypeVar("T")
 def expand(values: object) -> object:
     """Replace each range in a list, e.g. `{log: [0.05, 10, 5]}`, by its numbers.
 
-    If `values` is not a list, return it unchanged.
-
-    Raises
-    ------
-    ValueError
-        If a range is impossible, or the new list has more than `MOST_POINTS` entries.
+    Raise `ValueError` if a range is impossible, or the new list has more than `MOST_POINTS`
+    entries.
     """
     if not isinstance(values, list):
         return values
@@ -46,7 +42,7 @@ def expand(values: object) -> object:
 
 
 def require_distinct(values: list[T]) -> list[T]:
-    """Return the list `values` unchanged; raise `ValueError` if the list contains a value twice."""
+    """Return `values` unchanged; raise `ValueError` if the list contains a value twice."""
     if len(set(values)) < len(values):
         raise ValueError("a value stands there twice; list it once")
     return values
@@ -59,7 +55,7 @@ Axis = Annotated[
 
 
 def is_axis(field: FieldInfo) -> bool:
-    """Return whether a key's type is an `Axis`, or an `Axis` or null; `field` is its field."""
+    """Return whether a key's type is an `Axis`, or an `Axis` or null."""
     marks = [*field.metadata]
     for kind in get_args(field.annotation):
         marks += get_args(kind)[1:] if get_origin(kind) is Annotated else []
@@ -67,15 +63,10 @@ def is_axis(field: FieldInfo) -> bool:
 
 
 def _numbers(entry: Mapping[str, Sequence[float]]) -> list[float]:
-    """Return the numbers of one range, e.g. five numbers for `{log: [0.05, 10, 5]}`.
+    """Return the numbers of one range; the ends are exact, the others have `DIGITS` digits.
 
-    The first and the last number are returned exactly, the others rounded to `DIGITS` digits.
-
-    Raises
-    ------
-    ValueError
-        If the range is impossible. The message does not name the axis; the caller puts the key of
-        the axis before the message.
+    Raise `ValueError` if the range is impossible; the caller puts the axis's key before the
+    message.
     """
     shown = ", ".join(f"{spacing}: {ends}" for spacing, ends in entry.items())
     try:

@@ -14,8 +14,7 @@ from pydantic import field_validator
 from owtsweep.config.section import NotNegative, Positive, Section, key
 from owtsweep.errors import require
 
-#: A configuration of the study whose function takes it. Each study has a class of its own, and only
-#: the study knows which: what serves all studies reads the keys of `Config`, and passes it on.
+#: The configuration of a study, of a class that only the study knows.
 AnyConfig = Any
 
 #: The version of the configuration's keys, stored in every run's config.yaml.
@@ -77,8 +76,7 @@ class Config(Section):
     def by_tuning(self) -> Mapping[str, Self]:
         """Return tuning -> the configuration of a run with this tuning alone.
 
-        A run of one tuning has one entry, with the name "": the configuration itself. Several
-        tunings are those of a `TunedConfig`.
+        One tuning has the name "" and is the configuration itself. For several see `TunedConfig`.
         """
         return {"": self}
 
@@ -88,18 +86,14 @@ class Config(Section):
         return ""
 
     def start_of_folder(self) -> str:
-        """Return the text with which the name of the run folder begins, before the run's hash."""
+        """Return how the name of the run folder begins, before the run's hash."""
         return self.experiment
 
     def check(self) -> None:
         """Check conditions on several keys, and on the run's name.
 
-        A study may add conditions on its keys alone; `Study.check` looks at what they name.
-
-        Raises
-        ------
-        InputError
-            If values do not fit together, or a value is refused.
+        A study may add conditions on its keys alone; `Study.check` looks at what they name. Raise
+        `InputError` if values do not fit together, or a value is refused.
         """
         self._check_scheduler(self.compute.backend, self.compute.scheduler)
         engine = type(self).model_fields["engine"]
@@ -153,7 +147,6 @@ class Record(Section):
 
     @property
     def steps(self) -> int:
-        """The number of samples."""
         return round(self.duration * self.rate)
 
     @property
@@ -162,13 +155,7 @@ class Record(Section):
         return round(self.settling * self.rate)
 
     def check_samples(self, most: int) -> None:
-        """Check that there are not too many samples, and enough of them after the settling.
-
-        Raises
-        ------
-        InputError
-            If there are fewer than 100 in the record or after its settling, or more than `most`.
-        """
+        """Raise `InputError` unless there are at most `most` samples, and 100 after settling."""
         require(
             LEAST_SAMPLES <= self.steps <= most,
             f"record.duration: {self.duration:g} s at {self.rate:g} Hz are {self.steps} samples; "
@@ -189,14 +176,8 @@ TREES = "studies"
 class Tree:
     """A folder of YAML files from which Hydra composes a configuration.
 
-    Attributes
-    ----------
-    folder
-        The path of the folder.
-    primary
-        The name, without .yaml, of the file in `folder` with which Hydra begins.
-    model
-        The pydantic model of the configuration, from which error messages take the names of keys.
+    `primary`: the name, without .yaml, of the file in `folder` with which Hydra begins. `model`:
+    the configuration's model, from which error messages take the names of keys.
     """
 
     folder: Path
@@ -204,10 +185,10 @@ class Tree:
     model: type[Config]
 
     def groups(self) -> list[str]:
-        """Return the sorted names of the config groups, i.e. of the subfolders of `folder`."""
+        """Return the sorted names of the config groups, the subfolders of `folder`."""
         folders = (path.name for path in self.folder.iterdir() if path.is_dir())
         return sorted(name for name in folders if name != TREES)
 
     def options(self, group: str) -> list[str]:
-        """Return the options of a config group: the sorted names of its files, without .yaml."""
+        """Return the sorted options of a config group: names of its files, without .yaml."""
         return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))

@@ -26,8 +26,8 @@ MOST_DIGITS = 4000
 def admit(tree: Tree, overrides: Sequence[str]) -> list[str]:
     """Return the overrides, with `++` before each one whose key is not in the primary file.
 
-    Without `++`, Hydra refuses to set a key that is not in the YAML files. Overrides of config
-    groups, and of keys without a default in the model, are returned unchanged.
+    Without `++`, Hydra refuses such a key. Overrides of config groups, and of keys without a
+    default in the model, are returned unchanged.
     """
     listed = _listed_keys(tree)
     groups = tree.groups()
@@ -44,8 +44,7 @@ def admit(tree: Tree, overrides: Sequence[str]) -> list[str]:
 def quote_home(override: str) -> str:
     """Put quotes around a results folder that begins with `~`: `results=~/x` to `results='~/x'`.
 
-    Return any other override unchanged. Hydra accepts `~` in a value only if the value is quoted,
-    and most shells do not replace `~` after an equals sign.
+    Hydra accepts `~` only in quotes, and most shells do not replace it after an equals sign.
     """
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
@@ -53,10 +52,8 @@ def quote_home(override: str) -> str:
 def require_readable(overrides: Sequence[str]) -> None:
     """Check what Hydra would answer with an error of several lines or of another kind.
 
-    Raises
-    ------
-    InputError
-        If an override has no key, or holds a number of more than `MOST_DIGITS` digits.
+    Raise `InputError` if an override has no key, or holds a number of more than `MOST_DIGITS`
+    digits.
     """
     for override in overrides:
         require(
@@ -70,14 +67,9 @@ def require_readable(overrides: Sequence[str]) -> None:
 
 
 def conf_directory() -> Path:
-    """Return the folder `conf` of owtsweep's own YAML files.
+    """Return the folder `conf` of the package's YAML files, installed or in a checkout.
 
-    The folder is inside the installed package, or beside the folder src in a checkout.
-
-    Raises
-    ------
-    InputError
-        If neither place has a folder `conf` with the file sweep.yaml.
+    Raise `InputError` if neither place has a folder `conf` with the file sweep.yaml.
     """
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "conf", package.parents[1] / "conf"):
@@ -87,14 +79,9 @@ def conf_directory() -> Path:
 
 
 def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> DictConfig:
-    """Return the OmegaConf object that Hydra composes from YAML files and overrides.
+    """Return what Hydra composes; with `settings`, the object also holds Hydra's own settings.
 
-    `tree` is the folder of YAML files. With `settings`, the object also holds Hydra's own settings.
-
-    Raises
-    ------
-    InputError
-        If Hydra or OmegaConf refuses a file or an override; the message is one line.
+    Raise `InputError` if Hydra or OmegaConf refuses a file or an override; the message is one line.
     """
     from hydra import compose
 
@@ -130,26 +117,13 @@ def find_options(tree: Tree, overrides: Sequence[str], group: str) -> list[str]:
 
 
 def compose_plain(tree: Tree, overrides: Sequence[str], config_dir: str | None = None) -> Plain:
-    """Compose a tree and overrides to plain data: dicts, lists and scalars.
+    """Compose a tree and overrides, e.g. `["grid.replicates=2"]`, to plain data.
 
-    If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
-    the results are joined (`owtsweep.config.tuned.join`). A tuning or a section may be a file of
-    the user's (`owtsweep.config.option_files`).
-
-    Parameters
-    ----------
-    tree
-        The YAML files.
-    overrides
-        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`.
-    config_dir
-        A folder with further config groups (`--config-dir`).
-
-    Raises
-    ------
-    InputError
-        If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
-        stored, or several tunings cannot be joined; the message is one line.
+    Of several tunings, e.g. `tuning=[paper,matched]`, each is composed by itself, and the results
+    are joined (`owtsweep.config.tuned.join`). A tuning or a section may be a file of the user's
+    (`owtsweep.config.option_files`). `config_dir` is a folder with further config groups. Raise
+    `InputError` if Hydra refuses an override or a file, `config_dir` is no folder, a value could
+    not be stored, or several tunings cannot be joined; the message is one line.
     """
     with place_files(overrides, tree.model) as (placed, folders):
         words = [*_search_path(config_dir, placed, folders), *placed]
@@ -159,8 +133,8 @@ def compose_plain(tree: Tree, overrides: Sequence[str], config_dir: str | None =
 def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str]) -> Plain:
     """Compose a tree once for each tuning of `words`; join the results.
 
-    `overrides` are the user's own, for error messages. `words` are the overrides for Hydra: those
-    of the user, with tuning files replaced by options, and the folders that Hydra searches.
+    `overrides` are the user's own, for error messages. `words` are those for Hydra: tuning files
+    are replaced by options, and the folders that Hydra searches are added.
     """
     names = _find_tunings(tree, words) if tree.model.tuned else []
     if len(names) < 2:
@@ -174,10 +148,7 @@ def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str])
 def _search_path(
     config_dir: str | None, overrides: Sequence[str], folders: Sequence[Path]
 ) -> list[str]:
-    """Check the overrides; return the override that makes Hydra search further folders, if any.
-
-    These are `config_dir`, which the user has named, and `folders`.
-    """
+    """Check the overrides; return the one, if any, that makes Hydra search further folders."""
     require_readable(overrides)
     for override in overrides:
         require(
@@ -193,7 +164,6 @@ def _search_path(
 
 
 def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:
-    """Return the names of the tunings that `words` and the tree choose, in their order."""
     given = [value for key, _, value in (word.partition("=") for word in words) if key == GROUP]
     if len(given) == 1 and re.fullmatch(r"[\w.+-]+", given[0]):
         return given  # one name: a pass of Hydra less, a quarter of the time to compose
@@ -244,15 +214,10 @@ def _find_folder(config_dir: str) -> Path:
 
 
 def _require_storable(key: str, value: object, depth: int = 2) -> None:
-    """Check that a value, once stored in a run's config.yaml, could be read again.
+    """Raise `InputError` if a value, once stored in a run's config.yaml, could not be read again.
 
-    `key` is the key of the value, for the error message. `depth` is the number of lists and
-    mappings in which the value lies, including the value itself.
-
-    Raises
-    ------
-    InputError
-        If a text in the value contains "${", or lists and mappings lie more than `DEEPEST` deep.
+    That is a text that contains "${", or a value inside more than `DEEPEST` lists and mappings.
+    `depth` is the number of lists and mappings in which the value lies, itself included.
     """
     if isinstance(value, str):
         require("${" not in value, f"{key}: {value!r} holds ${{, which cannot be stored")

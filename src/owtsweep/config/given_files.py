@@ -23,25 +23,17 @@ MOST_VALUES = 1_000_000
 
 
 class CheckedFiles(FileConfigSource):
-    """A folder on Hydra's search path whose files are checked before they are read.
-
-    Its address on the search path is `checked://<folder>`. Hydra asks it for every file that it
-    reads from the folder: those that overrides choose, and those that other files name in their
-    `defaults`.
-    """
+    """A folder on Hydra's search path, `checked://<folder>`, whose files are checked when read."""
 
     @staticmethod
     def scheme() -> str:
-        """Return how the folder's address begins."""
         return "checked"
 
     def load_config(self, config_path: str) -> ConfigResult:
         """Read a file, e.g. `tuning/mine`.
 
-        Raises
-        ------
-        InputError
-            If the file cannot be read, is no YAML, nests too deeply, or holds too many values.
+        Raise `InputError` if the file cannot be read, is no YAML, nests too deeply, or holds too
+        many values.
         """
         _check_file(Path(self.path, self._normalize_file_name(config_path)))
         return super().load_config(config_path)
@@ -74,11 +66,10 @@ def _check_file(path: Path) -> None:
 
 
 def _measure(text: str) -> tuple[int, int]:
-    """Return the depth of a YAML text, and the number of its values.
+    """Return the depth of a YAML text, e.g. 3 for `a: {b: [1]}`, and the number of its values.
 
-    The depth is the largest number of nested lists and mappings, e.g. 3 for `a: {b: [1]}`. In the
-    number of values, an alias (`*name`) counts as the values for which the alias stands. Counting
-    stops as soon as the depth exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
+    An alias (`*name`) counts as the values for which it stands. Counting stops as soon as a bound,
+    `DEEPEST` or `MOST_VALUES`, is exceeded.
     """
     import yaml
 

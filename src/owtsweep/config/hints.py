@@ -20,11 +20,7 @@ MOST_NAMED = 3
 
 
 def list_keys(model: type[Section], prefix: str = "") -> list[str]:
-    """Return all dotted keys of a configuration, e.g. "compute" and "compute.workers".
-
-    `model` is the pydantic class of the configuration or of a section of the configuration.
-    `prefix` is put before every key.
-    """
+    """Return all dotted keys of a model, e.g. "compute" and "compute.workers", after `prefix`."""
     keys = []
     for name, field in model.model_fields.items():
         keys.append(f"{prefix}{name}")
@@ -36,15 +32,8 @@ def list_keys(model: type[Section], prefix: str = "") -> list[str]:
 def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     """Return a one-line message about a configuration key that does not exist.
 
-    The message lists the keys in the same section, or names the most similar key, or says how to
-    print all keys. Of a key that exists but that no YAML file sets, it says how to set it.
-
-    Parameters
-    ----------
-    key
-        The wrong key, e.g. "compute.worker".
-    keys
-        All keys that exist.
+    It lists the keys in the same section, or names the most similar key, or says how to print all
+    keys. Of a key that exists but that no YAML file sets, it says how to set it.
     """
     if key in keys:
         return f"{key}: no YAML file sets this key yet; use +{key}=..."
@@ -76,42 +65,31 @@ def _list_beside(section: str, keys: Sequence[str]) -> list[str]:
 
 
 def explain_key_of_list(words: Sequence[str], model: type[Section]) -> str:
-    """Return a one-line message about the first override whose key leads into a list; "" if none.
-
-    `words` are overrides, and `model` is the pydantic class of the configuration.
-    """
+    """Return a one-line message about the first override with a key inside a list; "" if none."""
     for word in words:
         path = word.lstrip("+~").partition("=")[0].split(".")
         fields = fields_along(model, path)
         if 0 < len(fields) < len(path) and get_origin(bare_type(fields[-1].annotation)) is list:
             key = ".".join(path[: len(fields)])
             unit = read_facts(fields[-1])["unit"]
-            told = f" in {unit}" if unit else ""
-            return f"{'.'.join(path)}: there is no such key; {key} is a list{told}: use {key}=[...]"
+            where = f" in {unit}" if unit else ""
+            return (
+                f"{'.'.join(path)}: there is no such key; {key} is a list{where}: use {key}=[...]"
+            )
     return ""
 
 
 def suggest_name(name: str, names: Sequence[str]) -> str:
-    """Return words for an error message about a wrong name; the words list all valid `names`.
-
-    If one of `names` is similar to `name`, the words begin with "did you mean" and the most similar
-    name.
-    """
+    """Return words for an error message about a wrong name: the most similar, and all `names`."""
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return (f"did you mean {near[0]}? There" if near else "there") + f" are {', '.join(names)}"
 
 
 @contextmanager
 def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
-    """Turn errors of Hydra, OmegaConf and YAML inside the context into an `InputError`.
+    """Turn errors of Hydra, OmegaConf and YAML inside the context into an `InputError` of one line.
 
-    `tree` is the folder of YAML files that Hydra composes. If it is given, the message about a
-    wrong key or option also names valid ones.
-
-    Raises
-    ------
-    InputError
-        Instead of those errors; the message is one line.
+    With `tree`, the message about a wrong key or option also names valid ones.
     """
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -130,8 +108,7 @@ def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
 def in_one_line(error: Exception, tree: Tree | None = None) -> str:
     """Return the message of an error of Hydra or OmegaConf in one line.
 
-    `tree` is the folder of YAML files that Hydra composes. If it is given, the message about a
-    wrong key or option also names valid ones.
+    With `tree`, the message about a wrong key or option also names valid ones.
     """
     text = str(error)
     unknown = re.search(r"Could not override '([^']+)'", text)

@@ -35,23 +35,11 @@ def place_files(
 ) -> Iterator[tuple[list[str], list[Path]]]:
     """Give the files that overrides of groups name a place and a name for Hydra, for a while.
 
-    Parameters
-    ----------
-    overrides
-        The user's overrides.
-    model
-        The model of the configuration; its `tuned` and `from_files` say what files may set.
+    The model's `tuned` and `from_files` say what files may set. Raise `InputError` if a file cannot
+    be read, holds anything but values, or sets another key.
 
-    Yields
-    ------
-    tuple
-        The overrides, with the name of an option in place of each file's path; and the folders that
-        Hydra has to search for these options, none or one.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read, holds anything but values, or sets another key.
+    Yield the overrides, with the name of an option in place of each file's path; and the folders
+    that Hydra has to search for these options, none or one.
     """
     options: dict[tuple[str, str], str] = {}
     for override in overrides:
@@ -70,10 +58,10 @@ def place_files(
         try:
             yield [_replace(override, options) for override in overrides], [Path(folder)]
         except InputError as error:  # in the user's words
-            told = str(error)
+            text = str(error)
             for (_, word), option in options.items():
-                told = told.replace(option, word)
-            raise InputError(told) from error
+                text = text.replace(option, word)
+            raise InputError(text) from error
 
 
 def _split(override: str) -> tuple[str, list[str]]:

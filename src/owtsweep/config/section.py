@@ -19,10 +19,7 @@ SMALLEST, LARGEST = 1e-30, 1e30
 
 
 def require_magnitude(value: float) -> float:
-    """Return the number `value`; raise `ValueError` if its magnitude is not from 1e-30 to 1e30.
-
-    Zero, NaN and infinity are returned unchanged, because other checks decide on them.
-    """
+    """Return the number `value`; raise `ValueError` if its magnitude is not from 1e-30 to 1e30."""
     if math.isfinite(value) and value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
         raise ValueError(
             f"{value:g} cannot be computed with; its magnitude must be from {SMALLEST:g} to "
@@ -40,7 +37,6 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(
 #: inside is known only once `typed` has made an object of them.
 Plain = dict[str, Any]
 
-#: Attributes that hold the bounds of a number.
 BOUNDS = ("gt", "ge", "lt", "le")
 #: The defaults of those facts that `key` declares besides a type, a default and bounds.
 NO_FACTS = {"unit": "", "form": "", "advice": ""}
@@ -56,24 +52,18 @@ TYPE_NAMES: dict[object, str] = {
 class Section(BaseModel):
     """The base class of all sections of a configuration, a pydantic model.
 
-    A section is frozen and refuses unknown keys. Where a number is expected, a text such as "2" is
-    converted; where an integer is expected, 2.0 is accepted; where a text is expected, a number is
-    converted. But true and false are accepted only where true or false is expected, and no other
-    value is accepted there.
+    A section is frozen and refuses unknown keys. Numbers and texts are converted to what a key
+    expects ("2" to 2, 2.0 to an integer); but true and false are accepted only, and alone, where
+    one of them is expected.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", coerce_numbers_to_str=True)
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: object) -> None:
-        """Check, when a subclass is defined, that no field puts bounds on a list of numbers.
+        """Raise `TypeError` if a field of a new subclass puts bounds on a list of numbers.
 
         pydantic would compare such bounds with the list, not with the numbers in the list.
-
-        Raises
-        ------
-        TypeError
-            If a field puts bounds on a list; the message says how to write these bounds.
         """
         for name, field in cls.model_fields.items():
             bounded = any(hasattr(mark, sign) for mark in field.metadata for sign in BOUNDS)
@@ -103,15 +93,12 @@ def key(
     advice: str = "",
     **bounds: Any,
 ) -> Any:
-    """Declare a key of a section of the configuration; return the pydantic field.
+    """Declare a key of a section of the configuration; a key without a default is required.
 
     Parameters
     ----------
     meaning
         What the key means, for docs/configuration.md.
-    default
-        The value of the key if a configuration does not set it. A key without a default is
-        required.
     unit
         Unit of a number, or of each number of a list.
     form
@@ -119,8 +106,8 @@ def key(
     advice
         A remedy, for the error message about a number below its lower bound.
     bounds
-        Bounds as for `pydantic.Field`: ge, gt, le and lt for a number, min_length and max_length
-        for a list.
+        As for `pydantic.Field`: ge, gt, le and lt for a number, min_length and max_length for a
+        list.
     """
     facts: Plain = {"unit": unit, "form": form, "advice": advice}
     return Field(default, description=meaning, json_schema_extra=facts, **bounds)
@@ -147,10 +134,7 @@ def bare_type(annotation: object) -> object:
 
 
 def item_type(annotation: object) -> object:
-    """Return the type of a list's items, or the type itself if it is not a list.
-
-    `annotation` is a type. Bounds and `| None` are left out of the result.
-    """
+    """Return the type of a list's items, else the type itself, without bounds and `| None`."""
     kind = bare_type(annotation)
     return bare_type(get_args(kind)[0]) if get_origin(kind) is list else kind
 
@@ -158,15 +142,8 @@ def item_type(annotation: object) -> object:
 def fields_along(model: object, path: Iterable[str | int]) -> list[FieldInfo]:
     """Return the fields of the sections that lead to a key, then the field of the key itself.
 
-    The list is shorter than `path` if the path leads into a list or a mapping, or if the key does
-    not exist.
-
-    Parameters
-    ----------
-    model
-        The pydantic class of the configuration, or of the section with which the path begins.
-    path
-        The key split at its dots, e.g. ("compute", "workers"); an integer is an index of a list.
+    The list is shorter than `path`, the key split at its dots, if the path leads into a list or a
+    mapping, or the key does not exist.
     """
     fields = []
     for name in path:

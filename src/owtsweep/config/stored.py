@@ -31,22 +31,15 @@ MOST_MAPPINGS, MOST_VALUES = 2000, 200_000
 
 
 def dump(config: Config) -> str:
-    """Return all keys of a configuration as YAML text, the content of config.yaml."""
     from omegaconf import OmegaConf
 
     return OmegaConf.to_yaml(OmegaConf.create(as_mapping(config)))
 
 
 def read(path: Path, *, resolve: bool = True) -> Plain:
-    """Return the content of a trusted YAML file as dicts, lists and scalars.
+    """Return the content of a trusted YAML file; with `resolve`, interpolations are replaced.
 
-    With `resolve`, interpolations (`${...}`) are replaced by their values; otherwise they stay
-    texts.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no YAML, or does not hold a mapping of keys.
+    Raise `InputError` if the file cannot be read, is no YAML, or does not hold a mapping of keys.
     """
     from omegaconf import OmegaConf
 
@@ -56,10 +49,7 @@ def read(path: Path, *, resolve: bool = True) -> Plain:
 
 @contextmanager
 def _naming(path: Path) -> Iterator[None]:
-    """Turn any error inside the context into an `InputError` that names the YAML file `path`.
-
-    The message is one line.
-    """
+    """Turn any error inside the context into an `InputError` that names the YAML file `path`."""
     try:
         yield
     except InputError as error:
@@ -72,15 +62,10 @@ def _naming(path: Path) -> Iterator[None]:
 def read_stored(path: Path) -> tuple[Plain, str]:
     """Return the content of a stored config.yaml, as plain data and as text.
 
-    Plain data are dicts, lists and scalars.
-
-    Raises
-    ------
-    InputError
-        If there is no file at `path`, or the file is too large, is not a mapping of keys, or
-        contains an interpolation, an alias or too many values. An interpolation (`${...}`) could
-        read environment variables of the user. An alias (`*name`) can stand for more data than fit
-        into memory.
+    Raise `InputError` if there is no file, or it is too large, is not a mapping of keys, or
+    contains an interpolation, an alias or too many values. An interpolation (`${...}`) could read
+    environment variables of the user. An alias (`*name`) can stand for more data than fit into
+    memory.
     """
     from omegaconf import OmegaConf
 
@@ -96,14 +81,7 @@ def read_stored(path: Path) -> tuple[Plain, str]:
 
 
 def _check_events(text: str) -> None:
-    """Check a YAML text before it is loaded: its aliases, its depth and its size.
-
-    Raises
-    ------
-    InputError
-        If the text contains an alias (`*name`), its lists and mappings lie more than `DEEPEST`
-        deep, or there are more than `MOST_MAPPINGS` mappings or `MOST_VALUES` values.
-    """
+    """Raise `InputError` if a YAML text has an alias, nests too deeply or holds too much."""
     import yaml
 
     depth = mappings = values = 0
@@ -124,7 +102,6 @@ def _check_events(text: str) -> None:
 
 
 def _texts(value: object) -> Iterator[str]:
-    """Yield all texts in nested dicts and lists, including the keys of the dicts."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):
@@ -137,16 +114,10 @@ def _texts(value: object) -> Iterator[str]:
 
 
 def resolved(mapping: object, *, resolve: bool = True) -> Plain:
-    """Return the content of an OmegaConf object as dicts, lists and scalars.
+    """Return the content of an OmegaConf object; with `resolve`, interpolations are replaced.
 
-    With `resolve`, interpolations (`${...}`) are replaced by their values; otherwise they stay
-    texts.
-
-    Raises
-    ------
-    InputError
-        If the object is not a mapping, or an interpolation cannot be replaced, for example because
-        it names a missing key.
+    Raise `InputError` if the object is not a mapping, or an interpolation cannot be replaced, for
+    example because it names a missing key.
     """
     from omegaconf import OmegaConf
 
@@ -158,11 +129,7 @@ def resolved(mapping: object, *, resolve: bool = True) -> Plain:
 
 
 def dump_with_units(config: Config) -> str:
-    """Return a configuration as YAML text, with comments such as `# m/s^2`.
-
-    The comment stands behind the key, on the line of the key. A key whose numbers have no unit has
-    no comment. The text holds the data of `dump`, and can be read back.
-    """
+    """Return the YAML text of `dump` with units as comments such as `# m/s^2` behind the keys."""
     import yaml
 
     text = dump(config)
@@ -173,15 +140,7 @@ def dump_with_units(config: Config) -> str:
 
 
 def _find_units(node: yaml.MappingNode, model: type[Section]) -> Iterator[tuple[int, str]]:
-    """Yield the number of the line and the unit, for each key of a YAML node that has a unit.
-
-    Parameters
-    ----------
-    node
-        The node of a section, as `yaml.compose` returns it.
-    model
-        The class of the section.
-    """
+    """Yield the line number and the unit of each key of a section's YAML node that has a unit."""
     for key, value in node.value:
         if key.value not in model.model_fields:
             continue

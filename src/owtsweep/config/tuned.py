@@ -1,8 +1,8 @@
 """A configuration whose tuned sections may be those of one tuning, or of several.
 
-A tuning is a file of the config group `tuning`. It sets the tuned sections of a study's
-configuration (`Config.tuned`) and the key `tuning`, which is the tuning's name. All other keys
-belong to the run. Several tunings are composed one by one, then joined to one configuration.
+A tuning is a file of the config group `tuning`. It sets the sections `Config.tuned` and the key
+`tuning`, its name. All other keys belong to the run. Several tunings are composed one by one, then
+joined to one configuration.
 """
 
 from __future__ import annotations
@@ -29,8 +29,7 @@ class TunedConfig(Config):
     """A configuration with the keys `tuning` and `tunings`, and the sections `tuned`.
 
     With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
-    the sections `tuned` are absent. `by_tuning` gives the configuration of each. The study declares
-    all these keys, each where it stands among its own.
+    the sections `tuned` are absent. The study declares all these keys.
     """
 
     if TYPE_CHECKING:
@@ -57,14 +56,7 @@ class TunedConfig(Config):
         return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
 
     def check(self) -> None:
-        """Check also that `tuning`, `tunings` and the tuned sections are those of one run.
-
-        Raises
-        ------
-        InputError
-            If names and sections do not fit together, or a tuned section is missing; also as
-            `Config.check`.
-        """
+        """Check also that `tuning`, `tunings` and the tuned sections are those of one run."""
         super().check()
         several = bool(self.tunings)
         require(
@@ -85,26 +77,10 @@ def refuse_tuned_keys(
     names: Sequence[str],
     listed: Mapping[str, object],
 ) -> None:
-    """Refuse an override of a key that several tunings set, because it would change them all.
+    """Raise `InputError` for an override of a key that several tunings set: it would change all.
 
-    A key that does not exist is not refused here.
-
-    Parameters
-    ----------
-    model
-        The model of the configuration; its `tuned` are the sections that a tuning sets.
-    overrides
-        The user's overrides.
-    names
-        The tunings of the run.
-    listed
-        The keys of the tree's primary file. A key that stands there belongs to the run, also
-        inside a tuned section.
-
-    Raises
-    ------
-    InputError
-        If an override sets a tuned key.
+    `names` are the run's tunings. A key that stands in `listed`, the tree's primary file, belongs
+    to the run, also inside a tuned section. A key that does not exist is not refused here.
     """
     for override in overrides:
         key = override.partition("=")[0].lstrip("+~")
@@ -118,25 +94,12 @@ def refuse_tuned_keys(
 
 
 def join(composed: Mapping[str, Mapping[str, object]], tuned: Sequence[str]) -> dict[str, object]:
-    """Join the configurations of several tunings to one.
+    """Join the configurations of several tunings, which set the sections `tuned`, to one.
 
-    Parameters
-    ----------
-    composed
-        Name of the tuning's file -> the configuration as plain data, composed with this tuning.
-    tuned
-        The sections that a tuning sets.
-
-    Returns
-    -------
-    dict
-        The keys that do not belong to a tuning; `tuning`, the list of the tunings' names; and
-        `tunings`, the tuned sections by name.
-
-    Raises
-    ------
-    InputError
-        If two tunings have one name, or differ in keys that do not belong to a tuning.
+    `composed` maps the name of the tuning's file to the configuration as plain data. The result has
+    the keys that belong to no tuning; `tuning`, the list of the tunings' names; and `tunings`, the
+    tuned sections by name. Raise `InputError` if two tunings have one name, or differ in keys that
+    do not belong to a tuning.
     """
     first = next(iter(composed))
     common = _leave_out(composed[first], tuned)
@@ -165,7 +128,7 @@ def _leave_out(plain: Mapping[str, object], tuned: Sequence[str]) -> dict[str, o
 
 
 def holds(mapping: object, path: Sequence[str]) -> bool:
-    """Return whether nested mappings contain a key; `path` is the key, split at its dots."""
+    """Return whether nested mappings contain a key, split at its dots."""
     for part in path:
         if not isinstance(mapping, dict) or part not in mapping:
             return False

@@ -30,14 +30,9 @@ C = TypeVar("C", bound=Config)
 
 
 def typed(model: type[S], plain: object) -> S:
-    """Turn plain data into a frozen object of a pydantic model, a configuration or a section.
+    """Turn plain data into a frozen object of a model, each key checked by itself.
 
-    Each key is checked by itself; conditions on several keys are not checked.
-
-    Raises
-    ------
-    InputError
-        If a key is unknown or missing, a type is wrong, or a value is out of bounds.
+    Raise `InputError` if a key is unknown or missing, a type is wrong, or a value is out of bounds.
     """
     try:
         return model.model_validate(plain)
@@ -48,11 +43,7 @@ def typed(model: type[S], plain: object) -> S:
 def checked(model: type[C], plain: object) -> C:
     """Turn plain data into a frozen configuration of the class `model`, after `Config.check`.
 
-    Raises
-    ------
-    InputError
-        If a key is unknown or missing, a type is wrong, a value is out of bounds, or values do not
-        fit together.
+    Raise `InputError` as `typed` does, and if values do not fit together.
     """
     config = typed(model, plain)
     config.check()
@@ -60,10 +51,7 @@ def checked(model: type[C], plain: object) -> C:
 
 
 def changed(section: S, **values: object) -> S:
-    """Return a copy of a section of a configuration, with the keys in `values` replaced.
-
-    The new values are not checked.
-    """
+    """Return a copy of a section with the keys in `values` replaced, unchecked."""
     return section.model_copy(update=values)
 
 
@@ -80,15 +68,9 @@ def value_at(plain: object, key: str) -> object:
 
 
 def with_values(section: S, values: Mapping[str, object]) -> S:
-    """Return a copy of a configuration or of a section, with some keys set to new values.
+    """Return a copy of a section with some keys set, e.g. "compute.workers", each checked.
 
-    `values` maps a dotted key, e.g. "compute.workers", to its new value. Each key is checked by
-    itself; conditions on several keys are not checked.
-
-    Raises
-    ------
-    InputError
-        If a key is unknown, a type is wrong, or a value is out of bounds.
+    Raise `InputError` if a key is unknown, a type is wrong, or a value is out of bounds.
     """
     plain = as_mapping(section)
     for key, value in values.items():
@@ -109,15 +91,8 @@ TYPES = {"bool": bool, "string": str, "int": int, "float": float}
 def in_one_line(error: ValidationError, model: type[Section]) -> str:
     """Return a one-line message about a configuration that pydantic has refused.
 
-    If `error` reports several faults, the message is about one of them: an unknown key if there is
-    one, else a missing key, else the first wrong value.
-
-    Parameters
-    ----------
-    error
-        The error of pydantic.
-    model
-        The pydantic class of the configuration, from which names, units and bounds are taken.
+    Of several faults it names one: an unknown key if there is one, else a missing key, else the
+    first wrong value.
     """
     order = {"extra_forbidden": 0, "missing": 1}
     first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
@@ -163,20 +138,9 @@ def in_one_line(error: ValidationError, model: type[Section]) -> str:
 def _beyond(kind: str, limits: Mapping[str, object], value: object, unit: str, advice: str) -> str:
     """Return the part of an error message about a number beyond its bound, after the key.
 
-    For a fault of another kind, return a general text with that kind.
-
-    Parameters
-    ----------
-    kind
-        pydantic's name of the fault, e.g. "greater_than".
-    limits
-        pydantic's name of the bound -> the bound; empty if there is none.
-    value
-        The refused value.
-    unit
-        The unit of the value; "" for none.
-    advice
-        What to do about a negative whole number, e.g. "use 0 or more".
+    For a fault of another kind, return a general text. `kind` is pydantic's name of the fault, e.g.
+    "greater_than"; `limits` maps pydantic's name of a bound to the bound; `advice` says what to do
+    about a negative whole number, e.g. "use 0 or more".
     """
     shown = f"{value:g}" if isinstance(value, float) else str(value)  # it may be a text, or huge
     number = f"{shown} {unit}".strip()
@@ -189,8 +153,8 @@ def _beyond(kind: str, limits: Mapping[str, object], value: object, unit: str, a
     if kind == "greater_than_equal":
         if limit == 0:
             whole = isinstance(limit, int)
-            told = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
-            return f"{number} {told}"
+            text = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
+            return f"{number} {text}"
         return f"{shown} must be at least {f'{limit:g} {unit}'.strip()}"
     if kind in ("less_than", "less_than_equal"):
         return f"{value} is more than {limit}; lower it"

@@ -1,7 +1,4 @@
-"""What estimators say: an estimate at one step, and all that schemes make of one record.
-
-An estimate holds named quantities of any dimension.
-"""
+"""What estimators say: an estimate at one step, and all that schemes make of one record."""
 
 from __future__ import annotations
 
@@ -15,13 +12,7 @@ from owtsweep.arrays import Array
 class Quantity(NamedTuple):
     """A quantity that a study judges, such as position with the components x and y.
 
-    Attributes
-    ----------
-    name
-        The quantity's name in estimates and tables.
-    components
-        The names of the quantity's components in tables. An estimate of the quantity is an array
-        with one number per component.
+    An estimate of it is an array with one number per component.
     """
 
     name: str
@@ -33,10 +24,7 @@ PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "
 
 
 class Innovation(NamedTuple):
-    """The innovation of a step: a measurement minus the prediction of this measurement.
-
-    `value` is the innovation, shape (m,); `covariance` is its covariance, shape (m, m).
-    """
+    """A measurement minus its prediction: value, shape (m,), and its covariance, shape (m, m)."""
 
     value: Array
     covariance: Array
@@ -47,22 +35,17 @@ class Estimate:
 
     A study defines which quantities are judged, and the dimension and unit of each. The hub study,
     for example, judges position (m) and velocity (m/s), each of shape (2,), north and east:
-    `Estimate(position, velocity)`. Other quantities are given by name, as in
-    `Estimate(angle=..., strain=...)`. Each quantity becomes an attribute of its name.
+    `Estimate(position, velocity)`. Other quantities are given by name, as in `Estimate(angle=...,
+    strain=...)`. Each becomes an attribute of its name.
 
     Parameters
     ----------
-    position, velocity
-        Two quantities that most studies judge; None if not estimated.
     covariance
         Covariance (n, n) of the errors of all judged quantities, one after the other in the study's
-        order. From covariances the study computes NEES, the normalised estimation error squared.
-        None means no covariance.
+        order. From it the study computes NEES, the normalised estimation error squared.
     innovation
-        The innovation of this step's measurement. From innovations the study computes NIS, the
-        normalised innovation squared. None means no innovation.
-    quantities
-        Further quantities by name.
+        The innovation of this step's measurement. From it the study computes NIS, the normalised
+        innovation squared.
 
     Attributes
     ----------
@@ -101,20 +84,14 @@ class Estimate:
         return f"Estimate({said})"
 
     def _replace(self, **changes: Any) -> Estimate:
-        """Return a copy of the estimate in which the attributes named in `changes` are replaced."""
         kept = {"covariance": self.covariance, "innovation": self.innovation}
         return Estimate(**{**self.quantities, **kept, **changes})
 
 
 class Reading(NamedTuple):
-    """What one sensor says of a record.
+    """What one sensor says of a record: times (n,) in s, and values (n, ...), NaN if lost.
 
-    Attributes
-    ----------
-    time
-        The times of arrival, or those that the sensor's own clock shows, in s, shape (n,).
-    value
-        The measurements, shape (n, ...); NaN where one was lost.
+    Times are those of arrival, or those that the sensor's own clock shows.
     """
 
     time: Array
@@ -150,7 +127,7 @@ class EstimatedRecord:
         Scheme -> quantity -> covariance of the error, shape (steps, n, n). A quantity that is
         missing here has none.
     waits
-        Scheme -> time in s that a user waits for an estimate; 0 for what runs in real time.
+        Scheme -> latency in s; 0 for what runs in real time.
     units
         Unit of each quantity and of each signal, and its frame where this needs saying.
     failures

@@ -1,7 +1,7 @@
 """Run an estimator as on board a ship: one call of its method `update` per step.
 
-Quantities that are measured at every step, such as the accelerations of an IMU, are called inputs.
-A measurement that comes less often, such as a position from GNSS, is called a fix.
+What is measured at every step, such as the accelerations of an IMU, is called inputs. A measurement
+that comes less often, such as a position from GNSS, is called a fix.
 """
 
 from __future__ import annotations
@@ -21,12 +21,7 @@ class Updating(Protocol):
     """The interface of an estimator that can be run step by step."""
 
     def update(self, inputs: Array, fix: Array | None = None, /) -> object:
-        """Take the measurements of a step, and return an `Estimate` of the present state.
-
-        `inputs` are the quantities measured at every step, such as accelerations. `fix` is a
-        measurement that does not come at every step, such as a position from GNSS; None if this
-        step has no fix.
-        """
+        """Take the inputs of a step, and its fix if any; return an `Estimate` of the state."""
 
 
 class RecordEstimator(ABC):
@@ -38,9 +33,9 @@ class RecordEstimator(ABC):
 
     @abstractmethod
     def run_record(self, inputs: Array, fixes: Array, /) -> Trajectory:
-        """Take the measurements of many steps; return the estimates that `update` would give.
+        """Take many steps, one row each; return the estimates that `update` would give.
 
-        Both have one row per step; the row of `fixes` is NaN at steps without a fix.
+        The row of `fixes` is NaN at steps without a fix.
         """
 
 
@@ -54,26 +49,12 @@ def run_estimator(
 ) -> Trajectory:
     """Run an estimator over a whole record, and return the estimates of all steps.
 
-    Parameters
-    ----------
-    estimator
-        The estimator, before its first step.
-    inputs
-        The quantities measured at every step, such as accelerations, shape (steps, i).
-    fixes
-        The measurements that come less often, such as positions from GNSS, shape (fixes, m). Row j
-        belongs to step j * fix_interval. A row is NaN if its measurement did not arrive.
-    fix_interval
-        Number of steps from one fix to the next.
-    judged
-        The quantities to take from the estimates, in the order of the result's columns.
+    Raise `TypeError` if `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
+    Raise `ValueError` if an estimate lacks a quantity, has the wrong shape or is not finite.
 
-    Raises
-    ------
-    TypeError
-        If `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
-    ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite.
+    `estimator`: the estimator, before its first step. `inputs`, `fixes`: shape (steps, i), and
+    shape (fixes, m); fix j belongs to step j * fix_interval, and is NaN if it did not arrive.
+    `judged`: the quantities to take from the estimates, in the order of the result's columns.
     """
     arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
     arrived[::fix_interval] = fixes
@@ -91,29 +72,19 @@ def run_steps(
     """Run an estimator over the next steps of a record, and return the estimates of these steps.
 
     The method `run_record` of a `RecordEstimator` is called once for all steps. Of others, the
-    method `update` is called at each step.
+    method `update` is called at each step. Errors are those of `run_estimator`; the message names
+    the step where it is known.
 
     Parameters
     ----------
     estimator
         The estimator, which has taken all earlier steps of the record.
-    inputs
-        The quantities measured at every step, such as accelerations, shape (steps, i).
-    fixes
-        The measurements that come less often, such as positions from GNSS, shape (steps, m); NaN at
-        steps without such a measurement.
+    inputs, fixes
+        Shape (steps, i), and shape (steps, m), NaN at steps without a fix.
     first
         Number of the first of these steps in the record, for error messages.
     judged
         The quantities to take from the estimates, in the order of the result's columns.
-
-    Raises
-    ------
-    TypeError
-        If `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
-    ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite. The message about an
-        estimate of `update`, or about one that is not finite, names the step.
     """
     if isinstance(estimator, RecordEstimator):
         trajectory = estimator.run_record(inputs, fixes)
@@ -136,26 +107,11 @@ def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> It
 def collect(
     estimates: Iterable[object], judged: Sequence[Quantity], steps: int, first: int = 0
 ) -> Trajectory:
-    """Collect the estimates of some steps into a trajectory.
+    """Collect the `Estimate`s of steps from `first` on into a trajectory of `judged`.
 
-    Parameters
-    ----------
-    estimates
-        One `Estimate` per step.
-    judged
-        The quantities to take from the estimates, in the order of the result's columns.
-    steps
-        Number of estimates.
-    first
-        Number of the first of these steps in the record, for error messages.
-
-    Raises
-    ------
-    TypeError
-        If an item of `estimates` is not an `Estimate`.
-    ValueError
-        If an estimate lacks a quantity, or a quantity, covariance or innovation has the wrong shape
-        or does not consist of real numbers. The message names the step.
+    Raise `TypeError` if an item of `estimates` is not an `Estimate`. Raise `ValueError` if an
+    estimate lacks a quantity, or a quantity, covariance or innovation has the wrong shape or does
+    not consist of real numbers. The message names the step.
     """
     size = sum(len(quantity.components) for quantity in judged)
     state = np.empty((steps, size))
@@ -189,37 +145,15 @@ def collect(
 
 
 def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Array:
-    """Return the quantity `name` of an estimate as an array (size,), after checks.
-
-    Raises
-    ------
-    ValueError
-        If the estimate lacks the quantity, or the quantity has another shape or does not consist of
-        real numbers. The message names the step.
-    """
     if name not in estimate.quantities:
         raise ValueError(f"the estimate of step {step} has no {name}")
     return _check_array(estimate.quantities[name], (size,), name, step)
 
 
 def _check_array(value: object, shape: tuple[int, ...], what: str, step: int) -> Array:
-    """Return a value as an array of real numbers, after a check of its shape.
+    """Return a value as an array of real numbers of this shape, or raise `ValueError`.
 
-    Without this check NumPy would broadcast another shape silently.
-
-    Parameters
-    ----------
-    value
-        What the estimator gave.
-    shape
-        The shape that `value` must have.
-    what, step
-        The name of the value, and the number of the step, for error messages.
-
-    Raises
-    ------
-    ValueError
-        If the shape is another, or `value` does not consist of real numbers.
+    NumPy would broadcast another shape silently.
     """
     array = np.asarray(value)
     if array.shape != shape:
@@ -230,15 +164,7 @@ def _check_array(value: object, shape: tuple[int, ...], what: str, step: int) ->
 
 
 def _check_trajectory(trajectory: Trajectory, steps: int, size: int) -> None:
-    """Check what an estimator's method `run_record` has returned.
-
-    Raises
-    ------
-    TypeError
-        If `trajectory` is not a `Trajectory`.
-    ValueError
-        If the state of the trajectory is not an array of floats of the shape (steps, size).
-    """
+    """Raise `TypeError` or `ValueError` unless `run_record` gave finite floats (steps, size)."""
     if not isinstance(trajectory, Trajectory):
         raise TypeError(f"run_record gave a {type(trajectory).__name__}, not a Trajectory")
     state = np.asarray(trajectory.state)

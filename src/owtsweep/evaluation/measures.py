@@ -20,20 +20,19 @@ from owtsweep.evaluation.estimate import Quantity
 class Errors(NamedTuple):
     """The errors of an estimator over a record, as a sum of one or two parts.
 
+    Covariances and innovations are NaN at steps without one.
+
     Attributes
     ----------
     state
-        Errors of all judged quantities: either one array (steps, n), the whole error, or two arrays
-        (steps, n), the part due to the motion and the part due to noise.
+        Errors of all judged quantities: one array (steps, n), the whole error, or two, the part due
+        to the motion and the part due to noise.
     covariance
-        Covariances of the errors by the estimator's own account, shape (steps, n, n); NaN at steps
-        without a covariance. None if the estimator gave no covariance at all.
+        Covariances of the errors by the estimator's own account, shape (steps, n, n), or None.
     innovation
-        Innovations: one or two arrays (steps, m), with the same parts as `state`; NaN at steps
-        without an innovation. No array if the estimator gave no innovation at all.
+        One or two arrays (steps, m), with the same parts as `state`; else no array.
     innovation_covariance
-        Covariances of the innovations, shape (steps, m, m); NaN at steps without an innovation.
-        None if the estimator gave no innovation at all.
+        Shape (steps, m, m), or None.
     """
 
     state: Sequence[Array]
@@ -43,16 +42,10 @@ class Errors(NamedTuple):
 
 
 class Mean(NamedTuple):
-    """The mean of a measure over the steps of a record.
+    """The mean of a measure over `samples` steps of a record.
 
-    Attributes
-    ----------
-    products
-        Shape (3,): the means of motion x motion, motion x noise and noise x noise, where motion and
-        noise are the parts of the error due to the motion and due to noise. An error that is not
-        divided into parts counts as noise.
-    samples
-        The number of steps in the means.
+    `products`, shape (3,), are the means of motion x motion, motion x noise and noise x noise. An
+    error that is not divided into parts counts as noise.
     """
 
     products: Array
@@ -60,27 +53,17 @@ class Mean(NamedTuple):
 
 
 def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[str, Mean]:
-    """Compute the measures of a record: mean squared errors, NEES and NIS.
+    """Compute the measures of a record from step `first` on: mean squared errors, NEES and NIS.
 
     There is a mean squared error of every component, and of every quantity as the sum over its
     components. "nees" is the mean of the squared error weighted with the inverse of the estimator's
     covariance. "nis" is the mean of the squared innovation weighted with the inverse of the
-    innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). If the estimator
-    gave no covariance from step `first` on, "nees" is left out; if it gave no innovation, "nis" is.
+    innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Without a covariance
+    from step `first` on, "nees" is left out; without an innovation, "nis" is.
 
-    Parameters
-    ----------
-    errors
-        The errors, innovations and covariances of the record.
-    judged
-        The judged quantities, in the order of their components in the columns of `errors.state`.
-    first
-        The first step used in the means.
+    `judged`: the quantities in the columns of `errors.state`, in order.
 
-    Returns
-    -------
-    dict
-        Name of a component, a quantity, "nees" or "nis" -> mean of the measure.
+    Return name of a component, a quantity, "nees" or "nis" -> mean of the measure.
     """
     state = [part[first:] for part in errors.state]
     components = [name for quantity in judged for name in quantity.components]
@@ -102,22 +85,10 @@ def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[
 def _add_weighted(
     means: dict[str, Mean], name: str, parts: Sequence[Array], covariance: Array
 ) -> None:
-    """Add the measure `name` to `means`: a mean square weighted with the inverse of a covariance.
+    """Add to `means` a mean square weighted with the inverse of a covariance (steps, n, n).
 
-    The mean is over the steps at which `parts` and `covariance` are finite. If there is no such
-    step, nothing is added.
-
-    Parameters
-    ----------
-    means
-        The measures by name, to which this measure is added.
-    name
-        The name of the measure.
-    parts
-        The values to square: one array (steps, n), or two arrays (steps, n) whose sum is the value,
-        due to motion and due to noise.
-    covariance
-        Covariances, shape (steps, n, n).
+    `parts` are as in `Errors.state`. The mean is over the steps at which all is finite; if there is
+    none, nothing is added.
     """
     there = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(parts[-1][:, 0])
     if there.any():  # after the settling time there may be no measurement
@@ -129,9 +100,8 @@ def _add_weighted(
 def _products(parts: Sequence[Array], weights: Array | None = None) -> Array:
     """Compute the means of motion x motion, motion x noise and noise x noise, shape (3,).
 
-    `parts` are the parts of an error due to motion and due to noise, shape (steps,) or (steps, n);
-    a single part counts as noise. With `weights`, shape (steps, n, n), a product of a and b is
-    a' W b at each step; otherwise it is a b.
+    `parts` have the shape (steps,) or (steps, n). With `weights`, shape (steps, n, n), a product of
+    a and b is a' W b at each step; otherwise it is a b.
     """
 
     def mean(a: Array, b: Array) -> float:

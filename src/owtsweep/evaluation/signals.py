@@ -17,20 +17,9 @@ def compute_trac(truth: Array, estimate: Array, *, centred: bool = False) -> Arr
     """Compute the time response assurance criterion (Eq. 27), from 0 to 1.
 
     The criterion is blind to the scale and the sign of the estimate. As printed, means count, so
-    that it is near 1 for any two signals with means far above their standard deviations.
-
-    Parameters
-    ----------
-    truth, estimate
-        Signals in any units.
-    centred
-        Whether to take the mean off both signals first. The result is then the square of the
-        correlation coefficient.
-
-    Returns
-    -------
-    array
-        NaN for a channel in which a signal is zero throughout (with `centred`: constant).
+    that it is near 1 for any two signals with means far above their standard deviations; `centred`
+    takes them off first, and gives the square of the correlation coefficient. NaN for a channel
+    that is zero throughout (with `centred`: constant).
     """
     truth, estimate = _pair(truth, estimate)
     if centred:
@@ -41,11 +30,10 @@ def compute_trac(truth: Array, estimate: Array, *, centred: bool = False) -> Arr
 def compute_frac(truth: Array, estimate: Array, *, centred: bool = False) -> Array:
     """Compute the frequency response assurance criterion (Eq. 28) of magnitudes, from 0 to 1.
 
-    With complex spectra Eq. (28) is Eq. (27) again, by Parseval's theorem. What is printed in the
-    paper differs from TRAC, so this function takes the magnitudes of the spectra, over positive and
-    negative frequencies. Phases do not matter then, and FRAC is never below TRAC.
-
-    Parameters and result are as in `compute_trac`.
+    With complex spectra Eq. (28) would be Eq. (27) again, by Parseval's theorem. What is printed in
+    the paper differs from TRAC, so this function takes the magnitudes of the spectra, over positive
+    and negative frequencies. Phases do not matter then, and FRAC is never below TRAC. `centred` and
+    NaN are as in `compute_trac`.
     """
     truth, estimate = _pair(truth, estimate)
     if centred:
@@ -72,19 +60,9 @@ def compute_rms_error(truth: Array, estimate: Array) -> Array:
 
 
 def divide_by_deviation(error: Array, truth: Array) -> Array:
-    """Divide an error by the standard deviation of the true signal, its mean taken off.
+    """Divide an error, e.g. of `compute_mae`, by the true signal's standard deviation.
 
-    Parameters
-    ----------
-    error
-        E.g. from `compute_mae`, shape () or (channels,).
-    truth
-        The true signals, shape (steps,) or (steps, channels).
-
-    Returns
-    -------
-    array
-        Without unit; NaN for a channel whose true signal is constant.
+    NaN for a channel whose true signal is constant.
     """
     deviation = np.sqrt(np.square(_centre(truth)).mean(axis=0))
     return _divide(np.asarray(error), deviation)
@@ -104,28 +82,11 @@ def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -
 
     The lag is where the correlation coefficient of the truth and the shifted estimate, over the
     samples that both have, is largest; a parabola through three coefficients finds parts of a
-    sampling interval. Means are taken off first. The true lag of a signal with one period is known
-    but for whole periods; make `longest` shorter than half a period then.
-
-    Parameters
-    ----------
-    truth, estimate
-        Signals in any units.
-    step
-        Sampling interval in s.
-    longest
-        Longest lag that is tried, in s; less than half the record.
-
-    Returns
-    -------
-    array
-        In s. A value of +-`longest` means that the lag is that long or longer; NaN for a channel in
-        which a signal is constant.
-
-    Raises
-    ------
-    InputError
-        If `longest` is shorter than a sampling interval, or not below half the record.
+    sampling interval `step` (s). Means are taken off first. The true lag of a signal with one
+    period is known but for whole periods; make `longest` (s) shorter than half a period then. A
+    result of +-`longest` means that the lag is that long or longer; NaN means a constant signal.
+    Raise `InputError` if `longest` is shorter than a sampling interval, or not below half the
+    record.
     """
     truth, estimate = _pair(truth, estimate)
     steps, most = len(truth), round(longest / step)
@@ -191,7 +152,6 @@ def _compare(first: Array, second: Array, weights: Array) -> Array:
 
 
 def _divide(numerator: Array, denominator: Array) -> Array:
-    """Return the quotient, NaN where the denominator is zero."""
     quotient = np.full(np.shape(numerator), np.nan)
     np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
     return quotient

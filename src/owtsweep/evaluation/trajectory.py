@@ -13,20 +13,17 @@ from owtsweep.arrays import Array
 class Trajectory(NamedTuple):
     """The output of an estimator over successive steps of a record.
 
+    Covariances and innovations are NaN at steps without one, and None if no step has one.
+
     Attributes
     ----------
     state
         Estimates of the judged quantities, one after the other, shape (steps, n). For a planar
         motion the columns are x, y (m), v_x, v_y (m/s), where x is north and y is east.
     covariance
-        Covariances of the errors of `state`, shape (steps, n, n); NaN at steps without a
-        covariance. None if no step has a covariance.
-    innovation
-        Innovations, shape (steps, m); NaN at steps without an innovation. None if no step has an
-        innovation.
-    innovation_covariance
-        Covariances of the innovations, shape (steps, m, m); NaN at steps without an innovation.
-        None if no step has an innovation.
+        Covariances of the errors of `state`, shape (steps, n, n).
+    innovation, innovation_covariance
+        Shapes (steps, m) and (steps, m, m).
     """
 
     state: Array
@@ -36,19 +33,16 @@ class Trajectory(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """The standard deviations of the errors of `state`, shape (steps, n).
-
-        Rows of steps without a covariance are NaN.
-        """
+        """The standard deviations of the errors of `state`, shape (steps, n); NaN without one."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, self.state.shape)
         return np.asarray(np.sqrt(np.einsum("kii->ki", self.covariance)))
 
     @property
     def scaled_innovation(self) -> Array:
-        """The innovations divided by their standard deviations, shape (steps, m).
+        """The innovations divided by their standard deviations, shape (steps, m); NaN without one.
 
-        Rows of steps without an innovation are NaN. If no step has an innovation, m is 1.
+        If no step has an innovation, m is 1.
         """
         if self.innovation is None or self.innovation_covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 1))
@@ -56,11 +50,7 @@ class Trajectory(NamedTuple):
         return np.asarray(self.innovation / np.sqrt(variance))
 
     def axis_covariance(self, axis: int) -> Array:
-        """Return the covariances of position and velocity along one axis of a planar motion.
-
-        `axis` is 0 for x and 1 for y. The result has the shape (steps, 2, 2), and is NaN at steps
-        without a covariance.
-        """
+        """Return covariances of position and velocity along axis 0 or 1, shape (steps, 2, 2)."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 2, 2))
         return self.covariance[:, axis::2, axis::2]
@@ -70,19 +60,12 @@ class Trajectory(NamedTuple):
         return Trajectory(*(None if a is None else a[steps] for a in self))  # type: ignore[arg-type]
 
     def copy(self) -> Trajectory:
-        """Return a copy of the trajectory, with arrays of its own.
-
-        A part of a trajectory keeps the arrays of the whole in memory; a copy of the part does not.
-        """
+        """Return a copy with arrays of its own: a part keeps the arrays of the whole in memory."""
         return Trajectory(*(None if a is None else np.array(a) for a in self))  # type: ignore[arg-type]
 
 
 def join(pieces: Sequence[Trajectory]) -> Trajectory:
-    """Join successive trajectories into one.
-
-    If only some of the trajectories have an array, e.g. covariances, the rows of the others in this
-    array are NaN. If none has the array, it is None.
-    """
+    """Join successive trajectories; rows of an array that a trajectory lacks are NaN."""
     state = np.concatenate([piece.state for piece in pieces])
     return Trajectory(state, *(_join([piece[i] for piece in pieces], pieces) for i in (1, 2, 3)))
 
@@ -98,10 +81,8 @@ def _join(series: Sequence[Array | None], pieces: Sequence[Trajectory]) -> Array
 
 
 def spread_to_both_axes(covariance: Array) -> Array:
-    """Make covariances of a planar motion from covariances along one axis.
+    """Make covariances (steps, 4, 4) of x, y, v_x, v_y from those of one axis, (steps, 2, 2).
 
-    `covariance`, shape (steps, 2, 2), holds the covariances of position and velocity along x. The
-    covariances along y are taken to be equal, and the two axes uncorrelated. The result has the
-    shape (steps, 4, 4), with rows and columns in the order x, y, v_x, v_y.
+    Those along y are taken to be equal, and the two axes uncorrelated.
     """
     return np.kron(covariance, np.eye(2))

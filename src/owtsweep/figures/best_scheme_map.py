@@ -51,12 +51,9 @@ ASIDE = 0.3
 class Crossing:
     """A line across a map, with a vertical bar in the middle of each column that it passes.
 
-    Attributes
-    ----------
-    columns
-        The columns with a point of the line, increasing, shape (n,).
-    heights, low, high
-        The line there, and the ends of its bars, shape (n,) each, in the coordinates of a `Plane`.
+    `columns`: the columns with a point of the line, increasing, shape (n,). `heights`, `low`,
+    `high`: the line there, and the ends of its bars, shape (n,) each, in the coordinates of a
+    `Plane`.
     """
 
     columns: Array
@@ -93,23 +90,17 @@ def draw(
 ) -> Figure:
     """Draw a map of the best scheme in every cell, with title, legend and footnote.
 
-    A cell is one value of each condition.
+    Raise `InputError` if no row has that criterion and window, or more than two conditions have
+    several values.
 
     Parameters
     ----------
     best
-        A run's table best_scheme.csv, one row per cell, criterion and window.
+        A run's table best_scheme.csv; rows of `criterion` and `window` are shown.
     schemes
         Names of all schemes and baselines that the table names, in the order of the legend.
     conditions
         The study's conditions; at most two of them may have several values.
-    criterion
-        The measure by which schemes are judged, e.g. "position"; the map shows its rows of `best`.
-    window
-        The part of the records over which the criterion is averaged, "full" or "settled"; the map
-        shows its rows of `best`.
-    tuning
-        Name of the schemes' tuning, for the title.
     quantity
         What the title says the schemes are judged by; if empty, "<criterion> <score>".
     score
@@ -120,15 +111,8 @@ def draw(
     replicates
         Planned number of records per cell, for the title; None leaves the number out.
     failures
-        Number of failed cases; a case is one scheme on one record. If the number is not 0, title
-        and footnote say that cells may have fewer records.
-    notes
-        Sentences at the end of the footnote.
-
-    Raises
-    ------
-    InputError
-        If no row has that criterion and window, or more than two conditions have several values.
+        Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
+        records.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -186,14 +170,10 @@ def draw_cells(
 
     Parameters
     ----------
-    axes
-        The matplotlib axes to draw into.
     rows
         The cells: rows of a run's table best_scheme.csv with one criterion and one window.
     schemes
         Names of all compared schemes, which determine the colours.
-    plane
-        The conditions and values on the axes of the map.
     labels
         The text in a cell. "two lines" and "one line": the best and the next best scheme, on two
         lines or on one. "best": the best scheme only. "none": no text, and the cells are drawn as
@@ -226,7 +206,6 @@ def draw_cells(
 def _label_best(
     axes: Axes, fill: str, place: tuple[int, int], best: str, crossing: Crossing | None
 ) -> None:
-    """Write the best scheme into a cell, aside of a line that crosses it."""
     column, line = place
     text = _style_text(fill) | {"fontsize": 7}
     if crossing is None or not crossing.meets(column, line):
@@ -247,20 +226,10 @@ def _style_text(fill: str) -> style.Look:
 def _label(
     axes: Axes, fill: str, place: tuple[int, int], names: tuple[str, str], *, tall: bool
 ) -> None:
-    """Write the names of the best and of the next best scheme into a cell of a map.
+    """Write the names of the best and of the next best scheme (or "") into the cell at `place`.
 
-    Parameters
-    ----------
-    axes
-        The matplotlib axes to draw into.
-    fill
-        The colour of the cell, which gives the colour of the text.
-    place
-        Column and line of the cell, from 0.
-    names
-        Texts for the best and for the next best scheme; the second may be "".
-    tall
-        Whether the cell has room for two lines of text.
+    The colour of the cell, `fill`, gives the colour of the text. `tall` cells have room for two
+    lines.
     """
     column, line = place
     best, runner_up = names
@@ -275,10 +244,9 @@ def _label(
 
 
 def _describe_runner_up(row: Row) -> str:
-    """Return the next best scheme of a cell and by how much its MSE is larger, e.g. "HME1 +12 %".
+    """Return a cell's next best scheme and by how much its MSE is larger, e.g. "HME1 +12 %".
 
-    `row` is the row of the cell in best_scheme.csv. Return "" if there is no next best scheme, or
-    if the MSE of the best scheme is not positive.
+    Return "" if there is none, or if the MSE of the best scheme is not positive.
     """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""
@@ -315,11 +283,7 @@ def _make_legend(
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
-    """Return entries of a map's legend for hatched cells and for cells without a result.
-
-    `hatched` and `holes` say whether the map has hatched cells, and cells without a result; if it
-    has none of a kind, the entry for this kind is left out.
-    """
+    """Return entries of a map's legend for hatched cells and for cells without a result."""
     marks = []
     if hatched:
         look: style.Look = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}

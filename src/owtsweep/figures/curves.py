@@ -25,7 +25,7 @@ CLOSEST_TICKS = 0.045
 #: A logarithmic axis cannot show zero, so the lower end of an interval is at least this fraction of
 #: its mean.
 LOWEST = 0.1
-#: The look of points from other sources, drawn beside the curves.
+#: The style of points from other sources, drawn beside the curves.
 HOLLOW: style.Look = {
     "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
 }  # fmt: skip
@@ -39,22 +39,8 @@ def choose(
 ) -> pd.DataFrame:
     """Return the rows of a run's summary with given schemes, window and values of conditions.
 
-    Parameters
-    ----------
-    summary
-        The table summary.csv of a run.
-    schemes
-        Names of the schemes whose rows are returned.
-    window
-        The part of the records, "full" or "settled", whose rows are returned.
-    fixed
-        Condition -> the value whose rows are returned. A condition that is not in `fixed` may have
-        any value.
-
-    Raises
-    ------
-    InputError
-        If there are no such rows.
+    A condition that is not in `fixed` may have any value. Raise `InputError` if there are no such
+    rows.
     """
     shown = in_window = summary[summary["window"] == window]
     for condition, value in fixed.items():
@@ -97,22 +83,16 @@ def draw(
     schemes
         Names of the schemes to draw, in the order of the legend.
     along
-        The condition on the horizontal axis. The axis is linear or logarithmic, as `along.scale`
-        says.
+        The condition on the horizontal axis.
     panels
         Name of a measure -> label of the vertical axis of its panel, which is logarithmic.
-    title
-        Title of the figure.
     points
-        Points to be drawn as hollow marks beside the curves, e.g. published results: a table with
-        the columns scheme, measure and value, and a column named like the condition `along`. None
-        or an empty table means no points.
+        Hollow marks beside the curves, e.g. published results: a table with the columns scheme,
+        measure and value, and a column named like the condition `along`.
     points_label
-        Text for the points in the legend; "" leaves the points out of the legend.
+        Text for the points in the legend; "" leaves them out of it.
     coinciding
         Groups of names of schemes with equal results, which the footnote lists.
-    notes
-        Sentences at the end of the footnote.
     thin
         Further schemes, drawn behind the others as thin lines without intervals. The vertical axis
         shows the range of the others.
@@ -147,11 +127,7 @@ def draw(
 
 
 def _place(column: pd.Series[float], levels: Sequence[Value]) -> Array:
-    """Return where the values of a column lie on the horizontal axis.
-
-    Numbers are returned unchanged. For a text, the result is its index, from 0, in `levels`, the
-    distinct values of the condition in order.
-    """
+    """Return places on the horizontal axis: a number itself, the index of a text in `levels`."""
     if isinstance(levels[0], str):
         return column.map(levels.index).to_numpy()
     return column.to_numpy()
@@ -164,7 +140,6 @@ def _draw_curves(
     along: Condition,
     levels: Sequence[Value],
 ) -> None:
-    """Draw the curve of each scheme with its intervals; `rows` are those of one measure."""
     import seaborn as sns  # takes a second to import
 
     rows = rows[rows["scheme"].isin(list(schemes))].astype({"scheme": object})
@@ -198,7 +173,6 @@ def _draw_thin(axes: Axes, place: Array, rows: pd.DataFrame, look: SchemeStyle) 
 
 
 def thin_line(look: SchemeStyle) -> style.Look:
-    """Return the look of a baseline's line, as arguments of `Axes.plot`."""
     return {"color": look.color, "linestyle": look.line, "linewidth": 1.1, "zorder": 1.5}
 
 

@@ -36,24 +36,9 @@ PANEL, BOX, BESIDE_BOXES, BESIDE_PANELS = 3.6, 0.22, 0.75, 1.2
 def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
     """Return the errors of single records in a few cells of a run's map.
 
-    The cells are at the first, the middle and the last value of each condition.
-
-    Parameters
-    ----------
-    cube
-        The values of the run. It has one or two conditions.
-    criterion, window
-        The measure, e.g. "position", and the part of the record over which it is averaged.
-
-    Returns
-    -------
-    DataFrame
-        A row for each scheme, cell and record. Columns: scheme, conditions, error.
-
-    Raises
-    ------
-    InputError
-        If the criterion was not measured, or no cell has `LEAST_RECORDS` records.
+    The cells are at the first, the middle and the last value of each of one or two conditions. The
+    table has a row for each scheme, cell and record, and the columns scheme, conditions, error.
+    Raise `InputError` if the criterion was not measured, or no cell has `LEAST_RECORDS` records.
     """
     import pandas as pd
 
@@ -77,7 +62,6 @@ def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
 
 
 def _choose(count: int) -> list[int]:
-    """Return the indices of the first, the middle and the last of `count` values."""
     return sorted({0, count // 2, count - 1})
 
 
@@ -99,8 +83,6 @@ def draw(
         Names of all schemes in it, from top to bottom.
     conditions
         Its conditions: the first runs from left to right, the second from bottom to top.
-    title
-        Title of the figure.
     label
         Label of the axes of errors, which are logarithmic.
     """
@@ -118,8 +100,8 @@ def draw(
         for value, axes in zip(columns, row, strict=True):
             cell = {across: value, **line}
             _draw_panel(axes, _select(errors, cell), schemes)
-            told = ", ".join(f"{c.word} {c.show(v)}" for c, v in cell.items())
-            axes.set_title(told, loc="left", fontsize=9)
+            named = ", ".join(f"{c.word} {c.show(v)}" for c, v in cell.items())
+            axes.set_title(named, loc="left", fontsize=9)
     for row in grid:
         _scale(row[0])
     for axes in grid[-1]:

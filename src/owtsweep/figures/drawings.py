@@ -25,8 +25,8 @@ Drawing = Callable[[Path, str], list[Path]]
 def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
     """Return a function that draws and saves a figure; its arguments are a folder and a name.
 
-    `draw` makes the figure and is called in the package's style. The `metadata`, texts by name, are
-    stored inside the files; None stores nothing. The returned function returns the files.
+    `draw` is called in the package's style. The texts of `metadata`, by name, are stored in the
+    files.
     """
 
     def drawing(folder: Path, name: str) -> list[Path]:
@@ -46,24 +46,19 @@ def draw_each(
 ) -> list[Path]:
     """Draw the figures of a run, and return the files.
 
+    Raise `InputError` if there is no figure called `only`, or the run lacks the data for this
+    figure.
+
     Parameters
     ----------
     drawings
-        Name of a figure -> function that draws and saves the figure. The function raises
-        `InputError` if the run lacks the data.
-    folder
-        Folder for the files.
+        Name of a figure -> function that draws and saves the figure, or raises `InputError` if the
+        run lacks the data.
     only
-        Name of the only figure to draw. None means all figures; figures for which the run lacks
-        data are then left out with a warning.
+        Name of the only figure to draw. None means all figures; those for which the run lacks data
+        are then left out with a warning.
     guard
-        Function that makes the context in which each figure is drawn; the context may turn errors
-        into `InputError`.
-
-    Raises
-    ------
-    InputError
-        If there is no figure called `only`, or the run lacks the data for this figure.
+        Makes the context in which each figure is drawn; it may turn errors into `InputError`.
     """
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")

@@ -22,17 +22,9 @@ Pair = tuple[Line, Line]
 
 
 def make_line(time: Array, values: Array) -> Line:
-    """Reduce a time series to a line of about `POINTS` points, divided at the gaps of the series.
+    """Reduce a time series (n,) in s to a line of about `POINTS` points, with its gaps.
 
-    Parameters
-    ----------
-    time, values
-        Times in s and values, shape (n,) each. Values that are not finite make a gap.
-
-    Returns
-    -------
-    list of tuple
-        Times and values of each part of the line between two gaps; empty if no value is finite.
+    Values that are not finite make a gap. The list of pieces is empty if no value is finite.
     """
     present = np.isfinite(values)
     if np.all(present):
@@ -46,25 +38,12 @@ def make_line(time: Array, values: Array) -> Line:
 
 
 def make_pair(time: Array, values: Array) -> Pair:
-    """Reduce a time series of x and y to two lines, one for x and one for y.
-
-    `time`, shape (n,), is in s. `values` has the shape (n, 2), with the columns x and y.
-    """
+    """Reduce a time series of values (n, 2) to two lines, one for x and one for y."""
     return make_line(time, values[:, 0]), make_line(time, values[:, 1])
 
 
 def clip(time: Array, values: Array, view: tuple[float, float]) -> tuple[Array, Array]:
-    """Return the times and values of a series in an interval of time.
-
-    Parameters
-    ----------
-    time
-        Times in s, shape (n,).
-    values
-        Values, shape (n, ...).
-    view
-        First and last time in s; samples at both ends are included.
-    """
+    """Return times and values (n, ...) of a series from `view[0]` to `view[1]` (s), inclusive."""
     inside = (time >= view[0]) & (time <= view[1])
     return time[inside], values[inside]
 
@@ -77,21 +56,9 @@ def leaves(line: Line, low: float, high: float) -> bool:
 def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Array]:
     """Reduce a series to about `points` samples that show the same extremes in a figure.
 
-    The series is divided into points / 2 equal spans. The result consists of the least and the
-    greatest sample of each span, and of the first and the last sample of the series, in order of
-    time. A series of at most `points` samples is returned unchanged.
-
-    Parameters
-    ----------
-    time, values
-        Times and values of the samples, shape (n,) each; all finite.
-    points
-        Number of samples to reduce to.
-
-    Returns
-    -------
-    time, values
-        Times and values of the chosen samples, at most `points` + 2.
+    The series, finite and of shape (n,), is divided into points / 2 equal spans. The result has the
+    least and the greatest sample of each span, and the first and the last sample of the series, in
+    order of time: at most `points` + 2. A series of at most `points` samples is returned unchanged.
     """
     n = len(values)
     if n <= points:
@@ -108,10 +75,7 @@ def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Arr
 
 
 class Envelope:
-    """A long series reduced to few points, for a plot; the series may come piece by piece.
-
-    The series is divided into spans. The points are the least and the greatest value of each span,
-    and the first and the last value of the series.
+    """A long series reduced as by `decimate`; the series may come piece by piece.
 
     Parameters
     ----------

@@ -43,8 +43,8 @@ EXPLANATION = explain()
 def share_of_color(ratio: ArrayLike) -> Array:
     """Return the share of the scheme's colour in the fill, from `PALEST` to 1; the rest is white.
 
-    The share grows with the logarithm of `ratio`: the runner-up's MSE over the best scheme's, a
-    number or an array. It is 1 where there is no runner-up (NaN).
+    It grows with the logarithm of `ratio`, the runner-up's MSE over the best scheme's, and is 1
+    where there is no runner-up (NaN).
     """
     ratio = np.asarray(ratio, dtype=float)
     strength = np.log(np.clip(ratio, 1.0, FULL)) / np.log(FULL)
@@ -54,31 +54,22 @@ def share_of_color(ratio: ArrayLike) -> Array:
 def ratio_of(row: Row) -> float:
     """Return the runner-up's MSE over the best scheme's in a row of best_scheme.csv.
 
-    The ratio is NaN without a runner-up, or if the best scheme's MSE is not positive.
+    NaN without a runner-up, or if the best scheme's MSE is not positive.
     """
     best = float(row["mse_best"])
     return float(row["mse_runner_up"]) / best if best > 0.0 else float("nan")
 
 
-def fill_cell(look: SchemeStyle, ratio: float) -> str:
-    """Return the fill, as "#RRGGBB", of a cell whose best scheme has this look.
-
-    `ratio` is the runner-up's MSE over the best scheme's; NaN without a runner-up.
-    """
-    return mix_with_white(look.color, float(share_of_color(ratio)))
+def fill_cell(style: SchemeStyle, ratio: float) -> str:
+    """Return the fill "#RRGGBB" of a cell; `ratio` is as in `share_of_color`."""
+    return mix_with_white(style.color, float(share_of_color(ratio)))
 
 
 def fill_regions(best: NDArray[np.intp], ratio: Array, colors: Sequence[str]) -> Array:
     """Return the fills of a fine map: red, green and blue from 0 to 1, shape (lines, columns, 3).
 
-    Parameters
-    ----------
-    best
-        Index in `colors` of the best scheme, shape (columns, lines).
-    ratio
-        The runner-up's MSE over the best scheme's, shape (columns, lines); NaN without a runner-up.
-    colors
-        The colours of the schemes as "#RRGGBB".
+    `best` holds indices in `colors` ("#RRGGBB"), and `ratio` is as in `share_of_color`; both have
+    the shape (columns, lines).
     """
     full = np.array([channels_of(color) for color in colors])[best.T]
     return np.asarray(1.0 - share_of_color(ratio).T[..., np.newaxis] * (1.0 - full))
@@ -126,10 +117,7 @@ HANDLERS: dict[type[Artist], HandlerBase] = {Shades: _Strip()}
 
 
 def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, score: str = "MSE") -> None:
-    """Put the legend of a map above its title; the legend's own title explains the shades.
-
-    `score` is what schemes are judged by.
-    """
+    """Put the legend of a map above its title; the legend's own title explains the shades."""
     figure.legend(
         handles=handles, handler_map=HANDLERS, ncols=columns, loc="outside upper center",
         frameon=False, title=explain(score), title_fontsize=9,
@@ -137,10 +125,7 @@ def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, score: s
 
 
 def list_in_legend(rows: Sequence[Row], schemes: Sequence[str]) -> list[str]:
-    """Return the schemes that a map's legend lists: all, or of many those that are best somewhere.
-
-    `rows` are the cells, rows of best_scheme.csv.
-    """
+    """Return the schemes of a map's legend: all or, if they are many, those best somewhere."""
     if len(schemes) <= MOST_LISTED:
         return list(schemes)
     winners = {row["best"] for row in rows}

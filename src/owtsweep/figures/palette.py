@@ -1,4 +1,4 @@
-"""The look of each scheme, i.e. colour, marker and line style, equal in all figures and tables.
+"""The style of each scheme, i.e. colour, marker and line style, equal in all figures and tables.
 
 Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish. A marker and
 a line style distinguish schemes in black and white.
@@ -20,15 +20,7 @@ LineStyle = Literal["-"] | tuple[int, tuple[int, ...]]
 
 @dataclass(frozen=True)
 class SchemeStyle:
-    """The look of one scheme.
-
-    Attributes
-    ----------
-    color
-        The colour as "#RRGGBB".
-    marker, line
-        Marker and line style, in matplotlib's notation.
-    """
+    """The style of a scheme: colour "#RRGGBB", and marker and line in matplotlib's notation."""
 
     color: str
     marker: str
@@ -36,13 +28,13 @@ class SchemeStyle:
 
     @property
     def text_color(self) -> str:
-        """The colour of text on a background of `color`: "#000000" (black) or "#ffffff" (white)."""
+        """The colour of text on `color`: "#000000" (black) or "#ffffff" (white)."""
         return text_color_on(self.color)
 
 
-#: Scheme -> the look that a study has reserved for it.
+#: Scheme -> the style that a study has reserved for it.
 _reserved: dict[str, SchemeStyle] = {}
-#: Okabe and Ito's other colours, for schemes without a reserved look.
+#: Okabe and Ito's other colours, for schemes without a reserved style.
 SPARE_COLORS = ("#56B4E9", "#D55E00", "#F0E442")
 SPARE_MARKERS = ("v", "P", "X", "<", ">", "p", "h")
 SPARE_LINES: tuple[LineStyle, ...] = (
@@ -53,26 +45,17 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 )
 
 
-def reserve(looks: Mapping[str, SchemeStyle]) -> None:
-    """Reserve looks for schemes; a study calls this function once, where the study is defined.
-
-    `looks` maps the name of a scheme to its look. If a look is already reserved for a name, the new
-    look is ignored, so that a scheme has one look in all studies.
-    """
-    for name, look in looks.items():
-        _reserved.setdefault(name, look)
+def reserve(styles: Mapping[str, SchemeStyle]) -> None:
+    """Reserve styles for schemes, by name; a name that has a style keeps it."""
+    for name, style in styles.items():
+        _reserved.setdefault(name, style)
 
 
 def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
-    """Return the look of the scheme `name` in a study whose schemes are `all_names`.
+    """Return the style of the scheme `name` in a study whose schemes are `all_names`.
 
-    If a look is reserved for the scheme, this look is returned. The schemes without a reserved look
-    get further colours, markers and line styles, in the order of `all_names`.
-
-    Raises
-    ------
-    InputError
-        If `name` has no reserved look and is not one of `all_names`.
+    Schemes without a reserved style get further colours, markers and line styles, in the order of
+    `all_names`. Raise `InputError` if `name` has no reserved style and is not one of `all_names`.
     """
     if name in _reserved:
         return _reserved[name]
@@ -88,9 +71,9 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
 
 
 def text_color_on(color: str) -> str:
-    """Return the colour of text on the fill "#RRGGBB": black or white.
+    """Return black or white for text on the fill "#RRGGBB", whichever has more contrast (WCAG 2).
 
-    The one with the greater contrast ratio is taken (WCAG 2); it is at least 4.58 on any fill.
+    The ratio is at least 4.58 on any fill.
     """
     return "#000000" if (relative_luminance(color) + 0.05) ** 2 > 0.05 * 1.05 else "#ffffff"
 
@@ -101,10 +84,7 @@ def mix_with_white(color: str, share: float) -> str:
 
 
 def relative_luminance(color: str) -> float:
-    """Compute the relative luminance of a colour, from 0 (black) to 1 (white), as in WCAG 2.
-
-    `color` is a text "#RRGGBB".
-    """
+    """Compute the relative luminance of "#RRGGBB", from 0 (black) to 1 (white), as in WCAG 2."""
     channels = channels_of(color)
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

@@ -27,20 +27,11 @@ LETTERS_PER_LINE = 8
 
 @dataclass(frozen=True)
 class Plane:
-    """The axes of a map of cells, where a cell is one value of each of two conditions.
+    """The axes of a map. The cell in column i and line j has its centre at x = i and y = j, from 0.
 
-    The cell in column i and line j has its centre at x = i and y = j, both counted from 0.
-
-    Attributes
-    ----------
-    across
-        The condition on the horizontal axis.
-    columns
-        The values of `across`, in order from left to right.
-    upwards
-        The condition on the vertical axis; None if the map has a single line.
-    lines
-        The values of `upwards`, in order from bottom to top; a single "" if `upwards` is None.
+    `across`, `columns`: the condition on the horizontal axis, and its values from left to right.
+    `upwards`, `lines`: the condition on the vertical axis, and its values from bottom to top; None
+    and a single "" if the map has a single line.
     """
 
     across: Condition
@@ -52,13 +43,9 @@ class Plane:
     def of(cls, table: pd.DataFrame, conditions: Sequence[Condition]) -> Plane:
         """Make the axes of a map with all values that the conditions have in a table.
 
-        `table` has a column named like each condition. If there are more than two conditions, the
-        axes show those with several values; conditions with one value fill the axes that are left.
-
-        Raises
-        ------
-        InputError
-            If more than two conditions have several values.
+        Of more than two conditions, the axes show those with several values; conditions with one
+        value fill the axes that are left. Raise `InputError` if more than two conditions have
+        several values.
         """
         columns = {condition.name: table[condition.name] for condition in conditions}
         grid = {name: order_values(column, column.unique()) for name, column in columns.items()}
@@ -66,17 +53,7 @@ class Plane:
 
     @classmethod
     def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
-        """Make the axes of a map with given values of the conditions.
-
-        `grid` maps the name of each condition to its values. If there are more than two conditions,
-        the axes show those with several values; conditions with one value fill the axes that are
-        left.
-
-        Raises
-        ------
-        InputError
-            If more than two conditions have several values.
-        """
+        """Make the axes of a map as `of` does, but with the values in `grid`."""
         varied = [condition for condition in conditions if len(grid[condition.name]) > 1]
         if len(varied) > 2:
             names = ", ".join(condition.name for condition in varied)
@@ -96,27 +73,21 @@ class Plane:
         return len(self.columns) * len(self.lines)
 
     def place(self, row: Row) -> tuple[int, int]:
-        """Return the column and the line, both from 0, of the cell with the values in `row`.
-
-        `row` maps the name of each condition to its value, like a row of a table.
-        """
+        """Return the column and the line of the cell with the values in `row`, by condition."""
         line = self.lines.index(row[self.upwards.name]) if self.upwards else 0
         return self.columns.index(row[self.across.name]), line
 
     def height_of(self, values: Array) -> Array:
         """Return the y coordinates on the map for values of the condition on the vertical axis.
 
-        Between the centres of two lines of cells, y is interpolated on the condition's scale, which
-        is linear or logarithmic. A value beyond the map is placed at the edge of the map. For NaN
-        the result is NaN. If the map has one line, y is 0 for all numbers.
+        Between the centres of two lines of cells, y is interpolated on the condition's scale,
+        linear or logarithmic. A value beyond the map is placed at its edge; NaN stays NaN. If the
+        map has one line, y is 0 for all numbers.
         """
         return _place_between(values, self.lines, self.upwards.scale if self.upwards else "")
 
     def column_of(self, values: Array) -> Array:
-        """Return the x coordinates on the map for values of the condition on the horizontal axis.
-
-        The rules are those of `height_of`.
-        """
+        """Return x coordinates for values of the horizontal condition, as `height_of` does."""
         return _place_between(values, self.columns, self.across.scale)
 
     @property
@@ -126,7 +97,7 @@ class Plane:
         return fill(title, max(20, LETTERS_PER_LINE * len(self.lines)))
 
     def label_axes(self, axes: Axes) -> None:
-        """Set limits, ticks and labels of both axes of `axes`, in which the map is drawn."""
+        """Set limits, ticks and labels of both axes."""
         axes.set_xlim(-0.5, len(self.columns) - 0.5)
         axes.set_ylim(-0.5, len(self.lines) - 0.5)
         axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])
@@ -138,8 +109,7 @@ class Plane:
 def _place_between(values: Array, centres: Sequence[Value], scale: str) -> Array:
     """Return coordinates of values between the centres of cells, which lie at 0, 1, 2, ...
 
-    `scale` is that of the condition, "log" or another. A value beyond the map is placed at its
-    edge. For NaN the result is NaN.
+    A value beyond the map is placed at its edge; NaN stays NaN.
     """
     if len(centres) == 1:
         return np.where(np.isnan(values), np.nan, 0.0)

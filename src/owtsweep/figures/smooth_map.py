@@ -1,7 +1,4 @@
-"""Draw a finely resolved map of the best scheme over two conditions.
-
-The best scheme is the scheme of the least expected mean squared error (MSE).
-"""
+"""Draw a finely resolved map of the best scheme, that of the least expected MSE."""
 
 from __future__ import annotations
 
@@ -31,32 +28,27 @@ LEAST_REGION = 0.008
 class Field:
     """The data of a finely resolved map of the best scheme over two conditions.
 
-    The runner-up is the scheme of the second least expected MSE.
+    The runner-up is the scheme of the second least expected MSE. Arrays without other shape have
+    the shape (columns, lines).
 
     Attributes
     ----------
-    across, upwards
-        The conditions on the horizontal and on the vertical axis.
     columns, lines
         The values of `across` and of `upwards`, increasing, at least two of each.
     values
         The expected MSE of each scheme, shape (schemes, columns, lines).
     best
-        Index of the scheme of the least expected MSE, shape (columns, lines); -1 where a baseline
-        beats every scheme.
+        Index of the best scheme; -1 where a baseline beats every scheme.
     excess
-        By how many per cent the runner-up's MSE is larger than that of the best scheme, shape
-        (columns, lines); NaN if there is no runner-up.
+        By how many per cent the runner-up's MSE is larger than that of the best scheme; NaN if
+        there is no runner-up.
     distinguishable
-        Whether the MSE of the best scheme and of the runner-up differ by more than `resolution`,
-        shape (columns, lines).
-    resolution
-        The relative accuracy of `values`, e.g. 0.01 for 1 %.
+        Whether the two differ by more than `resolution`, the relative accuracy of `values`.
     baseline
-        Index of the baseline that beats every scheme, shape (columns, lines); -1 where none does.
+        Index of the baseline that beats every scheme; -1 where none does.
     lead
-        Logarithm of the best scheme's MSE divided by that of the best baseline, shape
-        (columns, lines). A baseline beats every scheme where `lead` is more than `resolution`.
+        Logarithm of the best scheme's MSE divided by that of the best baseline. A baseline beats
+        every scheme where `lead` is more than `resolution`.
     """
 
     across: Condition
@@ -89,21 +81,13 @@ def draw(
 
     Parameters
     ----------
-    field
-        The data of the map.
-    schemes
-        Names of the schemes, in the order of the first axis of `field.values`.
-    title
-        Title of the figure.
+    schemes, baselines
+        Names, in the order of `field.values` and `field.baseline`.
     origin
         A sentence for the footnote that says where the data come from.
     coinciding
         Groups of names of schemes with equal values. The map shows each group under the last of its
         names; the footnote says so of the groups that are best somewhere.
-    baselines
-        Names of the baselines, to which `field.baseline` refers.
-    notes
-        Sentences at the end of the footnote.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()
@@ -187,8 +171,7 @@ def _name_region(
 def _draw_boundaries(axes: Axes, field: Field) -> None:
     """Draw, for each scheme, the line where the scheme's MSE equals the least MSE of the others.
 
-    Two schemes whose MSE agrees everywhere on the map, up to `field.resolution`, are not compared
-    with each other.
+    Schemes whose MSE agree everywhere, up to `field.resolution`, are not compared with each other.
     """
     look: style.Look = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
     for number, values in enumerate(field.values):
@@ -201,11 +184,7 @@ def _draw_boundaries(axes: Axes, field: Field) -> None:
 
 
 def _draw_margins(axes: Axes, field: Field) -> None:
-    """Draw contours of `field.excess` at the levels `MARGINS`.
-
-    The excess is by how many per cent the runner-up's MSE is larger than that of the best scheme.
-    If it is not finite everywhere, nothing is drawn.
-    """
+    """Draw contours of `field.excess` at the levels `MARGINS`, if it is finite everywhere."""
     excess = field.excess
     if not np.all(np.isfinite(excess)):
         return
@@ -219,10 +198,7 @@ def _draw_margins(axes: Axes, field: Field) -> None:
 
 
 def _find_middle(region: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return the column and the line of the point in a region that is farthest from its edge.
-
-    `region`, shape (columns, lines), is true at the points of the region.
-    """
+    """Return the column and the line of the point in a region that is farthest from its edge."""
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]

@@ -57,10 +57,7 @@ WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Set matplotlib to this package's settings inside a `with` block.
-
-    After the block the user's settings are restored.
-    """
+    """Set matplotlib to this package's settings inside a `with` block."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)
@@ -68,18 +65,12 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure; `width` and `height` are in inches.
-
-    The figure is made without pyplot, so no window opens.
-    """
+    """Make an empty figure, in inches, without pyplot: no window opens."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def footnote(figure: Figure, text: str) -> float:
-    """Write a paragraph at the bottom of a figure; lines are broken to the figure's width.
-
-    Return the height of the paragraph in inches.
-    """
+    """Write a paragraph at the bottom of a figure; return its height in inches."""
     letters = int(13 * figure.get_figwidth())
     lines = textwrap.wrap(text, letters)
     figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=8)
@@ -101,10 +92,10 @@ def add_origin(figure: Figure, text: str) -> None:
 
 
 def label_of(name: str) -> str:
-    """Return the label for a scheme or another thing called `name`, so that the legend shows it.
+    """Return the label for what is called `name`, so that the legend shows it.
 
-    matplotlib leaves labels that begin with "_" out of legends. A character without width is put
-    before such a name; any other name is returned unchanged.
+    matplotlib leaves labels that begin with "_" out of legends, so a character without width is put
+    before them.
     """
     return JOINER + name if name.startswith("_") else name
 
@@ -118,8 +109,7 @@ def add_legend_above(
 ) -> None:
     """Put a legend with a title at the top of a figure; `title` serves as the figure's title.
 
-    `handles` are the entries of the legend, which are arranged in `columns` columns. `handlers`
-    draw special entries: kind of entry -> handler, as matplotlib's `handler_map`.
+    `handlers` draw special entries: kind of entry -> handler, as matplotlib's `handler_map`.
     """
     figure.legend(
         handles=handles,
@@ -134,18 +124,12 @@ def add_legend_above(
 
 
 def choose_groups(groups: Sequence[Sequence[str]], named: Collection[str]) -> list[Sequence[str]]:
-    """Return the groups of schemes with equal results that a map shows: it names their last one.
-
-    `named` are the names of schemes that stand on the map.
-    """
+    """Return the groups of schemes with equal results whose last name is one of `named`."""
     return [group for group in groups if group[-1] in named]
 
 
 def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
-    """Return a sentence about each group of schemes with equal results, for a map's footnote.
-
-    Each of the `groups` holds names of schemes; the map shows the group under the last name.
-    """
+    """Return a sentence about each group of schemes with equal results, for a map's footnote."""
     return [
         f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
         for group in groups
@@ -153,39 +137,19 @@ def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def describe_window(window: str) -> str:
-    """Return a window in words, e.g. "full record" for "full"; return an unknown name unchanged.
-
-    A window is the part of each record over which errors are averaged.
-    """
+    """Return a window in words, e.g. "full record" for "full"; return an unknown name unchanged."""
     return WINDOWS.get(window, window)
 
 
 def save(
     figure: Figure, folder: Path, stem: str, metadata: Mapping[str, str] | None = None
 ) -> list[Path]:
-    """Write `<stem>.png` and `<stem>.svg` into `folder`.
+    """Write `<stem>.png` and `<stem>.svg` into `folder`, made if need be; return the files.
 
-    Parameters
-    ----------
-    figure
-        The figure, drawn inside `with context():`.
-    folder
-        The folder for the files, which is made if it does not exist.
-    stem
-        The name of the files without suffix.
-    metadata
-        Name -> text, e.g. the run's hash; stored in both files, as text chunks of the PNG and as
-        the description (in JSON) of the SVG. No date is stored.
-
-    Returns
-    -------
-    list of Path
-        The paths of the PNG and of the SVG.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written. Files of these names that existed before are not changed.
+    The figure was drawn inside `with context():`. The texts of `metadata`, by name, are stored in
+    both files, as text chunks of the PNG and as the description (in JSON) of the SVG. No date is
+    stored. Raise `OSError` if a file cannot be written. Files of these names that existed before
+    are not changed.
     """
     notes = dict(metadata or {})
     folder.mkdir(parents=True, exist_ok=True)

@@ -51,10 +51,9 @@ def grid(
 ) -> RenderableType:
     """Make a map of the best schemes for the terminal, as tables of names with a legend.
 
-    A cell of the map is one value of each condition. The first condition runs from left to right,
-    the second from bottom to top. There is one map for each combination of values of the third and
-    further conditions. If no row of `best` has the criterion and the window, return a sentence that
-    says so.
+    The first condition runs from left to right, the second from bottom to top. There is one map for
+    each combination of values of further conditions. If no row of `best` has the criterion and the
+    window, return a sentence that says so.
 
     Parameters
     ----------
@@ -62,16 +61,8 @@ def grid(
         A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
         Names of all schemes and baselines that the table names; they determine the colours.
-    conditions
-        The study's conditions.
-    criterion
-        The measure by which schemes are judged, e.g. "position".
-    window
-        The part of the records over which the criterion is averaged: "full" or "settled".
     score
         What the number is called by which schemes are judged.
-    notes
-        Sentences below the map.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -87,8 +78,8 @@ def grid(
     holes = False
     for cells in groups:
         if further:
-            told = (f"{c.word} {c.show(cells[c.name].iloc[0])}" for c in further)
-            parts.append(Text(", ".join(told)))
+            words = (f"{c.word} {c.show(cells[c.name].iloc[0])}" for c in further)
+            parts.append(Text(", ".join(words)))
         plane = Plane.of(cells, conditions[:2])
         rows = {plane.place(row): row for row in cells.to_dict("records")}
         parts.append(_Map(rows, schemes, signs, plane))
@@ -109,16 +100,8 @@ def _choose_signs(schemes: Sequence[str]) -> dict[str, str]:
 class _Map:
     """The cells of one map; the width and the colours are chosen when it is printed.
 
-    Attributes
-    ----------
-    rows
-        (column, line) of a cell -> its row of best_scheme.csv.
-    schemes
-        All schemes compared.
-    signs
-        Scheme that is best in some cell -> what stands for it there.
-    plane
-        The axes of the map.
+    `rows`: (column, line) of a cell -> its row of best_scheme.csv. `signs`: scheme that is best in
+    some cell -> what stands for it there.
     """
 
     rows: Mapping[tuple[int, int], Row]
@@ -138,23 +121,19 @@ class _Map:
             yield self._make_table(cells, columns)
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
-        """Return the least and the greatest width that the map can use."""
         widths = self._column_widths()
         outer = self._outer_width()
         most = outer + sum(widths) + len(widths)
         return Measurement(outer + max(widths) + 1, most).with_maximum(options.max_width)
 
     def _outer_width(self) -> int:
-        """Return the width of the column of labels, with the space around it and the table."""
         return max(map(cell_len, [self._heading(), *self._labels()])) + 2
 
     def _column_widths(self) -> list[int]:
-        """Return the width of each column of cells."""
         longest = max(map(cell_len, self.signs.values())) + 2 + len(MARK)
         return [max(cell_len(shown), longest) for shown in self._headers()]
 
     def _break_columns(self, width: int) -> Iterator[list[int]]:
-        """Yield the columns of each table; each has at least one column."""
         room = 0
         columns: list[int] = []
         for column, wide in enumerate(self._column_widths()):
@@ -178,15 +157,6 @@ class _Map:
         return [upwards.show(value) if upwards else "" for value in self.plane.lines]
 
     def _make_table(self, cells: Mapping[tuple[int, int], Text], columns: Sequence[int]) -> Table:
-        """Make the table of some columns of the map.
-
-        Parameters
-        ----------
-        cells
-            (column, line) of a cell -> its text.
-        columns
-            The columns to show.
-        """
         table = Table(box=box.SIMPLE, padding=0, header_style="")
         headers, labels = self._headers(), self._labels()
         table.add_column(Text(self._heading()), justify="right", overflow="fold")
@@ -199,7 +169,7 @@ class _Map:
         return table
 
     def _make_cell(self, row: Row, shaded: bool | None, wide: int) -> Text:
-        """Make the text of a cell of a width; `shaded` is None for a cell without colour."""
+        """Make the text of a cell; `shaded` is None for a cell without colour."""
         width = max(map(cell_len, self.signs.values()))
         mark = " " if row["distinguishable"] else MARK
         text = f" {self.signs[row['best']]:^{width}} {mark}".center(wide)
@@ -212,15 +182,11 @@ class _Map:
 
 @dataclass(frozen=True)
 class _Explanation:
-    """The sentence that explains the shades, printed only where the map has shades.
-
-    `score` is what schemes are judged by.
-    """
+    """The sentence that explains the shades, printed only where the map has shades."""
 
     score: str
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """Yield the sentence, or nothing."""
         if SHADED.get(console.color_system or "") and not console.no_color:
             yield Text(margin.explain(self.score))
 

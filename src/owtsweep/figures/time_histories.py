@@ -1,7 +1,7 @@
 """Draw quantities of a record over time, in two or three panels below each other.
 
 Usually the panels show x, y, and the errors of some schemes. A study defines what each panel shows
-(`Panel`). This module defines layout, legend and looks.
+(`Panel`). This module defines layout, legend and style.
 """
 
 from __future__ import annotations
@@ -34,24 +34,13 @@ Errors = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Curve:
-    """A line in a panel.
-
-    Attributes
-    ----------
-    line
-        Times in s and values of each part of the line between two gaps.
-    look
-        Matplotlib's properties of the line. With the property "label", the line is in the legend.
-    """
+    """A line in a panel with matplotlib's properties; "label" puts it into the legend."""
 
     line: Line
     look: Look
 
     def draw(self, axes: Axes) -> None:
-        """Draw the line into `axes`.
-
-        The line may have gaps. Only its first part gets the label, so the legend has one entry.
-        """
+        """Draw the line; only its first piece gets the label, so the legend has one entry."""
         look = dict(self.look)
         for time, values in self.line:
             axes.plot(time, values, **look)
@@ -60,23 +49,19 @@ class Curve:
 
 @dataclass(frozen=True)
 class Level:
-    """A horizontal line in a panel, at the height `value`; dotted if `bound` is true, else full."""
+    """A horizontal line in a panel; dotted if it is a bound, else full."""
 
     value: float
     bound: bool = False
 
     def draw(self, axes: Axes) -> None:
-        """Draw the horizontal line over the whole width of `axes`."""
         width, dashes = (1.0, ":") if self.bound else (0.8, "-")
         axes.axhline(self.value, color="0.3", linewidth=width, linestyle=dashes)
 
 
 @dataclass(frozen=True)
 class Band:
-    """A filled area in a panel between two time series, `low` and `high`.
-
-    `time`, in s, `low` and `high` have the shape (n,). `color` is a colour of matplotlib.
-    """
+    """A filled area in a panel between two time series (n,); `time` is in s."""
 
     time: Array
     low: Array
@@ -84,7 +69,6 @@ class Band:
     color: str
 
     def draw(self, axes: Axes) -> None:
-        """Fill the area between the series `low` and `high` in `axes`."""
         axes.fill_between(self.time, self.low, self.high, color=self.color, alpha=0.15, linewidth=0)
 
 
@@ -94,19 +78,14 @@ class Panel:
 
     Attributes
     ----------
-    label
-        Label of the vertical axis.
     marks
         The lines and areas to draw; later ones are drawn over earlier ones.
     view
         First and last time on the horizontal axis, in s.
     limits
-        Lower and upper limit of the vertical axis. None in place of a limit lets matplotlib choose
-        it from the values.
-    note
-        Text above the panel; "" means no text.
-    note_color
-        Colour of `note`.
+        Limits of the vertical axis; matplotlib chooses one that is None.
+    note, note_color
+        Text above the panel, or "", and its colour.
     """
 
     label: str
@@ -127,17 +106,7 @@ def draw(
 ) -> Figure:
     """Draw two or three panels over time below each other; the legend is that of the top panel.
 
-    Parameters
-    ----------
-    panels
-        The contents of the panels, from top to bottom.
-    title, footnote
-        Texts above and below all panels.
-    time_label
-        Label of the horizontal axis of the lowest panel.
-    shared
-        Whether all panels share one horizontal axis. If so, only the lowest panel has tick labels
-        on it.
+    If `shared`, all panels have one horizontal axis, and only the lowest has tick labels on it.
     """
     count = len(panels)
     figure = style.new_figure(WIDTH, HEIGHT[count])
@@ -164,77 +133,42 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def describe(quantity: str) -> str:
-    """Return the name of a quantity for the beginning of a title, e.g. "Position" for "position".
-
-    The name of "bias" is "Accelerometer bias".
-    """
+    """Return a quantity for the beginning of a title, e.g. "Accelerometer bias" for "bias"."""
     return NAMES.get(quantity, quantity.capitalize())
 
 
 def show_truth(line: Line, label: str = "truth") -> Curve:
-    """Make the curve of the true values of a quantity, in black.
-
-    `line` holds times in s and values of each part of the line between two gaps. `label` is the
-    legend entry.
-    """
+    """Make the curve of the true values of a quantity, in black."""
     return Curve(line, {"color": "black", "linewidth": 1.4, "label": label})
 
 
 def show_measurement(line: Line) -> Curve:
-    """Make the curve of an IMU's measurements, in grey, with the legend entry "IMU".
-
-    `line` holds times in s and values of each part of the line between two gaps.
-    """
+    """Make the curve of an IMU's measurements, in grey, with the legend entry "IMU"."""
     return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": "IMU"})
 
 
 def show_fixes(time: Array, values: Array, *, label: str, size: float) -> Curve:
-    """Make a curve of separate marks "+", one for each position fix of a slow sensor, e.g. GNSS.
+    """Make a curve of marks "+", one for each fix (n,) along an axis, at its arrival in s.
 
-    Parameters
-    ----------
-    time, values
-        Times in s at which the fixes arrived, and the fixes along one axis; shape (n,) each.
-    label
-        The legend entry.
-    size
-        Size of a mark in points (1/72 inch).
+    `size` is in points (1/72 inch).
     """
     look = {"color": "0.45", "marker": "+", "linestyle": "none", "markersize": size}
     return Curve([(time, values)], {**look, "label": label, "zorder": 3})
 
 
 def show_scheme(name: str, names: Sequence[str], line: Line, look: Look) -> Curve:
-    """Make a curve in the colour and line style of the scheme `name`.
+    """Make a curve in the colour and line style of the scheme `name`, one of the study's `names`.
 
-    Parameters
-    ----------
-    name
-        Name of the scheme.
-    names
-        Names of all schemes of the study. The look of a scheme may depend on its place among them.
-    line
-        Times in s and values of each part of the line between two gaps.
-    look
-        Further properties of the line for matplotlib, e.g. `linewidth`.
+    `look` holds further properties of the line for matplotlib, e.g. `linewidth`.
     """
     scheme = style_of(name, names)
     return Curve(line, {"color": scheme.color, "linestyle": scheme.line, **look})
 
 
 def show_estimate(name: str, names: Sequence[str], line: Line, *, on_top: bool = False) -> Curve:
-    """Make the curve of a scheme's estimate, drawn over the curve of the true values.
+    """Make the curve of the estimate of the scheme `name`, one of the study's `names`.
 
-    Parameters
-    ----------
-    name
-        Name of the scheme, which is also the legend entry.
-    names
-        Names of all schemes of the study. The look of a scheme may depend on its place among them.
-    line
-        Times in s and values of each part of the line between two gaps.
-    on_top
-        Whether to draw the curve over those of the other schemes too.
+    It is drawn over the true values; `on_top` over the other schemes' too.
     """
     zorder = ON_TOP if on_top else 2.5
     look: Look = {"linewidth": 1.2, "label": style.label_of(name), "zorder": zorder}
@@ -255,19 +189,15 @@ def show_errors(
     Parameters
     ----------
     errors
-        Name of a scheme -> times in s, shape (n,), and errors at these times, shape (n, 2), with
-        the columns x and y.
+        Scheme -> times in s, shape (n,), and errors of x and y, shape (n, 2).
     names
-        Names of all schemes of the study. The look of a scheme may depend on its place among them.
+        All schemes of the study; a scheme's style may depend on its place among them.
     quantity
         The quantity to which the errors belong, e.g. "position"; a key of `UNITS`.
     view
         First and last time on the horizontal axis, in s.
     bound
-        A bound on the absolute error, drawn as two dotted lines, above and below zero; None draws
-        no bound.
-    note
-        Text above the panel; "" means no text.
+        A bound on the absolute error, drawn as two dotted lines, above and below zero.
     """
     marks: list[Curve | Level] = [
         show_estimate(name, names, make_line(*clip(time, error[:, 0], view)))
@@ -283,17 +213,8 @@ def show_accumulated(
 ) -> Panel:
     """Make a panel of the schemes' absolute errors, integrated over time and summed over x and y.
 
-    Parameters
-    ----------
-    errors
-        Name of a scheme -> times in s, shape (n,), and errors at these times, shape (n, 2), with
-        the columns x and y. The times cover the whole record in equal steps from 0 s.
-    names
-        Names of all schemes of the study. The look of a scheme may depend on its place among them.
-    quantity
-        The quantity to which the errors belong, e.g. "position"; a key of `UNITS`.
-    end
-        The last time on the horizontal axis, i.e. the end of the record, in s.
+    Arguments are as in `show_errors`. The times cover the whole record in equal steps from 0 to
+    `end`, s.
     """
     marks, ends = [], []
     for name, (time, error) in errors.items():

@@ -26,15 +26,10 @@ _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 def write_atomically(path: Path, content: bytes | str) -> None:
     """Write a file so that a reader at any moment sees either the old content or the new one.
 
-    The content is written to a temporary file in the same folder and flushed to the disk. Then the
-    temporary file is renamed to `path`. After an error, the old file is unchanged and the temporary
-    file is gone. A killed process may leave a temporary file (`.<name>.<random>.tmp`), which
-    nothing reads. Text is written as UTF-8.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
+    A temporary file in the same folder is written, flushed to the disk and renamed to `path`. After
+    an error, the old file is unchanged and the temporary file is gone. A killed process may leave a
+    temporary file (`.<name>.<random>.tmp`), which nothing reads. Text is written as UTF-8. Raise
+    `OSError` if the file cannot be written.
     """
     write_all({path: content})
 
@@ -42,14 +37,9 @@ def write_atomically(path: Path, content: bytes | str) -> None:
 def write_all(contents: Mapping[Path, bytes | str]) -> None:
     """Write several files; a reader sees either the old or the new content of each file.
 
-    `contents` maps the path of each file to its content; text is written as UTF-8. Each content is
-    first written to a temporary file. When all are written, the temporary files are renamed. So if
-    the contents do not all fit on the disk, no file is changed.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses a file. The error's first note (`__notes__`) names the file.
+    Temporary files are written first, and renamed when all are there. So if the contents do not all
+    fit on the disk, no file is changed. Text is written as UTF-8. Raise `OSError` if the file
+    system refuses a file. The error's first note (`__notes__`) names the file.
     """
     temporaries: dict[Path, Path] = {}
     try:
@@ -81,8 +71,7 @@ def _write_through(path: Path, data: bytes) -> None:
 def remove_stale(folder: Path) -> None:
     """Delete the temporary files of `write_atomically` in a folder that are older than one hour.
 
-    Processes that were killed have left these files. Younger temporary files stay, because another
-    process may still be writing them.
+    Killed processes have left them. Another process may still be writing younger ones.
     """
     now = time.time()
     for path in folder.glob(".*.tmp"):
@@ -93,10 +82,7 @@ def remove_stale(folder: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Flush a folder's list of files to the disk, so that new file names survive a power cut.
-
-    If the file system does not support this, nothing happens.
-    """
+    """Flush a folder's list of files to the disk, so that new names survive a power cut."""
     # The files themselves are whole already, so an error here is ignored.
     with contextlib.suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
@@ -111,16 +97,11 @@ ELSEWHERE = "name another folder by results=FOLDER"
 
 
 def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWHERE) -> None:
-    """Check that a file can be created in a folder, and leave no file there.
+    """Check that a file can be created in a folder, or in the nearest existing one above it.
 
-    If the folder does not exist, the nearest existing folder above it is checked.
-
-    Raises
-    ------
-    InputError
-        If no file can be created, the path is too long, or more than `MOST_NEW` folders would have
-        to be made. The message begins with `argument`, the name of the setting that holds the
-        folder, and ends with `remedy`, the advice to the user.
+    Raise `InputError` if no file can be created, the path is too long, or more than `MOST_NEW`
+    folders would have to be made. The message begins with `argument`, the setting that holds the
+    folder, and ends with `remedy`, the advice to the user.
     """
     # Not `exists`: a dangling link prevents the creation of a folder too.
     nearest, missing = folder.absolute(), 0
@@ -143,16 +124,8 @@ def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWH
 def refuse_in_one_line(folder: Path) -> Iterator[None]:
     """Turn an error of the file system inside the context into an InputError of one line.
 
-    `folder` is the folder in which the files are written.
-
-    Raises
-    ------
-    InputError
-        Instead of any other OSError. The message names the file, or `folder` if the file is not
-        known.
-    OSError
-        If the process has too many open files. This error is passed on, because no file is at
-        fault.
+    It names the file, or `folder` if the file is not known. An `OSError` for too many open files is
+    passed on, because no file is at fault.
     """
     try:
         yield
@@ -163,10 +136,9 @@ def refuse_in_one_line(folder: Path) -> Iterator[None]:
 
 
 def name_refusal(error: OSError, folder: Path) -> str:
-    """Return a text that names the file that could not be written, and the reason.
+    """Return a text with the file that could not be written, and the reason.
 
-    The file is the one in the note that `write_all` adds to the error, else the one that the error
-    itself names. If there is neither, the text names `folder`.
+    The file is the one in the note of `write_all`, else the one in the error, else `folder`.
     """
     notes = getattr(error, "__notes__", [])
     refused = notes[0] if notes else error.filename or folder
@@ -178,9 +150,8 @@ def unwritable(
 ) -> InputError:
     """Return (not raise) the one-line InputError for a folder that cannot be written.
 
-    The message begins with `argument`, the name of the setting that holds the folder. Then it names
-    the folder (at most 200 characters) and gives the reason of `error`. It ends with `remedy`, the
-    advice to the user.
+    It has `argument`, the name of the setting that holds the folder, then the folder (at most 200
+    characters), the reason of `error`, and `remedy`, the advice to the user.
     """
     reason = error.strerror or str(error)
     shown = str(folder) if len(str(folder)) <= 200 else f"{str(folder)[:200]}..."

@@ -11,14 +11,7 @@ def table(
 ) -> str:
     """Return a table in Markdown as one text, without a line break after the last row.
 
-    Parameters
-    ----------
-    columns
-        Headings of the columns.
-    rows
-        The rows below the headings, each with one text per column.
-    numbers
-        Headings of the columns to align to the right.
+    `rows` have one text per column; `numbers` are the headings of columns to align to the right.
     """
     rule = ["---:" if column in numbers else "---" for column in columns]
     return "\n".join(_line(cells) for cells in (columns, rule, *rows))

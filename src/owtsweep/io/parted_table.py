@@ -18,18 +18,8 @@ class PartedTable:
     """A table that rich prints: in one part if it fits the terminal, else in parts below it.
 
     A heading is broken between words, a cell never; a single column that is wider than the terminal
-    is folded.
-
-    Attributes
-    ----------
-    headings
-        The heading of each column.
-    rows
-        The texts of each row, one per column.
-    repeated
-        Number of columns, from the left, with which each part begins.
-    title, caption
-        A line above and a sentence below the table; "" for none.
+    is folded. Each part begins with the first `repeated` columns. `title` and `caption` are a line
+    above and a sentence below the table.
     """
 
     headings: Sequence[str]
@@ -39,7 +29,6 @@ class PartedTable:
     caption: str = ""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """Yield the parts."""
         from rich import box
         from rich.table import Table
         from rich.text import Text
@@ -74,7 +63,6 @@ class PartedTable:
         ]
 
     def _break_columns(self, widths: Sequence[int], room: int) -> Iterator[list[int]]:
-        """Yield the columns of each part; `room` is the width of the terminal."""
         first = list(range(self.repeated))
         part = list(first)
         for column in range(self.repeated, len(widths)):

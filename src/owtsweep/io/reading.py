@@ -23,11 +23,8 @@ def expand_home(path: str) -> Path:
 def require_regular(path: Path, *, links: bool = True) -> None:
     """Check that a path is a regular file. (Reading a pipe could block; a device may never end.)
 
-    Raises
-    ------
-    InputError
-        If nothing exists at the path, the path cannot be read, or a folder, a pipe or a device is
-        there; without `links` also if a link is there.
+    Raise `InputError` if nothing is there, it cannot be read, or is a folder, a pipe or a device;
+    without `links` also if it is a link.
     """
     mode = _mode(path, "file")
     if not links and path.is_symlink():
@@ -38,14 +35,7 @@ def require_regular(path: Path, *, links: bool = True) -> None:
 
 
 def require_folder(path: Path) -> None:
-    """Check that a path is a folder.
-
-    Raises
-    ------
-    InputError
-        If nothing exists at the path, the path cannot be read, or something other than a folder is
-        there.
-    """
+    """Raise `InputError` unless a path is a folder that can be read."""
     if not stat.S_ISDIR(_mode(path, "folder")):
         raise InputError(f"{path}: this is a file; name a folder")
 
@@ -53,19 +43,11 @@ def require_folder(path: Path) -> None:
 def refuse_links(folder: Path, *, but: Collection[str] = (), deep: bool = True) -> None:
     """Check that nothing in a folder is a link, whose target a command would read or write.
 
-    Parameters
-    ----------
-    folder
-        The folder of a run, or of several; it may be a link itself, and need not exist.
-    but
-        Names of subfolders whose content is not looked at.
-    deep
-        Whether to look into subfolders.
+    Raise `InputError` if a link is there, or a folder cannot be read.
 
-    Raises
-    ------
-    InputError
-        If a link is there, or a folder cannot be read.
+    `folder`: the folder of a run, or of several; it may be a link itself, and need not exist.
+    `but`: names of subfolders whose content is not looked at. `deep`: whether to look into
+    subfolders.
     """
     todo = [folder]
     while todo:
@@ -100,13 +82,9 @@ def _mode(path: Path, kind: str) -> int:
 def read_bytes(path: Path, most: int, *, links: bool = True) -> bytes:
     """Read a file of at most `most` bytes; return its content.
 
-    Nothing is read of a file that is too large, or of a large one with holes.
-
-    Raises
-    ------
-    InputError
-        If the path is no regular file (or a link, without `links`), or the file cannot be read, is
-        larger than `most` bytes, or has holes and more than `MOST_SPARSE` bytes.
+    Raise `InputError` if the path is no regular file (or a link, without `links`), or the file
+    cannot be read, is larger than `most` bytes, or has holes and more than `MOST_SPARSE` bytes.
+    Nothing has been read then.
     """
     require_regular(path, links=links)
     try:
@@ -142,10 +120,7 @@ def _has_hole(descriptor: int, size: int) -> bool:
 def hash_file(path: Path) -> str:
     """Return the hash of a file's bytes: 32 hexadecimal digits.
 
-    Raises
-    ------
-    InputError
-        If the path is no regular file, or the file cannot be read.
+    Raise `InputError` if the path is no regular file, or the file cannot be read.
     """
     require_regular(path)
     digest = hashlib.blake2b(digest_size=16)
@@ -161,11 +136,7 @@ def hash_file(path: Path) -> str:
 def read_text(path: Path, most: int) -> str:
     """Read a UTF-8 file of at most `most` bytes; return its text.
 
-    Raises
-    ------
-    InputError
-        If the path is no regular file, or the file cannot be read, is larger than `most` bytes, or
-        is no text in UTF-8.
+    Raise `InputError` as `read_bytes` does, or if it is no text in UTF-8.
     """
     try:
         return read_bytes(path, most).decode("utf-8")
@@ -176,11 +147,7 @@ def read_text(path: Path, most: int) -> str:
 def read_json(path: Path, most: int) -> object:
     """Read a JSON file of at most `most` bytes; return its data, which may be of any type.
 
-    Raises
-    ------
-    InputError
-        If the file is refused as by `read_text`, if the text is no JSON, or if the data nest too
-        deeply for Python's parser.
+    Raise `InputError` as `read_text` does, or if it is no JSON or nests too deeply for the parser.
     """
     import json
 

@@ -16,9 +16,9 @@ def no_modules_of_this_folder() -> Iterator[None]:
     """Let processes that are started inside the context import nothing from the current folder.
 
     joblib and Hydra's launchers start their workers by `python -m` and `python -c`, which search
-    the current folder first: a file joblib.py there, perhaps a stranger's, would be run. Folders
-    that PYTHONPATH names are searched as ever. If this process itself searches the current folder
-    (`python -m owtsweep`), so do its workers, and nothing is changed.
+    the current folder first: a file joblib.py there, perhaps a stranger's, would be run. Folders of
+    PYTHONPATH are searched as ever. If this process itself searches the current folder (`python -m
+    owtsweep`), so do its workers, and nothing is changed.
     """
     before = os.environ.get(_VARIABLE)
     here = os.getcwd()

@@ -17,10 +17,7 @@ def tell_step(text: str) -> None:
 
 @contextmanager
 def show_steps() -> Iterator[None]:
-    """Print each step on stderr while the context is open, if stderr is a terminal.
-
-    Nothing is printed into a pipe or a file.
-    """
+    """Print each step on stderr while the context is open, if stderr is a terminal."""
     if not sys.stderr.isatty():
         yield
         return

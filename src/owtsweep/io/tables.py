@@ -24,12 +24,8 @@ _QUOTED = re.compile(rb'"[^"]*"')
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
     """Write each table to the file `<name>.csv` in a folder, without the table's index.
 
-    `tables` maps names to tables. If the files do not all fit on the disk, no file is changed.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses a file.
+    If the files do not all fit on the disk, no file is changed. Raise `OSError` if the file system
+    refuses a file.
     """
     write_all({folder / name: text for name, text in dump_tables(tables).items()})
 
@@ -44,14 +40,9 @@ def dump_tables(tables: Mapping[str, pd.DataFrame]) -> dict[str, str]:
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
-    """Write a table to the file `<name>.csv` in a folder, whole or not at all.
+    """Write a table to `<name>.csv` in a folder, whole or not at all, without its index.
 
-    The table's index is not written. Return the path of the file.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses the file.
+    Raise `OSError` if the file system refuses the file.
     """
     write_tables(folder, {name: table})
     return folder / f"{name}.csv"
@@ -60,13 +51,8 @@ def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
 def read_table(folder: Path, name: str) -> pd.DataFrame:
     """Read the table `<name>.csv` in the folder of a run.
 
-    An empty field becomes NaN in a column of numbers and "" in a column of texts. A column whose
-    fields are all empty is read as a column of NaN.
-
-    Raises
-    ------
-    InputError
-        If the folder does not hold this file, or the file is damaged.
+    An empty field becomes NaN in a column of numbers, or in an empty one, and "" in one of texts.
+    Raise `InputError` if the folder does not hold this file, or the file is damaged.
     """
     path = folder / f"{name}.csv"
     if not os.path.lexists(path):
@@ -107,9 +93,6 @@ def _parse(data: bytes) -> pd.DataFrame:
 
 
 def _is_exact(version: str) -> bool:
-    """Return whether a version of pandas, e.g. "3.1.0", reads numbers exactly without an option.
-
-    Versions from 3.1 on do.
-    """
+    """Return whether a version of pandas reads numbers exactly without an option: from 3.1 on."""
     major, minor = version.split(".")[:2]
     return (int(major), int(minor)) >= (3, 1)

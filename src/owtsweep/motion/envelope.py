@@ -43,10 +43,7 @@ POOLED = 0.15
 
 
 def list_seas() -> list[Sea]:
-    """Return the sea states of `HEIGHTS` and `PERIODS` that are found at sea (`Sea.is_found`).
-
-    The limit is lower than that of a single wave that breaks (`Sea.breaks`).
-    """
+    """Return the sea states of `HEIGHTS` and `PERIODS` that are found at sea (`Sea.is_found`)."""
     seas = [Sea(hs, tp) for hs in HEIGHTS for tp in PERIODS]
     return [sea for sea in seas if sea.is_found]
 
@@ -62,12 +59,18 @@ def compute_points(
 ) -> pd.DataFrame:
     """Compute natural period and size of the hub's motion in each sea, for all blades and soils.
 
+    Raise `InputError` if the structure does not stand in water or has no such modes, or the records
+    are too short.
+
+    Return one row per sea, number of blades and friction angle (NaN: as described): hs (m), tp (s),
+    blades, friction_angle (degrees), natural_period (s, of the first mode), fitted_period (s, of
+    the peak of Eq. (1) of Ren et al. fitted to the record), amplitude (m, the largest displacement
+    along the waves), rms (m).
+
     Parameters
     ----------
     structure
         The structure, which stands in water.
-    seas
-        The sea states.
     stream
         Function that returns a new random generator, given a name; it is called with "phase". All
         sea states have the same phases.
@@ -78,19 +81,6 @@ def compute_points(
     friction_angles
         Friction angles (degrees) of every layer; None keeps those of the description. Ignored if
         the structure has no soil.
-
-    Returns
-    -------
-    DataFrame
-        One row per sea, number of blades and friction angle (NaN: as described): hs (m), tp (s),
-        blades, friction_angle (degrees), natural_period (s, of the first mode), fitted_period (s,
-        of the peak of Eq. (1) of Ren et al. fitted to the record), amplitude (m, the largest
-        displacement along the waves), rms (m).
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand in water or has no such modes, or the records are too short.
     """
     import pandas as pd
 
@@ -151,19 +141,9 @@ def find_region(points: pd.DataFrame, share: float = SHARE) -> tuple[Array, Arra
     At each natural period the region reaches from the (1 - share)/2 to the (1 + share)/2 quantile
     of the amplitudes of the points with about this natural period (`POOLED`); all points count
     alike. Points with the same blades and soil have the same natural period. Between these periods
-    the edges are straight lines.
+    the edges are straight lines. `points` are those of `compute_points`.
 
-    Parameters
-    ----------
-    points
-        What `compute_points` returns.
-    share
-        Share of the points, 0 to 1.
-
-    Returns
-    -------
-    natural_period, low, high
-        Natural periods (s), increasing, and the edges of the region there (m), shape (periods,).
+    Return natural periods (s), increasing, and the edges of the region there (m), shape (periods,).
     """
     period, amplitude = points["natural_period"].to_numpy(), points["amplitude"].to_numpy()
     places = np.unique(period)

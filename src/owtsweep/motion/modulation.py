@@ -27,20 +27,12 @@ class Modulation:
     interpolation of Fritsch and Butland (1984): a sea that grows tenfold grows by equal ratios in
     equal times. The factor is always positive, never leaves the range of its two neighbours, and
     its rate is continuous. Its second derivative, and so the acceleration, jumps at the points.
-    Before the first point and after the last one the factor is constant.
+    Before the first point and after the last one the factor is constant. Raise `InputError` if
+    there is no point, an entry is not two finite numbers, times do not rise, or a factor is not
+    above zero.
 
-    Parameters
-    ----------
-    points
-        Pairs of time (s) and factor; times rise, factors are above zero.
-    name
-        The name of the points in error messages.
-
-    Raises
-    ------
-    InputError
-        If there is no point, an entry is not two finite numbers, times do not rise, or a factor is
-        not above zero.
+    `points`: pairs of time (s) and factor; times rise, factors are above zero. `name`: the name of
+    the points in error messages.
     """
 
     def __init__(self, points: Sequence[Sequence[float]], name: str = "envelope") -> None:
@@ -56,14 +48,12 @@ class Modulation:
         self._rates = (self._log.derivative(1), self._log.derivative(2))
 
     def factor(self, time: Array) -> Array:
-        """Return the factor at some times (s), in the shape of `time`."""
         return np.asarray(np.exp(self._log(np.clip(time, *self._ends))))
 
     def rates(self, time: Array) -> tuple[Array, Array]:
         """Return the factor's first (1/s) and second (1/s^2) derivative at some times (s).
 
-        Each has the shape of `time`. At a point itself the second derivative is that of the time
-        after it.
+        At a point itself the second derivative is that of the time after it.
         """
         at = np.clip(time, *self._ends)
         factor, first, second = self.factor(time), self._rates[0](at), self._rates[1](at)
@@ -71,7 +61,6 @@ class Modulation:
 
 
 def _check(points: Sequence[Sequence[float]], name: str) -> None:
-    """Raise `InputError` unless `points` can be the points of a modulation; see `Modulation`."""
     example = "give pairs of time (s) and factor, e.g. [[0,0.1],[500,10],[1000,0.1]]"
     require(len(points) > 0, f"{name}: there is no point; {example}")
     for point in points:
@@ -114,27 +103,17 @@ def modulate(motion: Motion, modulation: Modulation) -> Motion:
 
 @dataclass(frozen=True)
 class ModulatedSource:
-    """A source of motion whose amplitude grows and falls.
-
-    Attributes
-    ----------
-    source
-        The source of the motion along one direction without the modulation.
-    modulation
-        The factor on the displacement, over time.
-    """
+    """A source of motion along one direction, whose amplitude grows and falls."""
 
     source: Source
     modulation: Modulation
 
     @property
     def streams(self) -> tuple[str, ...]:
-        """Names of the random streams that the source draws from."""
         return self.source.streams
 
     @property
     def duration(self) -> float | None:
-        """Duration in s of the longest record that the source can give; None if unbounded."""
         return self.source.duration
 
     def realise(

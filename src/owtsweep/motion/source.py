@@ -1,7 +1,4 @@
-"""The interface of sources of motion, such as spectra and recorded files.
-
-A source is anything that gives a `Motion`.
-"""
+"""The interface of sources of motion, such as spectra and recorded files."""
 
 from __future__ import annotations
 
@@ -28,8 +25,8 @@ class Motion:
     before
         Positions before t = 0, oldest first, m; shape (history,) or (history, axes).
     felt
-        What an accelerometer on the structure feels of this motion, m/s^2, if that is more than
-        the acceleration, because the structure leans; shape as `acceleration`, or None.
+        What an accelerometer on the structure feels of this motion, m/s^2, if that is more than the
+        acceleration, because the structure leans; shape as `acceleration`, or None.
     """
 
     step: float
@@ -48,12 +45,8 @@ class Motion:
         """Return `count` positions, at the steps first, first + stride, first + 2 stride, ...
 
         Steps are counted from t = 0; `first` may be negative. The result has shape (count,) or
-        (count, axes); it is shorter if the record ends earlier.
-
-        Raises
-        ------
-        ValueError
-            If the record begins after the step `first`.
+        (count, axes); it is shorter if the record ends earlier. Raise `ValueError` if the record
+        begins after the step `first`.
         """
         if first < -len(self.before):
             raise ValueError(
@@ -96,6 +89,9 @@ class Source(Protocol):
     ) -> Motion:
         """Return one realisation of the motion.
 
+        Raise `InputError` if the source cannot give a record of this length; the message says what
+        would work.
+
         Parameters
         ----------
         stream
@@ -105,10 +101,5 @@ class Source(Protocol):
         history
             Number of steps before t = 0 for which positions are needed: the longest delay of a
             sensor.
-
-        Raises
-        ------
-        InputError
-            If the source cannot give a record of this length; the message says what would work.
         """
         ...

@@ -1,9 +1,8 @@
 """Makes the table best_scheme.csv: the best scheme of every cell, and whether the data show it.
 
 Baselines do not compete. Columns of their own say whether the best of them beats the best scheme.
-
-A cell is one combination of values of the conditions. Schemes are compared replicate by replicate,
-because in each replicate all schemes get the same motion and the same noise.
+Schemes are compared replicate by replicate, because in each replicate all schemes get the same
+motion and the same noise.
 """
 
 from __future__ import annotations
@@ -39,45 +38,33 @@ def find_best_schemes(
 ) -> pd.DataFrame:
     """Find the scheme of least mean in every cell, and whether the runner-up is distinguishable.
 
-    A cell is one combination of conditions. A scheme that finished no replicate in a cell takes no
-    part in that cell. Means are over the replicates that all schemes taking part in the cell have
-    finished; a cell without such a replicate has no row. Schemes whose values agree to
-    `statistics.contest.COINCIDENCE` in each of these replicates count as one scheme, under the name
-    that comes last in `cube.schemes`. The runner-up is the best of the other schemes; if all
-    schemes of a cell agree, the runner-up is another of these schemes.
+    A scheme that finished no replicate in a cell takes no part in that cell. Means are over the
+    replicates that all schemes taking part in the cell have finished; a cell without such a
+    replicate has no row. Schemes whose values agree to `statistics.contest.COINCIDENCE` in each of
+    these replicates count as one scheme, under the name that comes last in `cube.schemes`. The
+    runner-up is the best of the other schemes; if all schemes of a cell agree, the runner-up is
+    another of these schemes. Raise `InputError` if a criterion or the window was not measured.
+
+    Return the conditions, `VERDICT_COLUMNS` and, if there are baselines, `BASELINE_COLUMNS`, sorted
+    by conditions, then in the order of `criteria`. `difference` is the runner-up's mean minus the
+    best scheme's; `ci_low` and `ci_high` are the ends of its 95 % confidence interval by the paired
+    t-test in that cell alone. `distinguishable` applies Holm's step-down correction at 5 % to all
+    cells of the criterion. In a cell with one scheme, `runner_up` is empty and the numbers that
+    need a runner-up are NaN. In a cell with one replicate, the interval is NaN. In both cases
+    `distinguishable` is false. `baseline` is the baseline of least mean, and `mse_baseline` its
+    mean. `baseline_wins` says whether `mse_baseline` is less than the best scheme's mean and the
+    paired difference is significant, with Holm's correction as above. If a scheme was unable to
+    work in any cell, there are also the columns `status` and `reason`.
 
     Parameters
     ----------
-    cube
-        The values of the run.
     window
-        The part of the records to judge, e.g. "full" or "settled".
+        The window to judge.
     criteria
         Names of the measures to judge by. Each measure gives rows of its own.
     baselines
-        Those of `cube.schemes` that do not compete with the others. In each cell, the best scheme
-        is compared with the baseline of least mean, over the replicates that decide between the
-        schemes.
-
-    Returns
-    -------
-    DataFrame
-        The conditions, `VERDICT_COLUMNS` and, if there are baselines, `BASELINE_COLUMNS`, sorted by
-        conditions, then in the order of `criteria`. `difference` is the runner-up's mean minus the
-        best scheme's. `ci_low` and `ci_high` are the ends of the 95 % confidence interval of
-        `difference` by the paired t-test in that cell alone. `distinguishable` applies Holm's
-        step-down correction at 5 % to all cells of the criterion. In a cell with one scheme,
-        `runner_up` is empty and the numbers that need a runner-up are NaN. In a cell with one
-        replicate, the interval is NaN. In both cases `distinguishable` is false. `baseline` is the
-        baseline of least mean, and `mse_baseline` its mean. `baseline_wins` says whether
-        `mse_baseline` is less than the best scheme's mean and the paired difference is significant,
-        with Holm's correction at 5 % over all cells of the criterion. If a scheme was unable to
-        work in any cell, there are also the columns `status` and `reason`.
-
-    Raises
-    ------
-    InputError
-        If a criterion or the window was not measured.
+        Those of `cube.schemes` that do not compete. In each cell, the best scheme is compared with
+        the baseline of least mean, over the replicates that decide between the schemes.
     """
     import pandas as pd
 
@@ -98,15 +85,15 @@ def find_best_schemes(
                 for some in (competing, beside)
             )
             result = contest(np.stack(values))
-            told = result._asdict() | {
+            verdict = result._asdict() | {
                 "best": names[result.best],
                 "runner_up": names[result.runner_up],
             }
             if others:
                 duel = challenge(np.stack(values), result.best, np.stack(others))
-                told |= duel._asdict() | {"baseline": beside_names[duel.baseline]}
+                verdict |= duel._asdict() | {"baseline": beside_names[duel.baseline]}
             cells = cube.name_outer(place) | {last: cube.levels[-1], "criterion": criterion}
-            part = pd.DataFrame(cells | {"window": window} | told)
+            part = pd.DataFrame(cells | {"window": window} | verdict)
             parts.append(part[result.judged])
         table = pd.concat(parts)
         table = table.assign(distinguishable=holm(table["p"]))
@@ -121,21 +108,15 @@ def find_best_schemes(
 
 
 def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
-    """Find groups of schemes that coincide by all criteria in every cell and replicate.
+    """Find groups of schemes whose values are equal up to rounding, everywhere and by all criteria.
 
-    Two schemes coincide if their values are equal up to rounding. A cell is one combination of
-    conditions. `criteria` are names of measures. The members of a group are in the order of
-    `cube.schemes`. The last member is the name that `find_best_schemes` uses for the group. Without
-    coinciding schemes, the list is empty.
+    The members of a group are in the order of `cube.schemes`; the last is the name that
+    `find_best_schemes` uses for the group.
     """
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
     def coincide(i: int, j: int) -> bool:
-        """Return whether the schemes with the indices i and j coincide.
-
-        Two schemes coincide if their values agree wherever both schemes have a value, and if there
-        is at least one value that both have.
-        """
+        """Return whether values agree wherever both schemes have one, which is somewhere."""
         compared = False
         for place in cube.outer_places():
             one, other = cube.values(i, place, judged), cube.values(j, place, judged)
@@ -157,11 +138,7 @@ def _find_place(labels: Sequence[str], label: str, argument: str) -> int:
 def tell_winners(cells: pd.DataFrame) -> str:
     """Return in one sentence which schemes, and which baselines, win in how many cells.
 
-    Parameters
-    ----------
-    cells
-        Rows of best_scheme.csv with one criterion and one window: one row per cell. A baseline wins
-        where the column `baseline_wins`, which a run without baselines lacks, is true.
+    `cells` are rows of best_scheme.csv with one criterion and one window.
     """
     wins = cells["baseline_wins"].astype(bool) if "baseline_wins" in cells else cells.index < 0
     won, others = cells[wins], cells[~wins]
@@ -186,14 +163,10 @@ def tell_beaten(
 
     Parameters
     ----------
-    name
-        The scheme.
     cells
         Rows of best_scheme.csv with one criterion and one window: one row per cell.
     summary
         The run's table summary.csv.
-    conditions
-        The names of the conditions.
     unit
         The unit of the criterion's MSE.
     """
@@ -211,6 +184,5 @@ def tell_beaten(
 
 
 def _count(names: pd.Series[str]) -> list[tuple[str, int]]:
-    """Return each name and how often it occurs, the most frequent first."""
     counts = names.value_counts(sort=False).sort_values(ascending=False, kind="stable")
     return [(str(name), int(n)) for name, n in counts.items()]

@@ -2,10 +2,11 @@
 
 In each record the mean square error of a scheme at the amplitude N is N^2 motion + 2 N cross +
 noise, with three products that do not depend on N (`superposition`). The mean difference between
-two schemes is therefore a parabola in N, and the boundary is the parabola's root. So the boundary
-does not depend on a grid of amplitudes. Confidence intervals are percentiles of a bootstrap, which
-resamples the records. Both schemes saw the same records. Therefore, when a record is drawn, the
-products of both schemes in that record are drawn together.
+two schemes is therefore a parabola in N, and the boundary is the parabola's root: it depends on no
+grid of amplitudes. Confidence intervals are percentiles of a bootstrap, which resamples the
+records. Both schemes saw the same records, so the products of both are drawn together.
+
+In this module a cell is one value of each condition but the last, which is the amplitude.
 """
 
 from __future__ import annotations
@@ -41,26 +42,16 @@ def find_boundary(
 ) -> pd.DataFrame:
     """Find the amplitude above which the second scheme is better than the first, in each cell.
 
-    A cell is one combination of all conditions but the last, which is the amplitude.
+    Raise `InputError` if a scheme, the measure or the window is not among superposed rows.
 
-    Parameters
-    ----------
-    rows
-        The rows of a run's cases. Only superposed rows are used: those that hold for all
-        amplitudes.
-    conditions
-        The study's conditions; the last one expands (one computed result serves all its values).
-    schemes
-        The scheme that is expected to be better below the boundary, then the scheme that is
-        expected to be better above the boundary.
-    measure, window
-        Names of the measure to compare, and of the part of the records.
+    `rows`: the rows of a run's cases, of which only superposed ones are used. `conditions`: the
+    study's conditions; the last one expands. `schemes`: the scheme that is expected to be better
+    below the boundary, then the one above.
 
     Returns
     -------
     DataFrame
-        One row per cell, sorted by condition. The columns are all conditions but the last, then
-        `COLUMNS`: boundary, ci_low, ci_high, n, wins.
+        One row per cell, sorted by condition: all conditions but the last, then `COLUMNS`.
 
         `boundary` is in the unit of the amplitude. `n` is the number of records that both schemes
         finished. `wins` is "" if there is a boundary. Otherwise `boundary` is NaN, and `wins` names
@@ -74,11 +65,6 @@ def find_boundary(
         neither is true, and which has no boundary either, counts as lying below `ci_low` and above
         `ci_high`. If `ci_low` falls on such a resample, `ci_low` is NaN; if `ci_high` does,
         `ci_high` is infinite.
-
-    Raises
-    ------
-    InputError
-        If a scheme, the measure or the window is not among superposed rows.
     """
     import pandas as pd
 
@@ -103,34 +89,13 @@ def find_boundary_ratio(
     measure: str,
     window: str,
 ) -> tuple[float, float, float]:
-    """Compute the ratio of the boundaries in two cells, with its confidence interval.
+    """Compute the ratio of the boundaries in two cells, `cells[0]` to `cells[1]`.
 
-    A boundary is the amplitude above which the second scheme is better than the first. A cell is
-    one combination of all conditions but the last, the amplitude. Records of two different cells
-    are independent, so they are resampled independently.
-
-    Parameters
-    ----------
-    rows
-        The rows of a run's cases. Only superposed rows are used: those that hold for all
-        amplitudes.
-    conditions
-        The study's conditions; the last one expands (one computed result serves all its values).
-    cells
-        The cells of the numerator and of the denominator, each a tuple of values.
-    schemes, measure, window
-        Names of the two schemes and the measure to compare, and of the part of the records.
-
-    Returns
-    -------
-    tuple of float
-        The ratio and the ends of its 95 % confidence interval. All three are NaN if a cell has no
-        boundary; the ends are NaN if a cell has a single record (see `divide_crossings`).
-
-    Raises
-    ------
-    InputError
-        If a scheme, the measure, the window or a cell is not among superposed rows.
+    Records of two different cells are independent, so they are resampled independently. Arguments
+    are as in `find_boundary`. Return the ratio and the ends of its 95 % confidence interval. All
+    three are NaN if a cell has no boundary; the ends are NaN if a cell has a single record (see
+    `divide_crossings`). Raise `InputError` if a scheme, the measure, the window or a cell is not
+    among superposed rows.
     """
     by_cell = split_cells(subtract_schemes(rows, conditions, schemes, measure, window))
     products = []
@@ -157,16 +122,9 @@ def subtract_schemes(
 ) -> pd.DataFrame:
     """Subtract the second scheme's products from the first scheme's, in records that both finished.
 
-    The products are the columns motion, cross and noise of superposed rows: those rows that hold
-    for all amplitudes. `rows` are the rows of a run's cases. The last of `conditions` is the
-    amplitude. `schemes`, `measure` and `window` are names of schemes, a measure and a part of the
-    records. The table returned has the columns motion, cross and noise. It is indexed, and sorted,
-    by all conditions but the last and by the replicate.
-
-    Raises
-    ------
-    InputError
-        If a scheme, the measure or the window is not among superposed rows.
+    The result has the columns motion, cross and noise of superposed rows. It is indexed, and
+    sorted, by all conditions but the last and by the replicate. Raise `InputError` if a scheme, the
+    measure or the window is not among superposed rows.
     """
     *outer, last = [condition.name for condition in conditions]
     used = rows[(rows["status"] == OK) & rows[last].isna()]
@@ -185,10 +143,9 @@ def subtract_schemes(
 
 
 def split_cells(difference: pd.DataFrame) -> dict[Cell, Array]:
-    """Split the table that `subtract_schemes` returns into cells: cell -> array.
+    """Return cell -> (motion, cross, noise) of each record, shape (records, 3).
 
-    A cell is a tuple of the values of all conditions but the last. Its array has one row per record
-    and the columns motion, cross and noise, shape (records, 3).
+    `difference` is the table that `subtract_schemes` returns.
     """
     products = difference.to_numpy(dtype=float)
     outer = difference.index.names[:-1]
@@ -204,28 +161,20 @@ def divide_crossings(
 ) -> tuple[float, float, float]:
     """Compute the ratio of the boundaries in two cells, with its confidence interval.
 
-    A boundary is the amplitude above which the second of two schemes is better than the first. A
-    cell is one combination of all conditions but the last, the amplitude.
+    Return the ratio and the ends of its 95 % confidence interval. All three are NaN if a cell has
+    no boundary; the ends are NaN if a cell has a single record. Otherwise the ends are percentiles
+    of the ratios in resampled records. In a resample the boundary counts as 0 if the second scheme
+    is better at every amplitude, and as infinite if the first scheme is. A ratio that is undefined,
+    such as 0 / 0, counts as lying below the lower end and above the upper end. If the lower end
+    falls on an undefined ratio, the lower end is NaN; if the upper end does, the upper end is
+    infinite.
 
     Parameters
     ----------
     above, below
-        Numerator and denominator. Each is a cell, as a tuple of values of the conditions, and an
-        array of shape (records, 3): the first scheme's products motion, cross and noise minus the
-        second scheme's. If the two cells are equal, the same records are drawn for both.
-    apart
-        Whether to draw different records for the cell `above` even if the two cells are equal.
-
-    Returns
-    -------
-    tuple of float
-        The ratio and the ends of its 95 % confidence interval. All three are NaN if a cell has no
-        boundary; the ends are NaN if a cell has a single record. Otherwise the ends are percentiles
-        of the ratios in resampled records. In a resample the boundary counts as 0 if the second
-        scheme is better at every amplitude, and as infinite if the first scheme is. A ratio that is
-        undefined, such as 0 / 0, counts as lying below the lower end and above the upper end. If
-        the lower end falls on an undefined ratio, the lower end is NaN; if the upper end does, the
-        upper end is infinite.
+        Numerator and denominator. Each is a cell, and the first scheme's products motion, cross and
+        noise minus the second scheme's, shape (records, 3). If the two cells are equal, the same
+        records are drawn for both, but not with `apart`.
     """
     a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):
@@ -239,23 +188,14 @@ def divide_crossings(
 
 
 def _find_mean_crossing(products: Array) -> float:
-    """Return the amplitude above which the second of two schemes is better on average.
-
-    `products` are the first scheme's products motion, cross and noise minus the second scheme's,
-    shape (records, 3). Without such an amplitude, return 0 if the second scheme is better at every
-    amplitude, infinity if the first scheme is, and NaN if neither is.
-    """
+    """Return `find_crossing` of the mean of the products, shape (records, 3)."""
     return float(find_crossing(products.mean(axis=0)[None])[0])
 
 
 def _resample_crossings(cell: Cell, products: Array, *, apart: bool = False) -> Array:
-    """Draw resamples of a cell's records; return the boundary of each resample, shape (resamples,).
+    """Draw resamples of a cell's records; return the boundary of each, as `find_crossing` does.
 
-    The boundary is the amplitude above which the second of two schemes is better on average; it may
-    be 0, infinite or NaN, as `find_crossing` returns it. `products` are the first scheme's products
-    motion, cross and noise minus the second scheme's, shape (records, 3). The draws depend only on
-    `cell` (values of the conditions), on the number of records, and on `apart`. With `apart`, other
-    records are drawn than without.
+    The draws depend only on `cell`, on the number of records, and on `apart`, which draws others.
     """
     key = [encode_value(value) for value in cell] or [0]
     if apart:  # a different key draws different records: the first condition is shifted by 1e4

@@ -28,20 +28,18 @@ class Condition:
     Attributes
     ----------
     name
-        Name of the condition's column in tables, and of its key below `grid` in the configuration.
+        The column in tables, and the key below `grid` in the configuration.
     label, unit
-        The name and the unit to write on axes of figures, e.g. "motion amplitude" and "m"; "" if
-        there is no unit.
+        What to write on axes of figures, e.g. "motion amplitude" and "m".
     scale
         How the condition's numbers are spaced: "linear" or "log".
     in_streams
-        Whether the condition's value is part of the keys of random streams, so that each value has
-        different random numbers.
+        Whether each value of the condition has different random numbers.
     plural
         The plural of the label, used in sentences; if it is "", the label with an s is used.
     enters
         What the condition changes: "world" (what moves), "sensors" (what is measured of it),
-        "knowledge" (what schemes are told), or "scale" (a factor on what moves).
+        "knowledge" (what schemes know), or "scale" (a factor on what moves).
     """
 
     name: str
@@ -77,10 +75,7 @@ class Condition:
         return self.plural or f"{self.label}s"
 
     def show(self, value: Value) -> str:
-        """Return a value of the condition as text; a number is followed by its unit, e.g. "0.2 m".
-
-        A value that is a text gets no unit.
-        """
+        """Return a value of the condition as text, e.g. "0.2 m"; texts get no unit."""
         shown = show_value(value)
         return f"{shown} {self.unit}" if self.unit and not isinstance(value, str) else shown
 
@@ -91,13 +86,9 @@ def show_value(value: Value) -> str:
 
 
 def require_usable(conditions: Sequence[Condition]) -> None:
-    """Check that tables can be made with these conditions.
+    """Raise `InputError` unless tables can be made with these conditions.
 
-    Raises
-    ------
-    InputError
-        If there is no condition, or if two conditions have the same name. Also if a condition other
-        than the last expands.
+    There is one at least, no two have one name, and only the last expands.
     """
     names = [condition.name for condition in conditions]
     if not names or len(set(names)) < len(names):
@@ -111,14 +102,9 @@ def require_usable(conditions: Sequence[Condition]) -> None:
 
 
 def find_only_cell(grid: Grid, section: str = "grid") -> dict[str, Value]:
-    """Return condition -> value of a grid that has one cell.
+    """Return condition -> value of a grid (in the configuration's `section`) that has one cell.
 
-    `section` is the section of the configuration in which the conditions stand.
-
-    Raises
-    ------
-    InputError
-        If a condition has several values.
+    Raise `InputError` if a condition has several values.
     """
     for name, values in grid.items():
         if len(values) != 1:
@@ -144,8 +130,7 @@ def order_values(column: object, listed: Iterable[Value] = ()) -> list[Value]:
 def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[object]]) -> pd.DataFrame:
     """Return a table sorted by some of its columns.
 
-    `order` maps the names of these columns, the most important first, to all values of the column
-    in the wanted order.
+    `order` maps these columns, the most important first, to all values in the wanted order.
     """
     return table.sort_values(
         list(order), kind="stable", ignore_index=True,

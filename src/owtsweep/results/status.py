@@ -1,7 +1,6 @@
 """The possible outcomes of a case, which are the values of the column `status`.
 
-Tables show where a scheme was unable to work: in which cells, and why. A cell is one combination of
-conditions.
+Tables show where a scheme was unable to work: in which cells, and why.
 """
 
 from __future__ import annotations
@@ -25,10 +24,8 @@ UNABLE = "unable"
 def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid) -> pd.DataFrame:
     """Return a table of the cells in which a scheme was unable to work.
 
-    A cell is one combination of conditions. The table has one line per scheme and cell, and the
-    columns scheme, conditions, reason. It is empty if no row of `rows` has the status "unable". If
-    the last condition expands (one computed result serves all its values) and is NaN in a row, the
-    row stands for all values that `grid` gives for this condition.
+    One line per scheme and cell; columns scheme, conditions, reason. A superposed row stands for
+    all values that `grid` gives for the last condition.
     """
     import pandas as pd
 
@@ -46,11 +43,7 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """Remove schemes from the cells in which they were unable to work; return the other rows.
-
-    A cell is one combination of conditions. If a scheme was unable to work in one replicate of a
-    cell, all rows of this scheme in this cell are removed.
-    """
+    """Return the rows without schemes in cells where they were unable in some replicate."""
     import pandas as pd
 
     unable = rows["status"] == UNABLE
@@ -64,15 +57,14 @@ def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.Da
 def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
     """Add to a summary the columns `status` and `reason`, and a line for each line of `unable`.
 
-    `table` is the summary. `unable` is the table that `list_unable` returns: one line per scheme
-    and combination of conditions in which the scheme was unable to work. In the added lines the
-    measure is "" and the mean is missing. The result is not sorted.
+    `unable` is from `list_unable`. In the added lines the measure is "" and the mean is missing.
+    The result is not sorted.
     """
     import pandas as pd
 
-    told = table.assign(status=OK, reason="")
-    lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=told.columns)
-    return pd.concat([told, lines]) if len(told) else lines
+    marked = table.assign(status=OK, reason="")
+    lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=marked.columns)
+    return pd.concat([marked, lines]) if len(marked) else lines
 
 
 def tell_in_best_scheme(
@@ -80,16 +72,14 @@ def tell_in_best_scheme(
 ) -> pd.DataFrame:
     """Add `status` and `reason` to a best-scheme table if a scheme was unable to work in any cell.
 
-    A cell is one combination of conditions. `unable` is the table that `list_unable` returns, and
-    `names` are the names of the conditions. In cells in which a scheme was unable to work, the
-    status is "unable" and the reason names the scheme. In other cells, the status is "ok" and the
-    reason is "". If `unable` is empty, `table` is returned as it is.
+    `unable` is from `list_unable`, `names` are the conditions. The status is "unable" where a
+    scheme was, which the reason names; otherwise it is "ok", and the reason "".
     """
     if unable.empty:
         return table
     who = unable["scheme"] + ": " + unable["reason"]
     reasons = who.groupby([unable[name] for name in names]).agg("; ".join).rename("reason")
-    told = table.merge(reasons, how="left", left_on=list(names), right_index=True)
-    told["reason"] = told["reason"].fillna("")
-    told["status"] = [UNABLE if reason else OK for reason in told["reason"]]
-    return told[[*table.columns, "status", "reason"]]
+    marked = table.merge(reasons, how="left", left_on=list(names), right_index=True)
+    marked["reason"] = marked["reason"].fillna("")
+    marked["status"] = [UNABLE if reason else OK for reason in marked["reason"]]
+    return marked[[*table.columns, "status", "reason"]]

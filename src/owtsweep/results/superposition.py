@@ -23,14 +23,8 @@ def superpose(
 ) -> Array:
     """Compute the mean square error at an amplitude N: N^2 motion + 2 N cross + noise.
 
-    Parameters
-    ----------
-    motion, cross, noise
-        Numbers, arrays or columns. `motion` is the mean square of the error due to motion of
-        amplitude 1, `noise` the mean square of the error due to noise, and `cross` the mean product
-        of these two errors.
-    amplitude
-        N: a number, or an array that can be broadcast against the other arguments.
+    `motion` is the mean square of the error due to motion of amplitude 1, `noise` that of the error
+    due to noise, and `cross` the mean product of these two errors.
     """
     return np.asarray(amplitude**2 * motion + 2.0 * amplitude * cross + noise)
 
@@ -38,9 +32,9 @@ def superpose(
 def superpose_all(products: Array, amplitudes: Sequence[Value]) -> Array:
     """Compute the mean square errors at all amplitudes from the products of superposed rows.
 
-    `products` holds the products motion, cross and noise, shape (3, measure, window, replicate).
-    The axes of the result are amplitude, measure, window, replicate. The longer of the axes
-    amplitude and replicate is innermost in memory, where loops and sums are fastest.
+    Products have the shape (3, measure, window, replicate), the result (amplitude, measure, window,
+    replicate). The longer of the axes amplitude and replicate is innermost in memory, where loops
+    and sums are fastest.
     """
     N = np.asarray(amplitudes)
     if len(N) <= products.shape[-1]:
@@ -52,20 +46,12 @@ def superpose_all(products: Array, amplitudes: Sequence[Value]) -> Array:
 
 
 def find_crossing(products: Array) -> Array:
-    """Find the amplitude N > 0 at which the parabola N^2 a + 2 N c + f turns positive.
+    """Find the amplitude N > 0 at which the parabola N^2 a + 2 N c + f turns positive, shape (n,).
 
-    Parameters
-    ----------
-    products
-        One row (a, c, f) per parabola, shape (n, 3): the differences between two schemes in the
-        products motion, cross and noise (see `superpose`).
-
-    Returns
-    -------
-    array
-        The amplitudes, shape (n,). The amplitude is 0 for a parabola that is positive at every N >
-        0, infinite for a parabola that is negative at every N > 0, and NaN for a parabola that
-        changes from positive to negative or changes its sign twice.
+    `products` has a row (a, c, f) per parabola, shape (n, 3): differences between two schemes in
+    motion, cross and noise. The amplitude is 0 for a parabola that is positive at every N > 0,
+    infinite for one that is negative there, and NaN for one that changes from positive to negative
+    or changes its sign twice.
     """
     a, c, f = np.asarray(products, dtype=float).T
     discriminant = c * c - a * f

@@ -15,28 +15,15 @@ from owtsweep.errors import InputError, require
 class Losses:
     """The losses of a sensor's samples, drawn piece by piece.
 
-    At each sample an outage begins with the same probability, independently of other samples. It
-    may begin inside another outage, too. No outage begins before the first sample. With a length of
-    1, each sample is lost independently of the others. In the long run the share 1 - (1 -
-    probability)^length of samples is lost. If the probability or the length is raised, and the
-    random stream is the same, all samples that were lost before are lost again, and others may be
-    lost too.
+    At each sample an outage begins with the same probability, independently of others, perhaps
+    inside another outage; none begins before the first sample. In the long run the share 1 - (1 -
+    probability)^length of samples is lost. If probability or length is raised, and the random
+    stream is the same, all samples that were lost before are lost again. Raise `InputError` if the
+    probability is not between 0 and 1, or the length is less than 1.
 
-    Attributes
-    ----------
-    generator
-        The random stream, from which one uniform number per sample is drawn.
-    probability
-        Probability that an outage begins at a sample.
-    length
-        Length of an outage in samples.
-    remaining
-        Number of samples for which the present outage continues.
-
-    Raises
-    ------
-    InputError
-        If the probability is not between 0 and 1, or the length is less than 1.
+    `generator`: the random stream, from which one uniform number per sample is drawn.
+    `probability`: probability that an outage begins at a sample. `length`, `remaining`: length of
+    an outage, and what remains of the present one, in samples.
     """
 
     generator: np.random.Generator
@@ -51,7 +38,7 @@ class Losses:
             raise InputError(f"length: an outage of {self.length} samples; give 1 or more")
 
     def draw(self, count: int) -> NDArray[np.bool_]:
-        """Draw which of the next `count` samples are lost; return a mask of shape (count,)."""
+        """Return a mask (count,) of which of the next `count` samples are lost."""
         begins = self.generator.random(count) < self.probability
         sample = np.arange(count)
         last = np.maximum.accumulate(np.where(begins, sample, -self.length))
@@ -79,7 +66,8 @@ def draw_outliers(
     white noise are then those of a contaminated normal distribution (Huber 1964).
 
     Raising the rate, with the same random streams, keeps the bursts that were there, and adds
-    others. The offsets scale with `sigma`.
+    others. The offsets scale with `sigma`. Raise `InputError` if the rate is not from 0 to 0.5,
+    sigma is negative, or the length is less than 1.
 
     Parameters
     ----------
@@ -92,13 +80,6 @@ def draw_outliers(
         Standard deviation of an offset along each axis, in the unit of the samples.
     length
         Number of samples of a burst.
-    axes
-        Number of axes.
-
-    Raises
-    ------
-    InputError
-        If the rate is not from 0 to 0.5, sigma is negative, or the length is less than 1.
     """
     require(0.0 <= rate <= 0.5, f"rate: {rate:g} is not from 0 to 0.5, a share of all samples")
     require(sigma >= 0.0, f"sigma: {sigma:g} is no standard deviation; give 0 or more")

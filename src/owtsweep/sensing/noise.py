@@ -1,9 +1,8 @@
 """Draws white noise, red noise (a first-order Gauss-Markov process) and a wandering bias.
 
-White noise and bias may be drawn in one or several pieces. They are made of standard normal
-numbers, taken from a random stream one after the other and scaled afterwards. Therefore, drawing in
-pieces gives the same numbers, bit for bit, as a single draw. With the same stream, noises of
-different intensity differ only in scale.
+White noise and bias are made of standard normal numbers, taken from a random stream one after the
+other and scaled afterwards. Therefore drawing in pieces gives the same numbers, bit for bit, as a
+single draw; and with the same stream, noises of different intensity differ only in scale.
 """
 
 from __future__ import annotations
@@ -20,17 +19,8 @@ from owtsweep.errors import InputError, require
 class WhiteNoise:
     """The white noise of one channel: independent, normally distributed errors.
 
-    Attributes
-    ----------
-    generator
-        The random stream from which standard normal numbers are drawn.
-    sigma
-        Standard deviation of each sample, in the unit of the measured quantity.
-
-    Raises
-    ------
-    InputError
-        If sigma is negative.
+    `sigma`, in the unit of the measured quantity, is the standard deviation of a sample. Raise
+    `InputError` if sigma is negative.
     """
 
     generator: np.random.Generator
@@ -41,7 +31,7 @@ class WhiteNoise:
             raise InputError(f"sigma: {self.sigma:g} is no standard deviation; give 0 or more")
 
     def draw(self, *shape: int) -> Array:
-        """Draw the next samples of the noise, as an array of the given shape."""
+        """Draw the next samples of the noise."""
         noise = self.generator.standard_normal(shape)
         noise *= self.sigma
         return noise
@@ -51,26 +41,20 @@ class WhiteNoise:
 class WienerBias:
     """A bias that starts at a given value and wanders: a sampled Wiener process.
 
-    The variance of the bias after the time t is walk^2 t.
+    The variance of the bias after the time t is walk^2 t. Raise `InputError` if `walk` is negative
+    or `step` is not positive.
 
     Attributes
     ----------
     generator
-        The random stream from which standard normal numbers are drawn. The first number is drawn
-        but not used, because the first sample is `initial`.
+        The random stream of standard normal numbers. The first number is drawn but not used,
+        because the first sample is `initial`.
     walk
         Intensity of the Wiener process, in the unit of the measured quantity per sqrt(s).
     step
         Sampling interval, s.
-    initial
-        The bias of the first sample.
-    last
-        The bias of the last sample that was drawn; None if no sample has been drawn.
-
-    Raises
-    ------
-    InputError
-        If `walk` is negative or `step` is not positive.
+    initial, last
+        The bias of the first sample, and of the last that was drawn, if any.
     """
 
     generator: np.random.Generator
@@ -113,27 +97,11 @@ def draw_gauss_markov(
 ) -> Array:
     """Draw samples of a first-order Gauss-Markov process on some axes, shape (count, axes).
 
-    The axes are independent of each other. Samples that are `step` apart have the correlation
+    The axes are independent of each other. Samples that are `step` (s) apart have the correlation
     exp(-step / time) (Bar-Shalom, Li and Kirubarajan 2001, section 8.2). The process is stationary
-    from its first sample on.
-
-    Parameters
-    ----------
-    generator
-        The random stream, from which a standard normal number per sample and axis is drawn.
-    sigma
-        Standard deviation of a sample along each axis, in the unit of the samples.
-    time
-        Time constant, s.
-    step
-        Sampling interval, s.
-    axes
-        Number of axes.
-
-    Raises
-    ------
-    InputError
-        If sigma is negative, or the time constant or the interval is not positive.
+    from its first sample on. `sigma` is the standard deviation of a sample along each axis, in its
+    unit. Raise `InputError` if sigma is negative, or the time constant or the interval is not
+    positive.
     """
     from scipy.signal import lfilter
 

@@ -1,9 +1,8 @@
 """Finds the best scheme in each cell, and whether the next best scheme is significantly worse.
 
 `challenge` then compares the best scheme with baselines, which do not compete for the first place.
-
-A cell is one combination of conditions. Two schemes coincide if their values are equal up to
-rounding. These rules hold for tables of results, for advice, and for checks of the paper's claims.
+Two schemes coincide if their values are equal up to rounding. These rules hold for tables of
+results, for advice, and for checks of the paper's claims.
 """
 
 from __future__ import annotations
@@ -25,22 +24,18 @@ Places = NDArray[np.intp]
 
 
 class Ranking(NamedTuple):
-    """The best scheme and the runner-up in each cell. A cell is one combination of conditions.
-
-    Two schemes coincide in a cell if their values there are equal up to rounding.
+    """The best scheme and the runner-up in each cell.
 
     Attributes
     ----------
     best, runner_up
         Indices of schemes, shape (cells,). Of schemes that coincide, the last one stands for all.
         The runner-up is the best scheme that does not coincide with the best scheme. If all schemes
-        of a cell coincide, the runner-up is one of them. If only one scheme took part in a cell,
-        `runner_up` is -1.
+        of a cell coincide, the runner-up is one of them; if only one took part, it is -1.
     like_best
-        Shape (schemes, cells): whether a scheme coincides with the best scheme; true for the best
-        scheme itself.
+        Whether a scheme is the best or coincides with it, shape (schemes, cells).
     told_apart
-        Shape (cells,): whether some scheme does not coincide with the best scheme.
+        Whether some scheme does not coincide with the best scheme, shape (cells,).
     """
 
     best: Places
@@ -50,26 +45,23 @@ class Ranking(NamedTuple):
 
 
 class Contest(NamedTuple):
-    """The comparison of the schemes in each cell. A cell is one combination of conditions.
-
-    All attributes have the shape (cells,). In cells that are not judged, only `judged` has a
-    meaning.
+    """The comparison of the schemes in each cell; all attributes have the shape (cells,).
 
     Attributes
     ----------
     judged
-        Whether there is a replicate that all schemes taking part in the cell have finished.
+        Whether there is a replicate that all schemes taking part in the cell have finished. If not,
+        the other attributes have no meaning.
     best, runner_up
-        Indices of the scheme of least mean and of the runner-up (see `Ranking`), which is -1 if
-        only one scheme took part.
+        Indices of the scheme of least mean and of the runner-up (see `Ranking`).
     mse_best, mse_runner_up
-        Mean of the best scheme, and mean of the runner-up, which is NaN without a runner-up.
+        Means of both; the latter is NaN without a runner-up.
     difference, ci_low, ci_high
         `mse_runner_up` minus `mse_best`, and its 95 % confidence interval by the paired t-test; NaN
         without a runner-up.
     p
-        Two-sided p-value of the paired t-test of the difference; 1 if there are too few replicates
-        for a test, or all schemes of the cell coincide.
+        Two-sided p-value of that test; 1 if there are too few replicates for a test, or all schemes
+        of the cell coincide.
     """
 
     judged: Flags
@@ -88,16 +80,10 @@ class Challenge(NamedTuple):
 
     In cells in which no replicate counts, the fields have no meaning.
 
-    Attributes
-    ----------
-    baseline
-        Index of the baseline of least mean; -1 if no baseline has all values that count.
-    mse_baseline
-        Mean of this baseline; NaN if there is none.
-    gain
-        By how much this mean is less than the best scheme's; NaN if there is none.
-    p_baseline
-        Two-sided p-value of the paired t-test of `gain`; 1 if there are too few replicates.
+    `baseline`, `mse_baseline`: index of the baseline of least mean, and this mean; -1 and NaN if no
+    baseline has all values that count. `gain`: by how much this mean is less than the best
+    scheme's; NaN if there is none. `p_baseline`: two-sided p-value of the paired t-test of `gain`;
+    1 if there are too few replicates.
     """
 
     baseline: Places
@@ -109,14 +95,10 @@ class Challenge(NamedTuple):
 def contest(values: Array) -> Contest:
     """Compare the schemes in every cell over the replicates that all of them finished.
 
-    A cell is one combination of conditions. The scheme of least mean is the best. A scheme without
-    any value in a cell takes no part in this cell. Two schemes coincide in a cell if their values
-    agree to `COINCIDENCE` in every replicate that is compared.
-
-    Parameters
-    ----------
-    values
-        Shape (schemes, cells, replicates); NaN where a scheme did not finish a replicate.
+    `values` has the shape (schemes, cells, replicates); NaN where a scheme did not finish a
+    replicate. The scheme of least mean is the best. A scheme without any value in a cell takes no
+    part in it. Two schemes coincide in a cell if their values agree to `COINCIDENCE` in every
+    replicate that is compared.
     """
     took_part, common = find_common(values)
     n = common.sum(axis=-1)
@@ -172,16 +154,8 @@ def challenge(values: Array, best: Places, baselines: Array) -> Challenge:
 def find_common(values: Array) -> tuple[Flags, Flags]:
     """Find which schemes take part in a cell, and which replicates count there.
 
-    Parameters
-    ----------
-    values
-        As for `contest`.
-
-    Returns
-    -------
-    tuple of array
-        Whether a scheme has any value in a cell, shape (schemes, cells). And whether all such
-        schemes have a value in a replicate, shape (cells, replicates).
+    That is whether a scheme has any value in a cell, shape (schemes, cells), and whether all such
+    schemes have a value in a replicate, shape (cells, replicates). `values` are as for `contest`.
     """
     finite = np.isfinite(values)
     took_part: Flags = np.asarray(finite.any(axis=-1))
@@ -196,17 +170,11 @@ def _average(values: Array, common: Flags) -> Array:
 
 
 def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
-    """Find the best scheme and the runner-up in each cell. A cell is one combination of conditions.
+    """Find the best scheme and the runner-up in each cell.
 
-    Parameters
-    ----------
-    means
-        The values to compare, shape (schemes, cells); the least is the best.
-    alike
-        Whether two schemes coincide, i.e. have values that are equal up to rounding, shape
-        (schemes, schemes, cells).
-    took_part
-        Whether a scheme takes part in a cell, shape (schemes, cells).
+    `means`: the values to compare, shape (schemes, cells); the least is the best. `alike`: whether
+    two schemes coincide, shape (schemes, schemes, cells). `took_part`: whether a scheme takes part
+    in a cell, shape (schemes, cells).
     """
     best, like_best = find_least(means, took_part, alike)
     others = took_part & ~like_best
@@ -219,24 +187,8 @@ def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
 def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, Flags]:
     """Find the contender of least mean in each cell, and all contenders that coincide with it.
 
-    A cell is one combination of conditions.
-
-    Parameters
-    ----------
-    means
-        The values to compare, shape (schemes, cells).
-    contenders
-        Whether a scheme takes part in a cell, shape (schemes, cells).
-    alike
-        Whether two schemes coincide, i.e. have values that are equal up to rounding, shape
-        (schemes, schemes, cells).
-
-    Returns
-    -------
-    tuple of array
-        Two arrays. The index of the best contender, shape (cells,); if other contenders coincide
-        with it, the last of all these. And whether a scheme is a contender that coincides with the
-        best, shape (schemes, cells).
+    Arguments are as for `rank`. Return the index of the best contender, shape (cells,), the last of
+    those that coincide; and whether a scheme is one of those, shape (schemes, cells).
     """
     least = np.argmin(np.where(contenders, means, np.inf), axis=0)
     same = alike[least, :, np.arange(means.shape[1])].T & contenders
@@ -247,22 +199,8 @@ def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, F
 def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
     """Find which schemes coincide in a cell: their values agree in every replicate that counts.
 
-    A cell is one combination of conditions. Values agree if they are equal up to rounding.
-
-    Parameters
-    ----------
-    values
-        The values of the schemes, shape (schemes, cells, replicates).
-    took_part
-        Whether a scheme takes part in a cell, shape (schemes, cells).
-    common
-        Whether a replicate counts in a cell, shape (cells, replicates).
-
-    Returns
-    -------
-    array
-        Whether two schemes coincide, shape (schemes, schemes, cells), symmetric in the schemes;
-        false if one of the two takes no part in the cell.
+    `values` are as for `contest`, the others as `find_common` returns them. The result, shape
+    (schemes, schemes, cells), is symmetric, and false if one of the two takes no part in the cell.
     """
     schemes = len(values)
     alike = np.zeros((schemes, *took_part.shape), dtype=bool)
@@ -278,8 +216,8 @@ def group_coinciding(
 ) -> list[tuple[str, ...]]:
     """Group schemes that coincide; return the groups of two or more, each in the order of `names`.
 
-    `coincide(i, j)` says whether the schemes `names[i]` and `names[j]` coincide. A scheme joins the
-    first group whose first member coincides with the scheme.
+    `coincide` compares two indices in `names`. A scheme joins the first group whose first member it
+    coincides with.
     """
     groups: list[list[int]] = []
     for place in range(len(names)):
@@ -293,9 +231,6 @@ def group_coinciding(
 
 
 def agree(one: Array, other: Array) -> Flags:
-    """Return, elementwise, whether two arrays are equal up to rounding.
-
-    The relative difference may be at most `COINCIDENCE`. NaN agrees with nothing.
-    """
+    """Return, elementwise, whether two arrays agree to `COINCIDENCE`; NaN agrees with nothing."""
     scale = np.maximum(np.abs(one), np.abs(other))
     return np.asarray(np.abs(one - other) <= COINCIDENCE * scale)

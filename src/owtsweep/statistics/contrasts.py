@@ -22,15 +22,9 @@ Counts = NDArray[np.intp]
 class Contrast(NamedTuple):
     """An estimated difference or ratio with its uncertainty.
 
-    Attributes
-    ----------
-    value, low, high
-        The estimate and the ends of its 95 % confidence interval; the ends are NaN where there is
-        too little data.
-    p
-        Two-sided p-value; 1 where there is too little data.
-    n_first, n_second
-        Numbers of replicates of the first and of the second sample.
+    `value`, `low`, `high`: the estimate and the ends of its 95 % confidence interval; the ends are
+    NaN where there is too little data. `p`: two-sided p-value; 1 where there is too little data.
+    `n_first`, `n_second`: numbers of replicates of the first and of the second sample.
     """
 
     value: Array
@@ -44,8 +38,7 @@ class Contrast(NamedTuple):
 def gap(samples: Array) -> Contrast:
     """Compare the mean over the last axis with zero, ignoring NaN, by the t-test.
 
-    The result's `value` is the mean; `n_first` and `n_second` are both the number of finite
-    samples.
+    `value` is the mean; `n_first` and `n_second` are both the number of finite samples.
     """
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         mean, error, n = mean_and_error(samples)
@@ -55,8 +48,7 @@ def gap(samples: Array) -> Contrast:
 def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
     """Compute the difference of means over the replicates, the last axis: `second` minus `first`.
 
-    A replicate that did not finish is NaN. If `paired`, only replicates that finished in both
-    samples are used.
+    If `paired`, only replicates that finished (are not NaN) in both samples are used.
     """
     if paired:
         return gap(second - first)
@@ -69,8 +61,8 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
 def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
     """Compute the ratio of means over the replicates, the last axis: `second` divided by `first`.
 
-    If a mean is not positive, the ratio has no interval; 0 / 0 is NaN. A replicate that did not
-    finish is NaN. If `paired`, only replicates that both samples have are used.
+    If a mean is not positive, the ratio has no interval; 0 / 0 is NaN. If `paired`, only replicates
+    that finished (are not NaN) in both samples are used.
     """
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         if paired:
@@ -90,8 +82,7 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
 def _welch(error_a: Array, n_a: Counts, error_b: Array, n_b: Counts) -> tuple[Array, Array]:
     """Compute the standard error of the difference of two means, and its degrees of freedom.
 
-    The arguments are the standard error of each mean and its number of samples. The degrees of
-    freedom follow Welch and Satterthwaite.
+    The degrees of freedom follow Welch and Satterthwaite.
     """
     error = np.sqrt(error_a**2 + error_b**2)
     share_a, share_b = error_a**4 / (n_a - 1.0), error_b**4 / (n_b - 1.0)

@@ -25,8 +25,7 @@ SEED = 20190601
 def ordered_sum(samples: Array) -> Array:
     """Sum over the last axis, adding the terms strictly in their order.
 
-    `np.sum` adds terms in groups that depend on the shape of the array. So the rounding error of
-    `np.sum` depends on the shape, too.
+    `np.sum` adds in groups that depend on the shape of the array, and so does its rounding error.
     """
     if samples.ndim > 1 and samples.strides[-1] > min(samples.strides[:-1]):
         # The sums of all cells at once, in the same order of terms.
@@ -38,10 +37,9 @@ def ordered_sum(samples: Array) -> Array:
 
 
 def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Compute means over the last axis, ignoring NaN; return (means, standard errors, counts).
+    """Return means over the last axis, ignoring NaN, their standard errors, and numbers of terms.
 
-    The counts are the numbers of samples that are finite. The mean of no sample is NaN, and so is
-    the standard error of fewer than two samples.
+    The mean of no sample is NaN, and so is the standard error of fewer than two samples.
     """
     present = np.isfinite(samples)
     n = present.sum(axis=-1)
@@ -59,10 +57,7 @@ def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
 def t_quantile(freedom: ArrayLike) -> Array:
     """Return the half-width of a 95 % confidence interval, in standard errors of the estimate.
 
-    Parameters
-    ----------
-    freedom
-        Degrees of freedom of Student's t, any shape; fewer than 1 count as 1.
+    `freedom` are degrees of freedom of Student's t; fewer than 1 count as 1.
     """
     from scipy.special import stdtrit
 
@@ -75,13 +70,8 @@ def t_quantile(freedom: ArrayLike) -> Array:
 def p_value(value: ArrayLike, error: ArrayLike, freedom: ArrayLike) -> Array:
     """Return the two-sided p-value of the t-test that a quantity is zero.
 
-    Parameters
-    ----------
-    value, error
-        The estimate of the quantity, and its standard error. If the error is 0, p is 1 for the
-        value 0, and 0 for any other value.
-    freedom
-        Degrees of freedom. Where they are not positive, or value or error is not finite, p is 1.
+    If the standard error is 0, p is 1 for the value 0, and 0 for any other value. Where the degrees
+    of freedom are not positive, or value or error is not finite, p is 1.
     """
     from scipy.special import stdtr
 
@@ -93,11 +83,7 @@ def p_value(value: ArrayLike, error: ArrayLike, freedom: ArrayLike) -> Array:
 
 
 def holm(p_values: ArrayLike) -> NDArray[np.bool_]:
-    """Return a mask of the hypotheses that Holm's test rejects at a family-wise error of 5 %.
-
-    `p_values` holds one p-value per hypothesis, shape (n,). Source: Holm (1979), A simple
-    sequentially rejective multiple test procedure.
-    """
+    """Return a mask (n,) of the hypotheses that Holm's test rejects, family-wise at 5 %."""
     p = np.asarray(p_values, dtype=float)
     order = np.argsort(p, kind="stable")
     passed = p[order] <= (1.0 - CONFIDENCE) / (p.size - np.arange(p.size))
@@ -109,22 +95,11 @@ def holm(p_values: ArrayLike) -> NDArray[np.bool_]:
 def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
     """Compute the confidence interval of mean(a) / mean(b) by Fieller's theorem.
 
-    The interval holds the ratios r for which the paired t-test does not reject that mean(a) equals
-    r mean(b).
-
-    Parameters
-    ----------
-    a, b
-        Paired samples, not negative, shape (n,).
-    quantile
-        Quantile of Student's t with n - 1 degrees of freedom, e.g. the 97.5 % quantile for an
-        interval of 95 %.
-
-    Returns
-    -------
-    tuple of float
-        The lower end, at least 0, and the upper end; both are NaN if `b` scatters so much that the
-        interval has no end.
+    It holds the ratios r for which the paired t-test does not reject that mean(a) equals r mean(b).
+    `a` and `b` are paired samples, not negative, shape (n,); `quantile` is that of Student's t with
+    n - 1 degrees of freedom, e.g. the 97.5 % quantile for an interval of 95 %. Return the lower
+    end, at least 0, and the upper end; both are NaN if `b` scatters so much that the interval has
+    no end.
     """
     n = len(a)
     A, B = np.mean(a), np.mean(b)
@@ -139,21 +114,12 @@ def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
 
 
 def resample_means(records: Array, key: Sequence[int]) -> Array:
-    """Draw resamples of records with replacement; return the mean of each resample.
+    """Draw resamples of records (records, quantities) with replacement; return the mean of each.
 
-    Parameters
-    ----------
-    records
-        One row per record, shape (records, quantities).
-    key
-        Integers that are not negative. Sets of records that are independent need different keys,
-        which give different draws. Equal keys and equally many records give equal draws.
-
-    Returns
-    -------
-    array
-        The means, shape (`RESAMPLES`, quantities); (0, quantities) if there are fewer than two
-        records.
+    The means have the shape (`RESAMPLES`, quantities), or (0, quantities) if there are fewer than
+    two records. `key` holds integers that are not negative. Sets of records that are independent
+    need different keys, which give different draws. Equal keys and equally many records give equal
+    draws.
     """
     n = len(records)
     if n < 2:

@@ -53,10 +53,10 @@ def reduce_free(
 ) -> Reduced:
     """Reduce a free beam to rigid, normal and residual inertia-relief attachment modes.
 
+    Raise `InputError` if the beam has fewer modes.
+
     Parameters
     ----------
-    beam
-        A beam without supports.
     interfaces
         Degrees of freedom on which unknown forces and moments act.
     normal
@@ -65,11 +65,6 @@ def reduce_free(
         Two degrees of freedom that are held while Eq. (7) is solved. They must hold the beam
         without strain. (The print's step 4 has as many as interfaces; holding more than the rigid
         modes strains the beam.) The result does not depend on them.
-
-    Raises
-    ------
-    InputError
-        If the beam has fewer modes than asked for.
     """
     from scipy.linalg import eigh
 
@@ -107,19 +102,9 @@ def reduce_free(
 
 
 def reduce_held(beam: PlaneBeam, count: int) -> Reduced:
-    """Reduce a beam that stands to its lowest modes.
+    """Reduce a beam that soil, a foundation or a clamp holds to its `count` lowest modes.
 
-    Parameters
-    ----------
-    beam
-        A beam that soil, a foundation or a clamp holds.
-    count
-        Number of modes.
-
-    Raises
-    ------
-    InputError
-        If the beam has fewer modes, or buckles under its weight.
+    Raise `InputError` if the beam has fewer modes, or buckles under its weight.
     """
     from scipy.linalg import eigh
 

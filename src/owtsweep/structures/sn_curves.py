@@ -32,16 +32,9 @@ PAPER = (5.0, 13.617)
 class SNCurve:
     """An S-N curve of one or two branches, log10 N = log_a - m log10(S / 1 MPa).
 
-    Attributes
-    ----------
-    name
-        Name of the curve, for legends and messages.
-    m
-        Exponent of each branch.
-    log_a
-        log10 of the cycles to failure at a stress range of 1 MPa, of each branch.
-    knee
-        Number of cycles up to which the first branch holds; infinite for a single branch.
+    `name`: name of the curve, for legends and messages. `m`, `log_a`: exponent of each branch, and
+    log10 of the cycles to failure at a stress range of 1 MPa. `knee`: number of cycles up to which
+    the first branch holds; infinite for a single branch.
     """
 
     name: str
@@ -56,10 +49,7 @@ class SNCurve:
         return float(MPA * 10.0**exponent)
 
     def spend(self, ranges: Array) -> Array:
-        """Return the share 1/N of a weld's life that one cycle spends, for stress ranges in Pa.
-
-        An infinite stress range spends an infinite share.
-        """
+        """Return the share 1/N of a weld's life that one cycle spends, for stress ranges in Pa."""
         stress = ranges / MPA
         with np.errstate(over="ignore"):  # to infinity, if a scheme's estimate runs away
             first = 10.0 ** -self.log_a[0] * stress ** self.m[0]
@@ -96,7 +86,6 @@ class Fatigue(Section):
     ultimate_strength: Positive = key("for Goodman's correction", unit="Pa", default=5e8)
 
     def check(self) -> None:
-        """Raise `InputError` if the keys do not make an S-N curve."""
         own = self.curve == "own"
         require(
             own or not self.branches,
@@ -113,10 +102,7 @@ class Fatigue(Section):
     def find_curves(self, heights: Array) -> list[SNCurve]:
         """Return the S-N curve of each weld, from the welds' heights above mean sea level (m).
 
-        Raises
-        ------
-        InputError
-            If the keys do not make an S-N curve.
+        Raise `InputError` if the keys do not make an S-N curve.
         """
         if self.curve == "own":
             own = make_curve(
@@ -131,20 +117,11 @@ class Fatigue(Section):
 
 
 def find_curve(name: str, environment: str = "air") -> SNCurve:
-    """Return an S-N curve of DNV-RP-C203 by its class, or the curve `paper`.
+    """Return an S-N curve of DNV-RP-C203 by its class, "B1" to "W3".
 
-    Parameters
-    ----------
-    name
-        A class, "B1" to "W3", or "paper": the single branch printed by Simpson et al. (2025), in
-        every environment.
-    environment
-        "air", or "seawater" (with cathodic protection).
-
-    Raises
-    ------
-    InputError
-        If there is no such curve.
+    "paper" is the single branch printed by Simpson et al. (2025), in every environment.
+    `environment` is "air", or "seawater" (with cathodic protection). Raise `InputError` if there is
+    no such curve.
     """
     if name == "paper":
         return SNCurve("paper", PAPER[:1], PAPER[1:])
@@ -159,19 +136,10 @@ def find_curve(name: str, environment: str = "air") -> SNCurve:
 
 
 def make_curve(m: Sequence[float], log_a: Sequence[float], knee: float | None = None) -> SNCurve:
-    """Make an S-N curve of one's own, of one branch or two.
+    """Make an S-N curve of one's own, of one branch or two, as in `SNCurve`.
 
-    Parameters
-    ----------
-    m, log_a
-        Exponents and intercepts as in `SNCurve`.
-    knee
-        Cycles up to which the first branch holds; None for a single branch.
-
-    Raises
-    ------
-    InputError
-        If there is no branch, a number is missing, or two branches do not meet at the knee.
+    Raise `InputError` if there is no branch, a number is missing, or two branches do not meet at
+    the knee.
     """
     require(
         len(m) == len(log_a),
@@ -219,7 +187,6 @@ class _Environment(TypedDict):
 
 @cache
 def _read_table() -> dict[str, _Environment]:
-    """Read the tables of DNV-RP-C203: environment -> knee, and curves by class."""
     import yaml
 
     source = resources.files("owtsweep.structures") / "data" / "dnv_rp_c203.yaml"

@@ -17,8 +17,7 @@ class Located(NamedTuple):
     Attributes
     ----------
     study
-        Name of the study that an override `study=NAME` names. None without such an override; the
-        YAML files then name the study.
+        Name that an override `study=NAME` gives. None: the YAML files name the study.
     tree
         The study's folder of YAML files.
     overrides
@@ -34,20 +33,9 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     """Find the study and its YAML files; separate `study=NAME` from the overrides for Hydra.
 
     If no override is `study=NAME`, the result names no study. It then has the YAML files of the
-    first built-in study whose main file is `primary`.
-
-    Parameters
-    ----------
-    overrides
-        Hydra overrides, e.g. `["study=hub", "grid.replicates=2"]`.
-    primary
-        Name of the main YAML file, which depends on the command: "sweep" or "replay".
-
-    Raises
-    ------
-    InputError
-        If the overrides name several studies, an unknown study, or a study whose main YAML file is
-        not `primary`, so that another command runs the study.
+    first built-in study whose main file is `primary`: "sweep" or "replay", by the command. Raise
+    `InputError` if the overrides name several studies, an unknown study, or a study whose main YAML
+    file is not `primary`, so that another command runs the study.
     """
     name, others = _take_out_study(overrides)
     if name is None:
@@ -67,21 +55,18 @@ def compose(
 ) -> Config:
     """Compose a study's configuration from YAML files and overrides; convert types, check values.
 
+    Raise `InputError` if anything is wrong with the overrides or files; the message is one line.
+
     Parameters
     ----------
     overrides
-        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. The override `study=NAME`
-        selects the study. Without it, the first built-in study whose main YAML file is `primary`
-        is taken ("hub" for "sweep").
+        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. `study=NAME` selects the
+        study. Without it, the first built-in study whose main YAML file is `primary` is taken
+        ("hub" for "sweep").
     config_dir
         A folder with further config groups for Hydra (`--config-dir`).
     primary
         Name of the main YAML file: "sweep" or "replay".
-
-    Raises
-    ------
-    InputError
-        If anything is wrong with the overrides or files; the message is one line.
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)
@@ -98,19 +83,9 @@ def compose(
 def from_mapping(mapping: Any, study: str | None = None) -> Config:
     """Return a composed or stored configuration with its types converted and its values checked.
 
-    Parameters
-    ----------
-    mapping
-        The configuration as an OmegaConf object.
-    study
-        Name of the study whose model of the configuration is used. None takes the value of the
-        mapping's key `study`, or "hub" if the mapping has no such key.
-
-    Raises
-    ------
-    InputError
-        For an unknown study, an unknown key (the message suggests the nearest known key), a wrong
-        type or an impossible value.
+    The model is that of `study`, or else of the mapping's key `study`, or of "hub".
+    Raise `InputError` for an unknown study, an unknown key (the message suggests the nearest known
+    one), a wrong type or an impossible value.
     """
     return _checked(resolved(mapping), study)
 
@@ -125,10 +100,7 @@ def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
 
 
 def _check_command(study: str, primary: str) -> None:
-    """Raise `InputError` if the study's main YAML file is not `primary`.
-
-    Another command runs such a study. `study` is the name of the study.
-    """
+    """Raise `InputError` if another command runs the study: its main YAML file is not `primary`."""
     needed = registry.find_entry(study).primary
     if needed == primary:
         return
@@ -154,15 +126,10 @@ def _key(override: str) -> str:
 
 
 def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
-    """Split the overrides: return the name of the study, and the overrides without `study=NAME`.
+    """Return the name of the study, if any, and the overrides without `study=NAME`.
 
-    The name is None if no override is `study=NAME`.
-
-    Raises
-    ------
-    InputError
-        If `overrides` is no list of texts, or names an unknown study, several studies, or an empty
-        name.
+    Raise `InputError` if `overrides` is no list of texts, or names an unknown study, several
+    studies, or an empty name.
     """
     require_texts(overrides)
     name, others = None, []

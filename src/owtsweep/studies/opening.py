@@ -22,13 +22,10 @@ from owtsweep.sweep.study import Study
 
 
 def open_run(folder: Path) -> Run:
-    """Open the run that is stored in a folder, or one of its questions, `<run>/asked/<hash>`.
+    """Open the run that is stored in a folder, or one of its queries, `<run>/asked/<hash>`.
 
-    Raises
-    ------
-    InputError
-        If the folder holds no run, the run cannot be read by this version of the program, or the
-        run's study is not installed.
+    Raise `InputError` if the folder holds no run, the run cannot be read by this version of the
+    program, or the run's study is not installed.
     """
     path = folder / "config.yaml"
     require_folder(folder)
@@ -52,7 +49,6 @@ def open_run(folder: Path) -> Run:
 
 
 def _find_study(path: Path, plain: dict[str, Any]) -> Study:
-    """Return the study of a stored configuration, which `path` and `plain` name and hold."""
     name = str(plain.get("study", registry.DEFAULT))
     try:
         return registry.get_study(name)

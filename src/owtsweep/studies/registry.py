@@ -38,10 +38,9 @@ class Entry:
     Attributes
     ----------
     target
-        The study's class as "module:Class". The class is called without arguments.
+        The study's class as "module:Class", which is called without arguments.
     primary
-        Name of the study's main YAML file, without suffix. It is also the name of the subcommand
-        that runs the study.
+        Name of the study's main YAML file, without suffix, and of the subcommand that runs it.
     implied
         Overrides that select this study where several studies share a folder of YAML files.
     package
@@ -72,13 +71,11 @@ def names() -> list[str]:
 
 
 def find_entry(name: str) -> Entry:
-    """Return the entry of the study called `name`, which tells how to find and run the study.
+    """Return the entry of the study called `name`.
 
-    Raises
-    ------
-    InputError
-        If there is no study of this name; the message lists the known names, the most similar name
-        first. Also if several packages have a study of this name; the message lists the packages.
+    Raise `InputError` if there is no study of this name; the message lists the known names, the
+    most similar name first, or if several packages have a study of this name; the message lists the
+    packages.
     """
     if name in OURS:
         return OURS[name]
@@ -94,11 +91,8 @@ def find_entry(name: str) -> Entry:
 def get_study(name: str) -> Study:
     """Import the study called `name`, and return an object of its class; import no other study.
 
-    Raises
-    ------
-    InputError
-        If there is no study of this name. Also if a study of another package does not work; the
-        message names the package.
+    Raise `InputError` if there is no study of this name, or if a study of another package does not
+    work; the message names the package.
     """
     entry = find_entry(name)
     module, _, attribute = entry.target.partition(":")
@@ -118,7 +112,7 @@ def list_schemes(name: str) -> Mapping[str, str]:
 
 
 def list_serving(command: str) -> str:
-    """Return the names of the studies for which a command of `Study.commands` works, in words.
+    """Return the studies for which a command of `Study.commands` works, in words.
 
     A study of another package that does not work is left out.
     """
@@ -134,14 +128,10 @@ def list_serving(command: str) -> str:
 
 @contextmanager
 def blame_package(name: str) -> Iterator[None]:
-    """Turn any error inside a `with` block into one line that names the package of a study.
+    """Turn any error inside the context into one line that names the package of a study.
 
-    `name` is the name of the study. Errors of a built-in study are raised unchanged.
-
-    Raises
-    ------
-    InputError
-        If an error is raised inside the block and the study is of another package.
+    Errors of a built-in study are raised unchanged. Raise `InputError` if an error is raised inside
+    the context and the study is of another package.
     """
     try:
         yield
@@ -154,10 +144,7 @@ def blame_package(name: str) -> Iterator[None]:
 
 
 def _of_others() -> list[tuple[str, Entry]]:
-    """Return a pair (name, entry) for each study of another package.
-
-    A study that has the name of a built-in study is left out.
-    """
+    """Return each study of another package, but not one with the name of a built-in study."""
     return [
         (point.name, Entry(point.value, package=point.dist.name if point.dist else point.value))
         for point in entry_points(group=GROUP)
@@ -166,13 +153,10 @@ def _of_others() -> list[tuple[str, Entry]]:
 
 
 def find_tree(name: str) -> Tree:
-    """Return the folder of YAML files, as a `Tree`, of the study called `name`.
+    """Return the folder of YAML files of the study called `name`.
 
-    Raises
-    ------
-    InputError
-        If there is no study of this name, or the study does not work. Also if a study of another
-        package lacks its main YAML file.
+    Raise `InputError` if there is no study of this name, or the study does not work, or if a study
+    of another package lacks its main YAML file.
     """
     entry, model = find_entry(name), get_study(name).config_type()
     if entry.package:

@@ -49,10 +49,11 @@ def check_study(
 ) -> None:
     """Run all checks on a study.
 
+    Raise `AssertionError` if a check fails. The message is one line that names the study and the
+    broken part of the contract.
+
     Parameters
     ----------
-    study
-        The study.
     config
         A small configuration of the study. It is run several times, and the runs are stored in the
         folder that its key `results` names. If None, the study's default configuration is run, and
@@ -60,12 +61,6 @@ def check_study(
     failing
         A configuration with which some cases fail and others succeed. If None, the handling of
         failures is not checked.
-
-    Raises
-    ------
-    AssertionError
-        If a check fails. The message is one line that names the study and the broken part of the
-        contract.
     """
     if config is None:
         with TemporaryDirectory() as folder:
@@ -85,14 +80,8 @@ def check_study(
 def check_plan(study: Study, config: Config) -> None:
     """Check that planning a configuration twice gives equal blocks, whatever the order of the grid.
 
-    A block is a part of the plan. A block's key is a hash of everything on which its results
-    depend.
-
-    Raises
-    ------
-    AssertionError
-        If two plans of the configuration differ in the blocks' keys, or if reversing an axis of the
-        grid changes the set of these keys.
+    Raise `AssertionError` if two plans differ in the blocks' keys, or if reversing an axis of the
+    grid changes the set of these keys.
     """
     keys = _keys(study, config)
     assert keys == _keys(study, config), f"{study.name}: two plans of one configuration differ"
@@ -106,20 +95,9 @@ def check_plan(study: Study, config: Config) -> None:
 def check_keys(study: Study, config: Config) -> list[str]:
     """Check that each configuration key changes blocks of the plan, unless the key is inert.
 
-    A configuration key is inert if the configuration's type declares that it changes no number. A
-    block of the plan has changed if its hash has changed.
-
-    Returns
-    -------
-    list of str
-        The configuration keys that were not checked, because the study accepted none of the values
-        that were tried.
-
-    Raises
-    ------
-    AssertionError
-        If changing an inert configuration key changes the blocks' hashes, or changing another
-        configuration key does not.
+    Return the keys that were not checked, because the study accepted none of the values tried.
+    Raise `AssertionError` if changing an inert key changes the blocks' hashes, or changing another
+    does not.
     """
     keys = set(_keys(study, config))
     untried = []
@@ -141,13 +119,8 @@ def check_keys(study: Study, config: Config) -> list[str]:
 def check_run(study: Study, config: Config) -> Run:
     """Run a study twice; check that the second run computes nothing, and that results can be shown.
 
-    Returns the run.
-
-    Raises
-    ------
-    AssertionError
-        If a case fails, if the second run computes a case, if the terminal shows nothing, or if no
-        figure is drawn.
+    Raise `AssertionError` if a case fails, if the second run computes a case, if the terminal shows
+    nothing, or if no figure is drawn.
     """
     cases = count_cases(make_plan(study, config))
     first = sweep(study, config)
@@ -171,13 +144,9 @@ def check_run(study: Study, config: Config) -> Run:
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     """Check that rows have the required columns and a valid status, and that no row appears twice.
 
-    `rows` are the results of a run of the study with the configuration.
-
-    Raises
-    ------
-    AssertionError
-        If a column is missing, if two rows agree in all `sort_columns` of the engine, if a status
-        is unknown, if a row with the status "ok" has a reason, or if another row has none.
+    Raise `AssertionError` if a column is missing, if two rows agree in all `sort_columns` of the
+    engine, if a status is unknown, if a row with the status "ok" has a reason, or if another row
+    has none.
     """
     identity = study.engine(config).sort_columns()
     conditions = [c.name for c in study.conditions(config) if not c.expands]
@@ -198,12 +167,8 @@ def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
 def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) -> None:
     """Check that a run has tables, and that `summary` and `best_scheme` have the required columns.
 
-    Either of these two tables may be absent. `tables` holds all tables of the run by name.
-
-    Raises
-    ------
-    AssertionError
-        If the run has no table, or if `summary` or `best_scheme` has other columns.
+    Raise `AssertionError` if the run has no table, or if one of these two, which may be absent, has
+    other columns.
     """
     assert tables, f"{study.name}: a run has no table"
     conditions = [condition.name for condition in study.conditions(config)]
@@ -220,13 +185,8 @@ def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) 
 def check_blocks_alone(study: Study, config: Config) -> None:
     """Check that each block gives the same rows whether it runs alone or together with its group.
 
-    A block is a part of the plan; blocks of a group run together. The first block of each group is
-    not run alone.
-
-    Raises
-    ------
-    AssertionError
-        If a block gives other rows when it runs alone.
+    The first block of each group is not run alone. Raise `AssertionError` if a block gives other
+    rows when it runs alone.
     """
     engine = study.engine(config)
     for task in make_tasks(make_plan(study, config)):
@@ -242,12 +202,7 @@ def check_blocks_alone(study: Study, config: Config) -> None:
 def check_failures(study: Study, config: Config) -> None:
     """Check that a failed case has a reason, and that other cases succeed in spite of it.
 
-    `config` is a configuration with which some cases fail.
-
-    Raises
-    ------
-    AssertionError
-        If no case fails, if no case succeeds, or if a failed case has no reason.
+    Raise `AssertionError` if no case fails, if no case succeeds, or if a failed case has no reason.
     """
     outcome = sweep(study, config)
     rows = outcome.run.cases()
@@ -262,15 +217,10 @@ def _keys(study: Study, config: Config) -> list[str]:
 
 
 def variations(study: Study, config: Config) -> Iterator[tuple[str, bool, Config | None]]:
-    """Yield the configuration with one key changed, for each key in turn.
+    """Yield the configuration with one key changed, for each key in turn except `NOT_VARIED`.
 
-    Keys in `NOT_VARIED` are left out.
-
-    Yields
-    ------
-    tuple
-        Three items: the dotted key; False if the key is declared to change no number (inert), else
-        True; the changed configuration, or None if the study accepts none of the values tried.
+    Yield the dotted key, whether it may change numbers (is not inert), and the changed
+    configuration, or None if the study accepts none of the values tried.
     """
     for name, field, value in _leaves(config):
         sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
@@ -287,7 +237,7 @@ def reversed_grids(config: Config) -> Iterator[tuple[str, Config]]:
 
 
 def one_case(config: Config) -> Config:
-    """Return the configuration of a run with a single case; the run is named "one-case".
+    """Return the configuration of a run of one case, named "one-case".
 
     The case has the first value of each axis of the grid, one replicate and the first scheme.
     """
@@ -302,10 +252,7 @@ def one_case(config: Config) -> Config:
 
 
 def _leaves(section: Section, prefix: str = "") -> Iterator[tuple[str, FieldInfo, object]]:
-    """Yield the dotted key, pydantic field and value of each key in a section and its subsections.
-
-    `prefix` is the text before each key, e.g. "grid.". Keys whose value is a section are left out.
-    """
+    """Yield dotted key, pydantic field and value of each key that is no section."""
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
@@ -317,17 +264,7 @@ def _leaves(section: Section, prefix: str = "") -> Iterator[tuple[str, FieldInfo
 def _vary(
     study: Study, config: Config, name: str, field: FieldInfo, value: object
 ) -> Config | None:
-    """Return the configuration with another value of the key `name`: the first that is accepted.
-
-    Returns None if no tried value is accepted.
-
-    Parameters
-    ----------
-    study, config
-        The study, and the configuration, which is not changed.
-    name, field, value
-        Dotted key, its pydantic field and its value in `config`.
-    """
+    """Return the configuration with the first accepted other value of the key, or None."""
     for candidate in _candidates(field.annotation, value):
         if candidate == value:
             continue
@@ -343,15 +280,7 @@ def _vary(
 
 
 def _candidates(annotation: object, value: object) -> list[object]:
-    """Return values to try for a key; an empty list if none are known for its type.
-
-    Parameters
-    ----------
-    annotation
-        The type annotation of the key.
-    value
-        The present value of the key, which may be among the values returned.
-    """
+    """Return values to try for a key, perhaps also the present one; none if its type is unknown."""
     kind = bare_type(annotation)
     if get_origin(kind) is Literal:
         return list(get_args(kind))

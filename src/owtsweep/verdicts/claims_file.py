@@ -151,8 +151,6 @@ class Statement:
         The test in words.
     decided
         What was decided after data had been seen; "" if nothing was.
-    claims
-        The claims that it makes.
     """
 
     name: str
@@ -167,15 +165,10 @@ class Statement:
 class ClaimsFile:
     """The content of a file of claims.
 
-    Attributes
-    ----------
-    study, paper, script, note
-        Name of the study, name of the paper, module that makes scores which the rows of a run are
-        not, and a sentence on the origin of the tests; "" where the file says nothing.
-    words
-        Value of a column -> how labels tell it.
-    statements, goals
-        What the paper says, and what the project wants to reach.
+    `study`, `paper`, `script`, `note`: name of the study, name of the paper, module that makes
+    scores which the rows of a run are not, and a sentence on the origin of the tests; "" where the
+    file says nothing. `words`: value of a column -> how labels tell it. `statements`, `goals`: what
+    the paper says, and what the project wants to reach.
     """
 
     study: str
@@ -190,11 +183,8 @@ class ClaimsFile:
 def read_claims(path: Path) -> ClaimsFile:
     """Read a file of claims.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is larger than 1 MB, is no TOML, or holds an unknown key or kind
-        or a value that does not fit.
+    Raise `InputError` if the file cannot be read, is larger than 1 MB, is no TOML, or holds an
+    unknown key or kind or a value that does not fit.
     """
     text = read_text(path, MOST_BYTES)
     try:
@@ -218,8 +208,8 @@ def read_claims(path: Path) -> ClaimsFile:
         for name in ("statements", "goals")
     )
     require(bool(statements + goals), f"{where}: it has no statements; write [[statements]]")
-    told = {n: " ".join(_take(found, n, str, where, "").split()) for n in _OF_FILE[:4]}
-    return ClaimsFile(**told, words=words, statements=statements, goals=goals)
+    texts = {n: " ".join(_take(found, n, str, where, "").split()) for n in _OF_FILE[:4]}
+    return ClaimsFile(**texts, words=words, statements=statements, goals=goals)
 
 
 def _make_statement(found: Plain, shared: Plain, where: str) -> Statement:

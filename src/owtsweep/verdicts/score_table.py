@@ -56,14 +56,10 @@ class Boundary(Estimate):
 
 @dataclass(frozen=True)
 class RunRows:
-    """The rows of a run, of which boundaries are found.
+    """The rows of a run, of which boundaries are found, in one window.
 
-    Attributes
-    ----------
-    rows, conditions
-        As `Run.cases` and `Study.conditions` return them. The last condition expands.
-    window
-        The part of each record over which errors are averaged.
+    `rows` and `conditions` are as `Run.cases` and `Study.conditions` return them. The last
+    condition expands.
     """
 
     rows: pd.DataFrame
@@ -114,8 +110,8 @@ class RunRows:
 
     def tell(self, place: Place) -> str:
         """Return the values of all conditions but the last in words."""
-        told = zip(self.conditions[:-1], place, strict=True)
-        return ", ".join(condition.show(value) for condition, value in told)
+        pairs = zip(self.conditions[:-1], place, strict=True)
+        return ", ".join(condition.show(value) for condition, value in pairs)
 
 
 @dataclass(frozen=True)
@@ -138,18 +134,9 @@ class ScoreTable:
     def of_rows(
         cls, rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid, window: str
     ) -> ScoreTable:
-        """Make the scores of a run.
+        """Make the scores of a run: columns scheme, the conditions, measure, replicate, value.
 
-        Columns: scheme, the conditions, measure, replicate, value.
-
-        Parameters
-        ----------
-        rows, conditions
-            The run's rows, and the conditions of its study.
-        grid
-            Condition -> the run's values; only those of a last condition that expands are needed.
-        window
-            The part of each record over which errors are averaged.
+        Of `grid` only the values of a last condition that expands are needed.
         """
         inside = rows[rows["window"] == window]
         cube = Cube.of_rows(inside, list(inside["scheme"].unique()), conditions, grid)
@@ -158,7 +145,6 @@ class ScoreTable:
 
     @property
     def records(self) -> int:
-        """The number of records."""
         return int(self.table["replicate"].nunique())
 
     @cached_property
@@ -168,7 +154,6 @@ class ScoreTable:
 
     @cached_property
     def _by_cell(self) -> dict[tuple[Value, ...], pd.Series[float]]:
-        """The values of every cell, indexed by replicate and sorted."""
         groups = self.table.set_index("replicate").sort_index(kind="stable")
         by_columns = groups.groupby(self.columns, sort=False, observed=True)["value"]
         return {
@@ -178,7 +163,6 @@ class ScoreTable:
 
     @cached_property
     def _only(self) -> dict[str, Value]:
-        """The value of each column that has a single one."""
         values = [set(column) for column in zip(*self._by_cell, strict=True)]
         pairs = zip(self.columns, values, strict=bool(values))
         return {name: next(iter(found)) for name, found in pairs if len(found) == 1}
@@ -188,12 +172,8 @@ class ScoreTable:
     ) -> list[dict[str, Value]]:
         """Return the cells of a selection, whether the table has them or not.
 
-        The last of the selected columns varies first. Columns in `free` need no value.
-
-        Raises
-        ------
-        InputError
-            If another column is left out that has several values.
+        The last of the selected columns varies first. Columns in `free` need no value. Raise
+        `InputError` if another column is left out that has several values.
         """
         left = [name for name in self.columns if name not in selection and name not in free]
         for name in left:

@@ -15,10 +15,7 @@ def estimate_record(
 ) -> EstimatedRecord:
     """Make a record, run all schemes on it, and return all of it.
 
-    Raises
-    ------
-    InputError
-        If the grid has several cells, or the record cannot be made.
+    Raise `InputError` if the grid has several cells, or the record cannot be made.
     """
     declaration.require(config)
     values = declaration.axes.get_values(config)
@@ -33,8 +30,8 @@ def estimate_record(
     failures = {}
     for scheme in declaration.schemes.choose(config):
         ignored = find_ignored(declaration, scheme)
-        told = {axis: value for axis, value in cell.items() if axis not in ignored}
-        ((record, parts),) = made.take(config, told)
+        known = {axis: value for axis, value in cell.items() if axis not in ignored}
+        ((record, parts),) = made.take(config, known)
         readied = Readied(declaration, scheme)
         try:
             estimates = {name: readied.run(part) for name, part in parts.items()}

@@ -19,7 +19,7 @@ from owtsweep.studies.base.contest import (
     describe_draws,
 )
 from owtsweep.studies.base.schemes import list_names
-from owtsweep.studies.base.tables import find_waits, list_competing, make_cube
+from owtsweep.studies.base.tables import find_latencies, list_competing, make_cube
 
 #: Letters of the lines above a map that fit into an inch.
 LETTERS_PER_INCH = 9.5
@@ -41,12 +41,12 @@ def list_maps(
 ) -> dict[str, Drawing]:
     """Return name -> function that draws: "map_<criterion>" of each criterion, "distributions".
 
-    The latter shows the errors of single records by the key `criterion`, if there are several.
+    The latter shows single records, if there are several, by the key `criterion`.
     """
     from owtsweep.figures import distributions
 
     cube = make_cube(contest, config, rows, list_competing(config, rows))
-    notes = [*tell_unable(cube.unable), *tell_waiting(config, rows)]
+    notes = [*tell_unable(cube.unable), *tell_latencies(config, rows)]
     failures = int(((rows["status"] == FAILED) & rows["scheme"].isin(list(cube.schemes))).sum())
     drawings = {
         f"map_{criterion}": save_figure(
@@ -83,16 +83,16 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
     schemes = [name for name in names if name not in waiting] or names
     conditions = contest.find_conditions(config)
     shown = grid(best, schemes, conditions, config.criterion, WINDOW, score="error")
-    told = [
+    lines = [
         f"By {criterion.replace('_', ' ')}: {tell_winners(cells)}"
         for criterion in contest.criteria
         if len(cells := best[best["criterion"] == criterion])
     ]
     if len(schemes) < len(names):
-        told.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
-    told += contest.tell_more(config, tables)
+        lines.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
+    lines += contest.tell_more(config, tables)
     return Group(
-        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in told)
+        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in lines)
     )
 
 
@@ -101,17 +101,17 @@ def tell_unable(unable: pd.DataFrame) -> list[str]:
     if unable.empty:
         return []
     counts = unable["scheme"].astype(str).value_counts(sort=False)
-    told = ", ".join(f"{name} in {n} cell{'s' * (n != 1)}" for name, n in counts.items())
-    return [f"Unable to work, with its reason in summary.csv: {told}."]
+    text = ", ".join(f"{name} in {n} cell{'s' * (n != 1)}" for name, n in counts.items())
+    return [f"Unable to work, with its reason in summary.csv: {text}."]
 
 
-def tell_waiting(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
-    """Return a sentence on schemes that wait for later measurements, if others do not."""
-    waits = find_waits(rows)
-    if not waits or list_competing(config, rows) == list_names(config.schemes):
+def tell_latencies(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
+    """Return a sentence on schemes with a latency, if others have none."""
+    latencies = find_latencies(rows)
+    if not latencies or list_competing(config, rows) == list_names(config.schemes):
         return []
-    told = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in waits.items())
-    return [f"In summary.csv, but not in the contest, because estimates wait: {told}."]
+    text = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in latencies.items())
+    return [f"In summary.csv, but not in the contest, because estimates wait: {text}."]
 
 
 def _draw_map(
@@ -160,7 +160,6 @@ def _draw_distributions(contest: Contest[C], config: C, cube: Cube) -> Figure:
 
 
 def _add_origin(figure: Figure, contest: Contest[C], config: C) -> None:
-    """Write truth and sensors below a figure's title."""
     from owtsweep.figures import style
 
     lines = [

@@ -33,9 +33,9 @@ class Listed(NamedTuple):
     Attributes
     ----------
     sentence, look
-        What it is, in words, and how it is drawn; None: as a user's.
+        What it is, in words, and its style; None: as a user's.
     ignores
-        The axes of what schemes are told on which its estimates do not depend.
+        The axes of knowledge on which its estimates do not depend.
     module
         The module in which it stands under its name, beside its base; "": a module of its own.
     """
@@ -93,13 +93,11 @@ class SchemeTable:
 
     Attributes
     ----------
-    study
-        The study's name.
     package
         The package with a module for each scheme: the scheme KF is `SCHEME` in its module `kf`. A
-        variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module that
-        its line in `listed` names. Beside the package stands the module `contract`, whose
-        `Scheme` is the class of the study's schemes.
+        variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module that its
+        line in `listed` names. Beside the package stands the module `contract`, whose `Scheme` is
+        the class of the study's schemes.
     listed
         Name -> what is known of the scheme, in the order of tables and figures.
     stored
@@ -112,7 +110,7 @@ class SchemeTable:
     stored: type[StoredScheme] = StoredScheme
 
     def __post_init__(self) -> None:
-        """Reserve the looks of the schemes, so that they are the same in all figures."""
+        """Reserve the styles of the schemes, so that they are the same in all figures."""
         looks = {name: listed.look for name, listed in self.listed.items()}
         reserve({name: look for name, look in looks.items() if look is not None})
 
@@ -130,17 +128,10 @@ class SchemeTable:
     def resolve(self, entry: Entry) -> AnyScheme:
         """Return the scheme for which an entry of the key `schemes` stands.
 
-        Parameters
-        ----------
-        entry
-            A name of the study's schemes, or of a scheme of another package; or a mapping
-            `{_target_: package.Class, ...}`, whose other keys are the arguments of the class.
-
-        Raises
-        ------
-        InputError
-            If there is no such scheme, it cannot be made, has the name of one of the study's, or is
-            of another study.
+        That is a name of the study's schemes, or of a scheme of another package; or a mapping
+        `{_target_: package.Class, ...}`, whose other keys are the arguments of the class. Raise
+        `InputError` if there is no such scheme, it cannot be made, has the name of one of the
+        study's, or is of another study.
         """
         if isinstance(entry, StoredScheme):
             return entry  # its run is read, not computed
@@ -163,10 +154,8 @@ class SchemeTable:
     def resolve_all(self, entries: Sequence[Entry]) -> list[AnyScheme]:
         """Return the schemes of a run, in the order of the key `schemes`.
 
-        Raises
-        ------
-        InputError
-            If the list is empty, an entry stands for no scheme, or two schemes have one name.
+        Raise `InputError` if the list is empty, an entry stands for no scheme, or two schemes have
+        one name.
         """
         if not entries:
             known = ",".join([*self.listed][:2])
@@ -192,10 +181,7 @@ class SchemeTable:
     def describe_content(self, config: AnyConfig, entry: Entry, scheme: AnyScheme) -> Plain:
         """Return what a scheme's rows depend on: name, tuning, and a user's entry and code.
 
-        Raises
-        ------
-        InputError
-            If the scheme is that of a stored run, whose code is not loaded.
+        Raise `InputError` if the scheme is that of a stored run, whose code is not loaded.
         """
         tuning = {section: _plain(attrgetter(section)(config)) for section in scheme.sections}
         return {"scheme": scheme.name, "tuning": tuning, **self.describe_code(entry, scheme)}
@@ -203,12 +189,8 @@ class SchemeTable:
     def describe_code(self, entry: Entry, scheme: AnyScheme) -> dict[str, object]:
         """Return the entry and the source of a scheme that is not the study's; {} if it is.
 
-        Rows depend on them. `numerics_version` tells of changes of the study's own schemes.
-
-        Raises
-        ------
-        InputError
-            If the scheme is that of a stored run, whose code is not loaded.
+        Rows depend on them. `numerics_version` tells of changes of the study's own schemes. Raise
+        `InputError` if the scheme is that of a stored run, whose code is not loaded.
         """
         if isinstance(entry, str) and entry in self.listed:
             return {}
@@ -218,7 +200,7 @@ class SchemeTable:
         return {"entry": plain} | describe_source(type(scheme), scheme.version)
 
     def explain_anew(self, scheme: AnyScheme) -> str:
-        """Return why stored rows of a scheme must be computed anew; "" if they can be used."""
+        """Return why stored rows of a scheme must be recomputed; "" if they can be used."""
         ours = scheme.name in self.listed
         return "" if ours else explain_doubt(type(scheme), scheme.version)
 
@@ -235,17 +217,8 @@ class SchemeTable:
     def stand_in(self, entries: object, described: object) -> object:
         """Replace users' schemes in the key `schemes` of a stored run by stand-ins.
 
-        Parameters
-        ----------
-        entries
-            The value of the key. If it is no list, it is returned as it is.
-        described
-            What `describe_stored` made of these entries, as the run stores it.
-
-        Raises
-        ------
-        InputError
-            If an entry that is a mapping is not described as it must be.
+        `described` is what `describe_stored` made of these entries. What is no list is returned as
+        it is. Raise `InputError` if an entry that is a mapping is not described as it must be.
         """
         if not isinstance(entries, list) or not any(isinstance(e, Mapping) for e in entries):
             return entries
@@ -309,22 +282,11 @@ def list_names(entries: Sequence[Entry]) -> list[str]:
 def make_scheme(
     entry: Mapping[str, object], kind: type = Scheme, study: str = "<study>"
 ) -> AnyScheme:
-    """Make a user's scheme of its entry, whose other keys are the arguments of the class.
+    """Make a user's scheme, of a class that derives from `kind`, of its entry.
 
-    Parameters
-    ----------
-    entry
-        The mapping `{_target_: package.Class, ...}`.
-    kind
-        The class of the study's schemes, from which the user's must derive.
-    study
-        The study's name.
-
-    Raises
-    ------
-    InputError
-        If the class cannot be imported or made, is no scheme or one of another study, or states
-        something wrong of itself.
+    The entry is `{_target_: package.Class, ...}`, whose other keys are the arguments of the class.
+    Raise `InputError` if the class cannot be imported or made, is no scheme or one of another
+    study, or states something wrong of itself.
     """
     target = str(entry["_target_"])
     module_name, _, class_name = target.rpartition(".")
@@ -352,21 +314,16 @@ def make_scheme(
 
 @contextmanager
 def blame_code(target: str, advice: str) -> Iterator[None]:
-    """Turn every exception of a scheme's code into an InputError of one line.
+    """Turn every exception of a scheme's code but KeyboardInterrupt into an InputError of one line.
 
-    Raises
-    ------
-    InputError
-        Instead of any exception inside the context, except KeyboardInterrupt, which is not changed.
-        The message names the scheme by `target` and ends with `advice`. But if the exception was an
-        InputError, the message ends with the text of that InputError.
+    It names the scheme by `target` and ends with `advice`, or with the text of an InputError.
     """
     try:
         yield
     except InputError as error:
-        told = str(error)
+        text = str(error)
         raise InputError(
-            told if told.startswith("schemes: ") else f"schemes: {target} is no scheme: {told}"
+            text if text.startswith("schemes: ") else f"schemes: {target} is no scheme: {text}"
         ) from None
     except KeyboardInterrupt:
         raise

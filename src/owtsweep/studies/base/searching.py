@@ -1,4 +1,4 @@
-"""Searches the best values of parameters with Optuna: asks for values, and tells their score."""
+"""Searches the best values of parameters with Optuna: queries values, and tells their score."""
 
 from __future__ import annotations
 
@@ -31,16 +31,8 @@ SPREAD = 0.03
 class Trial:
     """Values that were tried.
 
-    Attributes
-    ----------
-    values
-        Parameter -> value.
-    score
-        The score, less is better; infinite if there is none.
-    details
-        The details that the objective returned.
-    reason
-        Why the objective could not be computed; else empty.
+    `score`: the score, less is better; infinite if there is none. `details`: the details that the
+    objective returned. `reason`: why the objective could not be computed; else empty.
     """
 
     values: Plain
@@ -74,14 +66,8 @@ def search(
 
     Parameters
     ----------
-    space
-        What to search.
-    objective
-        What to minimise.
-    trials
-        Number of trials.
-    seed
-        Seed of the sampler.
+    trials, seed
+        Number of trials, and seed of the sampler.
     starts
         Values of the first trials. A value that is missing or out of bounds is sampled.
     near_start

@@ -56,8 +56,8 @@ def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFra
     return pd.concat([rows[~free], everywhere[rows.columns]], ignore_index=True)
 
 
-def find_waits(rows: pd.DataFrame) -> dict[str, float]:
-    """Return the schemes that wait for later measurements, each with how long it does, s."""
+def find_latencies(rows: pd.DataFrame) -> dict[str, float]:
+    """Return the schemes with a latency, each with its latency, s."""
     waiting = rows[rows["measure"] == WAIT]
     return {
         str(name): float(of_scheme.max())
@@ -66,10 +66,10 @@ def find_waits(rows: pd.DataFrame) -> dict[str, float]:
 
 
 def list_competing(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
-    """Return the schemes that do not wait; all of them if every one does."""
-    waits = find_waits(rows)
+    """Return the schemes without a latency; all of them if every one has one."""
+    latencies = find_latencies(rows)
     names = list_names(config.schemes)
-    return [name for name in names if name not in waits] or names
+    return [name for name in names if name not in latencies] or names
 
 
 def describe_run(contest: Contest[C], run: Candidate) -> Aspects:

@@ -1,4 +1,4 @@
-"""Records of a cell, simulated or recorded: truth, what sensors say, and what schemes are told."""
+"""Records of a cell, simulated or recorded: truth, what sensors say, and what schemes know."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from owtsweep.studies.blade.truth import Motion, choose_freedoms, make_truth
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
 
-#: A bias or a walk of zero is believed to be this part of the noise of a sample, so that its
+#: A bias or a walk of zero is assumed to be this part of the noise of a sample, so that its
 #: variance stays positive.
 LEAST = 1e-6
 
@@ -28,17 +28,10 @@ LEAST = 1e-6
 class Case(NamedTuple):
     """One record of a cell.
 
-    Attributes
-    ----------
-    truth
-        The motion; of a recorded lift the estimates of the smoother with all fixes.
-    measured
-        What the sensors say.
-    start, start_sigma, geometry
-        As of `contract.Setting`.
-    withheld
-        Fixes of the first antenna that a record has and `measured` has not, m, shape (steps, 3),
-        NaN at other samples; None if the lift is simulated.
+    `truth`: the motion; of a recorded lift the estimates of the smoother with all fixes. `start`,
+    `start_sigma`, `geometry`: as of `contract.Setting`. `withheld`: fixes of the first antenna that
+    a record has and `measured` has not, m, shape (steps, 3), NaN at other samples; None if the lift
+    is simulated.
     """
 
     truth: Truth
@@ -50,20 +43,14 @@ class Case(NamedTuple):
 
     def tell(self, config: BladeConfig, cell: Cell) -> Setting:
         """Return what schemes know of the case, by the tuning of a configuration."""
-        return believe(config, cell, self.start, self.start_sigma, self.geometry)
+        return make_setting(config, cell, self.start, self.start_sigma, self.geometry)
 
 
 class World(NamedTuple):
     """What moves in a record: a simulated blade, or the one of a recorded lift.
 
-    Attributes
-    ----------
-    replicate
-        Number of the record.
-    motion
-        The simulated motion; None if the lift is recorded.
-    lift, reference
-        The recorded lift, and what stands for its truth; None if the lift is simulated.
+    `motion`: the simulated motion; None if the lift is recorded. `lift`, `reference`: the recorded
+    lift, and what stands for its truth; None if the lift is simulated.
     """
 
     replicate: int
@@ -75,15 +62,14 @@ class World(NamedTuple):
 def make_world(config: BladeConfig, cell: Cell, replicate: int) -> World:
     """Simulate the motion of a record, or read the recorded lift.
 
-    Raises
-    ------
-    InputError
-        If a recorded lift cannot be used.
+    Raise `InputError` if a recorded lift cannot be used.
     """
     if config.recorded.imu is None:
         return World(replicate, make_truth(config, replicate, cell))
     lift = load_lift(config)
-    return World(replicate, lift=lift, reference=find_reference(lift, tell_of_lift(config, lift)))
+    return World(
+        replicate, lift=lift, reference=find_reference(lift, make_lift_setting(config, lift))
+    )
 
 
 def observe(config: BladeConfig, cell: Cell, world: World) -> Case:
@@ -107,36 +93,33 @@ def observe(config: BladeConfig, cell: Cell, world: World) -> Case:
     )
 
 
-def believe(
+def make_setting(
     config: BladeConfig,
     cell: Cell,
     start: tuple[Array, Array],
     start_sigma: Array,
     geometry: Geometry = PLAN,
 ) -> Setting:
-    """Return what schemes know of a case that begins at `start`, by the section `filters`.
-
-    `start`, `start_sigma` and `geometry` are those of `contract.Setting`.
-    """
+    """Return what schemes know of a case that begins at `start`, by the section `filters`."""
     tuning, sensors = config.filters, config.sensors
     receiver = sensors.receiver
-    told = tuning if tuning.noise == "declared" else config.unit
+    priors = tuning if tuning.noise == "declared" else config.unit
     vertical = np.array([1.0, 1.0, sensors.vertical])
     declared = tuning.noise == "declared"
     fix_sigma = np.array(tuning.fix_sigma) if declared else cell["sigma"] * vertical
     freedoms = list(choose_freedoms(config, cell).values())[:3]
     walk = 1.0 / np.sqrt(WALK_TIME)
-    rate_sigma = np.deg2rad(told.rate_sigma)
+    rate_sigma = np.deg2rad(priors.rate_sigma)
     return Setting(
         step=1.0 / config.record.rate,
         fix_sigma=fix_sigma,
         float_sigma=fix_sigma if declared else np.hypot(fix_sigma, receiver.float_sigma * vertical),
-        force_sigma=told.force_sigma,
+        force_sigma=priors.force_sigma,
         rate_sigma=rate_sigma,
-        force_bias=max(told.force_bias, LEAST * told.force_sigma),
-        rate_bias=max(np.deg2rad(told.rate_bias), LEAST * rate_sigma),
-        force_walk=walk * told.force_walk,
-        rate_walk=walk * np.deg2rad(told.rate_walk),
+        force_bias=max(priors.force_bias, LEAST * priors.force_sigma),
+        rate_bias=max(np.deg2rad(priors.rate_bias), LEAST * rate_sigma),
+        force_walk=walk * priors.force_walk,
+        rate_walk=walk * np.deg2rad(priors.rate_walk),
         start=start,
         start_sigma=start_sigma,
         offset_sigma=tuning.offset_sigma,
@@ -151,10 +134,10 @@ def believe(
     )
 
 
-def tell_of_lift(config: BladeConfig, lift: Lift) -> Setting:
+def make_lift_setting(config: BladeConfig, lift: Lift) -> Setting:
     """Return what schemes know of a recorded lift, at the grid's first cell."""
     cell = CONTEST.list_cells(config)[0]
-    return believe(config, cell, lift.start, lift.start_sigma, config.recorded.geometry)
+    return make_setting(config, cell, lift.start, lift.start_sigma, config.recorded.geometry)
 
 
 def find_start_sigma(config: BladeConfig) -> Array:

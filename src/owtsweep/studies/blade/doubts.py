@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.cases import tell_of_lift
+from owtsweep.studies.blade.cases import make_lift_setting
 from owtsweep.studies.blade.contract import Setting, Truth
 from owtsweep.studies.blade.recorded_case import find_reference, load_lift
 from owtsweep.studies.blade.schemes import HOOK_AT_REST
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 #: A longer lever arm is warned of: nothing on a blade is so far from another thing, m.
 LONGEST_RECORDED = 150.0
-#: By what the Earth turns, deg/s, and the bias in deg/s that a filter must believe to take it up.
+#: By what the Earth turns, deg/s, and the bias in deg/s that a filter must assume to take it up.
 EARTH_RATE, TAKEN_FOR_BIAS = 15.041 / 3600.0, 0.0042
-#: The hook moves if the middle of the swing goes this many times as far as PENDULUM is told.
+#: The hook moves if the middle of the swing goes this many times as far as PENDULUM assumes.
 FAR = 3.0
 
 logger = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ def warn_of_doubts(config: BladeConfig) -> None:
     if config.recorded.imu is None:
         return
     lift = load_lift(config)
-    setting = tell_of_lift(config, lift)
+    setting = make_lift_setting(config, lift)
     longest = float(np.linalg.norm(setting.geometry.levers, axis=1).max())
     if longest > LONGEST_RECORDED:
         logger.warning(
@@ -78,12 +78,12 @@ def _warn_of_a_moving_hook(name: str, setting: Setting, truth: Truth) -> None:
 
 
 def find_wander(setting: Setting, truth: Truth) -> tuple[Array, Array]:
-    """Return how far the hook goes, and how far PENDULUM is told that it wanders, m, shape (3,).
+    """Return how far the hook goes, and how far PENDULUM assumes that it wanders, m, shape (3,).
 
     The hook is taken to be where the point under it is, averaged over a period of the swing; how
     far it goes is the range of that. PENDULUM's middle of the swing is a random walk
     (`schemes.swing`) that agrees with the navigation to `filters.agreement`, and its standard
-    deviation at the record's end is what is told. The frame's horizontal axes need not be the
+    deviation at the record's end is what it assumes. The frame's horizontal axes need not be the
     blade's, so the larger of both is taken for both.
     """
     under_hook = truth.root - truth.rotation @ setting.geometry.root
@@ -93,7 +93,7 @@ def find_wander(setting: Setting, truth: Truth) -> tuple[Array, Array]:
         window = min(max(round(period / truth.step), 1), steps)
         total = np.concatenate([[0.0], np.cumsum(under_hook[:, axis])])
         wander[axis] = np.ptp(total[window:] - total[:-window]) / window
-    told = setting.gust_sigma * np.sqrt(2.0 * steps * truth.step / setting.gust_time)
-    told = np.hypot(told, setting.tuning.agreement)
-    told[:2] = told[:2].max()
-    return wander, told
+    assumed = setting.gust_sigma * np.sqrt(2.0 * steps * truth.step / setting.gust_time)
+    assumed = np.hypot(assumed, setting.tuning.agreement)
+    assumed[:2] = assumed[:2].max()
+    return wander, assumed

@@ -29,13 +29,9 @@ TO_BLADE = np.array([[1.0, 0.0], [0.0, -1.0], [0.0, 0.0]])
 class Relative(NamedTuple):
     """The motion of the root relative to the hub.
 
-    Attributes
-    ----------
-    position, velocity
-        In m and m/s, shape (steps, 3); the position is zero where they are together.
-    covariance
-        Of the error of the position, m^2, shape (steps, 3, 3); None for a truth, or if one of both
-        estimates states none.
+    `position`, `velocity`: in m and m/s, shape (steps, 3); the position is zero where they are
+    together. `covariance`: of the error of the position, m^2, shape (steps, 3, 3); None for a
+    truth, or if one of both estimates states none.
     """
 
     position: Array
@@ -48,10 +44,7 @@ def configure_blade(
 ) -> Config:
     """Return the configuration of the blade study in a cell.
 
-    Raises
-    ------
-    InputError
-        If an override of the key `blade` is wrong.
+    Raise `InputError` if an override of the key `blade` is wrong.
     """
     record = config.record
     return _compose(
@@ -68,10 +61,7 @@ def configure_blade(
 def configure_hub(config: MatingConfig, sigma: float) -> Config:
     """Return the configuration of the hub study in a cell.
 
-    Raises
-    ------
-    InputError
-        If an override of the key `hub` is wrong.
+    Raise `InputError` if an override of the key `hub` is wrong.
     """
     return _compose(
         "hub",
@@ -93,7 +83,6 @@ def _compose(study: str, overrides: tuple[str, ...]) -> Config:
 
 
 def estimate(config: Config, replicate: int) -> EstimatedRecord:
-    """Return a record of another study."""
     return get_study(config.study).estimate(config, replicate)
 
 

@@ -46,13 +46,8 @@ def plan(config: ReadingsConfig) -> list[Block]:
     """Return the blocks of the study: one search per target, truth and sampler seed.
 
     A truth is a set of overrides, e.g. of the sensors' true errors, under which a target is
-    searched. A target of kind "settled" has a single truth.
-
-    Raises
-    ------
-    InputError
-        If the sampler CMA-ES is not installed, or if a target has an unknown kind, truth, tuning or
-        key.
+    searched. A target of kind "settled" has a single truth. Raise `InputError` if the sampler
+    CMA-ES is not installed, or if a target has an unknown kind, truth, tuning or key.
     """
     require_cmaes()
     calibration = config.calibration
@@ -88,13 +83,8 @@ def plan(config: ReadingsConfig) -> list[Block]:
 def _choose_truths(name: str, target: Plain, truths: Mapping[str, Plain]) -> Mapping[str, Plain]:
     """Return a target's truths: name -> overrides under which the target is searched.
 
-    A target of kind "settled" has a single truth, called "own". Another target may list names of
-    `truths`; without such a list it has all of them.
-
-    Raises
-    ------
-    InputError
-        If the target lists an unknown truth.
+    A target of kind "settled" has one truth, "own". Another may list names of `truths`, or has all.
+    Raise `InputError` if the target lists an unknown truth.
     """
     if target["kind"] == "settled":
         return {"own": target.get("truth", {})}
@@ -112,11 +102,7 @@ def read_tuning(name: str) -> dict[str, object]:
     """Read the tuning file `conf/tuning/<name>.yaml`; return its values by dotted key.
 
     A file of that name in the folder `FROZEN` comes first: a recorded search stays what it was.
-
-    Raises
-    ------
-    InputError
-        If there is no tuning file of this name.
+    Raise `InputError` if there is no tuning file of this name.
     """
     folders = (conf_directory() / "tuning", FROZEN)
     files = {path.stem: path for folder in folders for path in sorted(folder.glob("*.yaml"))}
@@ -125,22 +111,10 @@ def read_tuning(name: str) -> dict[str, object]:
 
 
 def take_fixed_values(target: Plain, default: str) -> dict[str, object]:
-    """Return the values of a target's schemes that are not searched, from the target's tuning file.
+    """Return dotted key -> value of a target's tuning file (else `default`) that is not searched.
 
     The searched keys are left out, so that a search stays valid after its result has been written
     into the tuning file.
-
-    Parameters
-    ----------
-    target
-        An entry of the key `calibration.targets`.
-    default
-        Name of the tuning file for a target that names none.
-
-    Returns
-    -------
-    dict
-        Dotted key -> value.
     """
     searched = {key for keys in target["parameters"] for key in keys.split("+")}
     sections = {name.lower() for name in target["schemes"]} | {"hme"}
@@ -150,7 +124,7 @@ def take_fixed_values(target: Plain, default: str) -> dict[str, object]:
         for key, value in values.items()
         if key.split(".")[0] in sections
         and key not in searched
-        # a filter that believes in no tilt is one of the time before filters had the key
+        # a filter that assumes no tilt is one of the time before filters had the key
         and not (key.endswith(".tilt") and value == 0.0)
     }
 
@@ -162,7 +136,6 @@ def run(config: ReadingsConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block
 
 
 def _search(config: ReadingsConfig, block: Block) -> pd.DataFrame:
-    """Make the search of a block; return a table with one row per trial."""
     content = block.content
     target = content["target"]
     base = with_values(config, {**target["values"], **content["truth"]})
@@ -173,8 +146,8 @@ def _search(config: ReadingsConfig, block: Block) -> pd.DataFrame:
     def objective(chosen: Plain) -> tuple[float, Plain]:
         values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
         tried = with_values(base, values)
-        anew = tried.sensors != base.sensors  # what the sensors are is a parameter
-        records = make_lanes(tried, replicates, periods) if anew else lanes
+        own_records = tried.sensors != base.sensors  # what the sensors are is a parameter
+        records = make_lanes(tried, replicates, periods) if own_records else lanes
         return JUDGES[target["kind"]](tried, target["schemes"], records)
 
     trials = search(

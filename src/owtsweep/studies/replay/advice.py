@@ -60,30 +60,22 @@ def compare(
 ) -> dict[str, object] | None:
     """Find the best scheme and the runner-up, and whether the difference of their errors matters.
 
+    It matters if its 95 % interval lies above zero and the margin, which is difference / best
+    error, is at least `LEAST_MARGIN`. With a single sample there is no interval, and only the
+    margin decides.
+
+    Return the columns of the table of advice from `best` to `matters` (see `COLUMNS`). None if no
+    scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters` is
+    False, and the numbers on the runner-up are left out.
+
     Parameters
     ----------
     samples
         Mean squared errors, shape (schemes, n), in n replicates or in n parts of a record; NaN
         where a scheme has no value.
-    schemes
-        Names of the schemes.
     whole
-        The mean squared errors by which schemes are ranked, shape (schemes,). If None, the means of
-        the samples are used. Needed if the samples are parts of a record: the samples then only
-        give the interval.
-
-    Returns
-    -------
-    dict or None
-        The columns of the table of advice from `best` to `matters` (see `COLUMNS`). None if no
-        scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters`
-        is False, and the numbers on the runner-up are left out.
-
-    Notes
-    -----
-    The difference matters if its 95 % interval lies above zero and the margin, which is difference
-    / best error, is at least `LEAST_MARGIN`. With a single sample there is no interval, and only
-    the margin decides.
+        The mean squared errors by which schemes are ranked, shape (schemes,); by default the means
+        of the samples. Needed if the samples are parts of a record, which only give the interval.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -125,8 +117,8 @@ def advise_from_record(
 ) -> dict[str, object] | None:
     """Advise which scheme to run, from the schemes' errors on one record.
 
-    If the record has no reference position, squared distances to later position fixes are used
-    instead of errors. Returns None if no scheme has a value.
+    Without reference position, squared distances to later fixes take the place of errors. Return
+    None if no scheme has a value.
 
     Parameters
     ----------
@@ -134,12 +126,6 @@ def advise_from_record(
         The rows of results on the record, with the columns scheme, replicate, measure, window,
         value. Rows of baselines have a value of scheme that is in `BASELINE_ROWS`; without such
         rows, baselines are not considered.
-    schemes
-        Names of the schemes to compare.
-    criterion
-        The measure to compare, e.g. "position".
-    window
-        The part of the record over which the measure is averaged: "full" or "settled".
     """
     measures = set(values["measure"])
     source = "record"
@@ -161,8 +147,8 @@ def advise_from_record(
         return None
     names = [*schemes, *BASELINE_ROWS.values()]
     chosen = choose_simplest(samples, names, str(compared["best"]), whole=whole)
-    told = {"source": source, "criterion": criterion, "window": window}
-    return {**told, **compared, **chosen, "advises": True}
+    row = {"source": source, "criterion": criterion, "window": window}
+    return {**row, **compared, **chosen, "advises": True}
 
 
 def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
@@ -171,11 +157,10 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
 
 
 def recommend(advised: pd.DataFrame) -> str:
-    """Write the recommendation for one record as one sentence; "" if there is no advice.
+    """Write the recommendation for the only record of a run as one sentence; "" if there is none.
 
     The record's own errors, or its fixes, count before the expected map. If the record contradicts
     the stated noise, so that the schemes were run with the estimated noise too, that run counts.
-    `advised` is the table of advice of a run with a single record.
     """
     if advised.empty:
         return ""
@@ -191,21 +176,26 @@ def recommend(advised: pd.DataFrame) -> str:
     what_to_do = f"{INSTEAD[chosen]} ({chosen})" if chosen in INSTEAD else f"run {chosen}"
     if row["noise"] == ESTIMATED:
         what_to_do += " with the noise that the record shows (noise.csv), not the stated one"
-    told = f"{what_to_do}; its {what} is {size:.3g} {unit}"
-    told = f"recommended: {told} (root mean square)"
+    text = f"{what_to_do}; its {what} is {size:.3g} {unit}"
+    text = f"recommended: {text} (root mean square)"
     best = [row["best"], *row.get("same_as", "").split()]
     if chosen not in best:
-        return f"{told}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
+        return f"{text}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
     if not row.get("runner_up"):
-        return told
-    told += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
-    return told if row["matters"] else f"{told}; the difference does not matter"
+        return text
+    text += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
+    return text if row["matters"] else f"{text}; the difference does not matter"
 
 
 def choose_simplest(
     samples: Array, names: Sequence[str], best: str, *, whole: Array | None = None
 ) -> dict[str, object]:
     """Choose the simplest of the schemes and baselines that are not worse than another.
+
+    Return the columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline`
+    is what is recommended if that is a baseline, otherwise the baseline of the least error; without
+    baselines it is "", and the numbers on it are left out. `baseline_difference` is the best
+    scheme's error minus that of the baseline, so it is positive where the baseline is better.
 
     Parameters
     ----------
@@ -218,17 +208,8 @@ def choose_simplest(
     best
         The scheme of the least error.
     whole
-        The mean squared errors of the whole record, shape (schemes and baselines,). If None, the
+        The mean squared errors of the whole record, shape (schemes and baselines,); by default the
         means of the samples.
-
-    Returns
-    -------
-    dict
-        The columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline` is
-        what is recommended if that is a baseline, otherwise the baseline of the least error;
-        without baselines it is "", and the numbers on it are left out. `baseline_difference` is
-        the best scheme's error minus that of the baseline, so it is positive where the baseline is
-        better.
     """
     at_best = list(names).index(best)
     common = np.isfinite(samples[at_best])
@@ -261,10 +242,7 @@ def choose_simplest(
 
 
 def _is_worse(samples: Array, means: Array, one: int, other: int) -> bool:
-    """Say whether the error of `one` is larger than that of `other` by a difference that matters.
-
-    `one` and `other` are rows of `samples` and places in `means`.
-    """
+    """Say whether the error of `one` is larger than `other`'s by a difference that matters."""
     difference, half = _compare(samples, means, one, other)
     if difference == 0.0 or not difference >= LEAST_MARGIN * means[other]:
         return False
@@ -287,21 +265,13 @@ def relate_to_record(
 ) -> dict[str, object]:
     """Say whether the expected map advises for a record, and whether it contradicts the record.
 
-    Parameters
-    ----------
-    values
-        Name of a scheme or baseline -> its error by the expected map.
-    by_record
-        The row of the table of advice by the record's own errors; None if there is none.
-    share
-        The share of the record's variance that the fitted spectrum covers.
+    `values`: name of a scheme or baseline -> its error by the expected map. `by_record`: the row of
+    the table of advice by the record's own errors, if there is one. `share`: the share of the
+    record's variance that the fitted spectrum covers.
 
-    Returns
-    -------
-    dict
-        The columns fit_share, advises and contradicts_record of the table of advice. The map
-        contradicts the record if what the record recommends has, by the map, an error that is
-        larger than the least one by `LEAST_MARGIN` or more.
+    Return the columns fit_share, advises and contradicts_record of the table of advice. The map
+    contradicts the record if what the record recommends has, by the map, an error that is larger
+    than the least one by `LEAST_MARGIN` or more.
     """
     contradicts = False
     chosen = "" if by_record is None else str(by_record["recommended"])

@@ -32,14 +32,9 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Return the hash of a file's contents; the two files of a HAWC2 result share one hash.
+    """Return the hash of a file's contents; NAME.sel and NAME.dat of HAWC2 share one hash.
 
-    A HAWC2 result is a pair of files: NAME.sel and NAME.dat.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
+    Raise `InputError` if the file cannot be read.
     """
     path = Path(file)
     try:

@@ -38,12 +38,8 @@ INSTEAD = {
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample the record in a file.
 
-    The last two records stay in memory, or only the last one if the records are large.
-
-    Raises
-    ------
-    InputError
-        If anything is wrong with the file; the one-line message names the file.
+    The last two records stay in memory, or only the last one if the records are large. Raise
+    `InputError` if anything is wrong with the file; the one-line message names the file.
     """
     key = _make_key(config, file)
     with _LOCK:
@@ -62,10 +58,7 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
 def tell_lean(config: ReplayConfig, file: str) -> str:
     """Return `ReplayRecord.lean` of a file; read it only if it was not read before.
 
-    Raises
-    ------
-    InputError
-        If anything is wrong with the file.
+    Raise `InputError` if anything is wrong with the file.
     """
     key = _make_key(config, file)
     if key not in _LEANS:
@@ -125,10 +118,9 @@ def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:
 
 
 def _rename(recording: Recording, old: str, new: str) -> Recording:
-    """Return the recording with the channels of one quantity renamed to another quantity.
+    """Return the recording with the channels of one quantity, e.g. "position", renamed.
 
-    `old` and `new` are quantities, e.g. "position" and "reference". If the recording has channels
-    of `new`, or none of `old`, the recording is returned unchanged.
+    If it has channels of `new`, or none of `old`, it is returned unchanged.
     """
     if recording.has(new) or not recording.has(old):
         return recording
@@ -145,15 +137,15 @@ def explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
     found = [quantity for quantity in INSTEAD if recording.has(quantity)]
     if not found or recording.has("specific_force"):
         return f"{recording.path}: no position: set columns.position_x and columns.position_y"
-    told = f"{recording.path}: no position and no specific force"
+    text = f"{recording.path}: no position and no specific force"
     for quantity in found:
         role, when = INSTEAD[quantity]
         names = [recording.names[f"{quantity}_{a}"] for a in _axes(recording, quantity)]
-        told += f"; {' and '.join(names)}, taken as {quantity}, can be {role}, {when}"
+        text += f"; {' and '.join(names)}, taken as {quantity}, can be {role}, {when}"
     if found == ["acceleration"]:
-        return f"{told}, and beside fixes (columns.fix_x) or a reference (columns.reference_x)"
+        return f"{text}, and beside fixes (columns.fix_x) or a reference (columns.reference_x)"
     kind = "an IMU and a GNSS" if "acceleration" in found else "motion"
-    return f"{told}. For {kind}: {_write_command(config, recording, found[0])}"
+    return f"{text}. For {kind}: {_write_command(config, recording, found[0])}"
 
 
 def _write_command(config: ReplayConfig, recording: Recording, quantity: str) -> str:

@@ -23,11 +23,8 @@ def make_record_of_motion(
 ) -> ReplayRecord:
     """Make a record from recorded motion: motion resampled at the IMU's rate, and noiseless fixes.
 
-    Raises
-    ------
-    InputError
-        If the recording's rate is too low for the band of the spectrum, or the recording is shorter
-        than the GNSS delay.
+    Raise `InputError` if the recording's rate is too low for the band of the spectrum, or the
+    recording is shorter than the GNSS delay.
     """
     rate = config.sensors.imu.rate
     with blame_cutoff(recording):
@@ -70,20 +67,10 @@ def make_record_of_motion(
 
 
 def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
-    """Make position fixes without noise; return them with the shape (fixes, 2), in m.
+    """Make fixes without noise of positions (n, 2) at every IMU step, shape (fixes, 2), in m.
 
-    A fix reports the position `sensors.delay` steps before the fix arrives.
-
-    Parameters
-    ----------
-    position
-        The true position at every IMU step, shape (n, 2) in m; NaN in gaps.
-    first
-        The row of `position` at which the first fix arrives, at least `sensors.delay`.
-    steps
-        Number of IMU steps from the arrival of the first fix to the end.
-    sensors
-        The sensors' parameters.
+    A fix reports the position `sensors.delay` steps before it arrives. The first arrives at the row
+    `first`, at least `sensors.delay`; `steps` IMU steps later is the end. Gaps are NaN.
     """
     count = fix_count(steps, sensors.fix_interval)
     at = first - sensors.delay + sensors.fix_interval * np.arange(count)
@@ -92,13 +79,7 @@ def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Arr
 
 @contextmanager
 def blame_cutoff(recording: Recording) -> Iterator[None]:
-    """Name file and key in a message of `to_motion` on its argument `cutoff`.
-
-    Raises
-    ------
-    InputError
-        If `to_motion` refuses the recording inside the `with` block.
-    """
+    """Name file and key in an `InputError` of `to_motion` on its argument `cutoff`."""
     try:
         yield
     except InputError as error:
@@ -112,15 +93,17 @@ def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
 
     Compared are standard deviations, from `begin` (s) after the motion's start on. The mean is told
     but not compared: a constant lean is a constant bias of the accelerometer, which schemes
-    estimate; what changes cannot be told from motion. Returns "" if no platform turns.
+    estimate; what changes cannot be told from motion. "" if no platform turns.
     """
-    told = []
+    sentences = []
     start = gridded.grid.start + begin
     for axis, (name, angle) in recording.leans.items():
         if f"position_{axis}" not in recording.channels:
             continue
         if angle is None:
-            told.append(f"g sin({name}) along {axis} is not known, as {name} has no unit of angle")
+            sentences.append(
+                f"g sin({name}) along {axis} is not known, as {name} has no unit of angle"
+            )
             continue
         there = angle[np.isfinite(angle) & (recording.time >= start)]
         if len(there) == 0 or np.ptp(there) <= LEAST["angle"]:
@@ -130,13 +113,13 @@ def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
         after = gridded.pairs["acceleration"][round(begin * gridded.grid.rate) :, "xy".index(axis)]
         moved = float(np.std(after))
         ratio = f"{felt.std() / moved:.2g} times" if moved > 0.0 else "beside"
-        told.append(
+        sentences.append(
             f"g sin({name}) along {axis} varies by {felt.std():.2g} m/s² (standard deviation; mean "
             f"{mean:.2g}), {ratio} the motion's acceleration of {moved:.2g} m/s²"
         )
-    if not told:
+    if not sentences:
         return ""
     return (
         "the file holds the platform's angles, but the simulated IMU does not turn with it: "
-        f"{'; '.join(told)}; so the advice holds for a levelled IMU only"
+        f"{'; '.join(sentences)}; so the advice holds for a levelled IMU only"
     )

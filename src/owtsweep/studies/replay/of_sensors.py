@@ -1,4 +1,4 @@
-"""Make a record from recorded sensors: specific force, position fixes, perhaps a reference."""
+"""Make a record from recorded sensors: specific force, fixes, perhaps a reference."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ LARGEST_JITTER = 0.25
 
 
 class Aligned(NamedTuple):
-    """Recorded position fixes, moved to the regular moments at which fixes are due.
+    """Recorded fixes, moved to the regular moments at which fixes are due.
 
     Attributes
     ----------
     offset
         Time in s from the beginning of the recording to the first moment at which a fix is due.
     values
-        One position fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
+        One fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
     jitter
         Largest time in s between the arrival of a fix and the moment to which it was moved.
     dropped
@@ -54,16 +54,12 @@ class Aligned(NamedTuple):
 def make_record_of_sensors(
     config: ReplayConfig, recording: Recording, sensors: Sensors
 ) -> ReplayRecord:
-    """Make a record from recorded specific force, position fixes and reference position.
+    """Make a record from recorded specific force, fixes and reference position.
 
     The record begins at the first moment at which a fix is due. To save memory, each channel is
-    removed from `recording` once it has been resampled.
-
-    Raises
-    ------
-    InputError
-        If there are neither fixes nor a reference, if the fixes do not come at sensors.gnss.rate,
-        or if reference and specific force do not overlap in time.
+    removed from `recording` once it has been resampled. Raise `InputError` if there are neither
+    fixes nor a reference, if the fixes do not come at sensors.gnss.rate, or if reference and
+    specific force do not overlap in time.
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
@@ -119,12 +115,9 @@ def make_record_of_sensors(
 
 
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
-    """Return where the position fixes come from: "recorded" or "from_reference".
+    """Return where the fixes come from: "recorded" or "from_reference".
 
-    Raises
-    ------
-    InputError
-        If the recording lacks the position fixes or the reference that replay.gnss asks for.
+    Raise `InputError` if the recording lacks what replay.gnss names.
     """
     wanted = config.replay.gnss
     if wanted == "auto":
@@ -167,22 +160,12 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Alig
 
 
 def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
-    """Move irregular position fixes to regular moments, each fix to the nearest moment.
+    """Move irregular fixes to regular moments, each fix to the nearest moment.
 
     The moments are one GNSS interval apart, and lie at IMU samples. Their phase is the circular
     mean of the fixes' phases, so a constant offset of all fixes does not matter. If two fixes have
-    the same nearest moment, the nearer fix is kept.
-
-    Parameters
-    ----------
-    time
-        Times of the fixes, shape (n,), in s after the beginning of the recording.
-    values
-        The fixes, shape (n, 2) in m, without NaN.
-    duration
-        Duration of the recording in s.
-    sensors
-        The sensors' parameters.
+    the same nearest moment, the nearer fix is kept. Times, shape (n,), are in s after the beginning
+    of the recording, fixes, shape (n, 2) without NaN, in m.
     """
     interval = sensors.fix_step
     phase = np.angle(np.mean(np.exp(2j * np.pi * time / interval))) / (2.0 * np.pi)
@@ -233,11 +216,7 @@ def _derive_reference(
     Position (m) and velocity (m/s) have the shape (steps, 2) each, with NaN in gaps of the
     reference. The velocity is kept up to `replay.cutoff`; without it, up to where the reference is
     mostly noise, because the estimates contain the motion of all frequencies that the IMU measures.
-
-    Raises
-    ------
-    InputError
-        If the reference and the specific force do not overlap in time.
+    Raise `InputError` if the reference and the specific force do not overlap in time.
     """
     with blame_cutoff(recording):
         gridded = to_motion(

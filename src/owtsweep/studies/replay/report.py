@@ -20,7 +20,7 @@ from owtsweep.studies.replay.loading import load_record, tell_lean
 from owtsweep.studies.replay.record import ReplayRecord
 from owtsweep.studies.replay.sentences import describe_modes, describe_tilt
 from owtsweep.studies.replay.terminal import (
-    BASELINES_TOLD,
+    BASELINES_NOTE,
     list_fit_warnings,
     make_error_cells,
     make_sentences,
@@ -52,19 +52,7 @@ CAPTIONS = {
 def write(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
 ) -> Path:
-    """Write report.md into a run folder; return the path of the file.
-
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    tables
-        The run's tables by name: errors, advice and records.
-    figures
-        The paths of the run's figures, which lie inside `folder`.
-    folder
-        The run folder.
-    """
+    """Write report.md into a run folder, in which the figures lie; return the path of the file."""
     parts = ["# Replay\n", "## Advice\n"]
     parts += [f"- {_escape(line)}" for line in warn_of_noise(config, tables)]
     parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
@@ -112,7 +100,7 @@ def _describe_one(
         "much of the position error lies within what the scheme states (95 % if it knows its "
         "noise). *To later fix*: squared distance of the estimate from the fix that tells of the "
         "same moment later, noise of the fix included. *NIS* is 2 and *white p* not small where "
-        f"the filter's innovations are as it expects them to be. {BASELINES_TOLD}.",
+        f"the filter's innovations are as it expects them to be. {BASELINES_NOTE}.",
         *describe_table(tables),
     ]
 
@@ -163,28 +151,27 @@ def _describe_many(records: pd.DataFrame) -> str:
 
 
 def _tell_leans(config: ReplayConfig) -> list[str]:
-    told = []
+    lines = []
     for label, file in label_files(config.grid.files).items():
         try:
             lean = tell_lean(config, file)
         except InputError:  # a record that was left out
             continue
-        told += [f"- {_escape(f'{label}: {lean}')}"] if lean else []
-    return ["", *told] if told else []
+        lines += [f"- {_escape(f'{label}: {lean}')}"] if lean else []
+    return ["", *lines] if lines else []
 
 
 def _tell_refused(refused: pd.DataFrame) -> list[str]:
     if refused.empty:
         return []
     both = zip(refused["file"], refused["reason"], strict=True)
-    told = [f"- {_escape(str(file))}: {_escape(str(reason))}" for file, reason in both]
-    return ["\n## Records left out\n", *told]
+    lines = [f"- {_escape(str(file))}: {_escape(str(reason))}" for file, reason in both]
+    return ["\n## Records left out\n", *lines]
 
 
 def _escape(text: str) -> str:
     """Escape a text for Markdown, so that no part of it becomes a link, picture, formula or HTML.
 
-    Characters that cannot be printed are replaced by escape sequences. The text may come from other
-    people.
+    The text may come from other people. Unprintable characters become escape sequences.
     """
     return re.sub(r"([\\`*\[\]<>$&])", r"\\\1", printable(text))

@@ -42,17 +42,7 @@ _PLAIN = re.compile(r"[\w./-]*")
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
     """Compose and check the configuration of a replay, whose files may be named later.
 
-    Parameters
-    ----------
-    overrides
-        Hydra overrides, e.g. `["tuning=matched"]`.
-    config_dir
-        A folder with further config groups for Hydra (`--config-dir`).
-
-    Raises
-    ------
-    InputError
-        If the overrides are wrong.
+    Raise `InputError` if the overrides are wrong.
     """
     config = compose(quote_texts(overrides), config_dir, primary="replay")
     if not isinstance(config, ReplayConfig):
@@ -67,6 +57,8 @@ def configure(
 ) -> ReplayConfig:
     """Compose and check the configuration of a replay of some files, without reading these files.
 
+    Raise `InputError` if the overrides are wrong, a file does not exist, or no file is named.
+
     Parameters
     ----------
     files
@@ -76,11 +68,6 @@ def configure(
         Hydra overrides, e.g. `["tuning=matched"]`.
     config_dir
         A folder with further config groups for Hydra (`--config-dir`).
-
-    Raises
-    ------
-    InputError
-        If the overrides are wrong, a file does not exist, or no file is named.
     """
     config = compose_replay(overrides, config_dir)
     words, table = [*files, *config.grid.files], config.replay.table
@@ -104,12 +91,7 @@ def configure(
 def expand(words: Sequence[str]) -> list[str]:
     """Return the absolute paths of files and of files that match patterns; each path only once.
 
-    `words` are paths or patterns such as "*.csv".
-
-    Raises
-    ------
-    InputError
-        If a file does not exist, a word is a folder, or nothing matches a pattern.
+    Raise `InputError` if a file does not exist, a word is a folder, or nothing matches a pattern.
     """
     paths: dict[str, None] = {}
     for word in words:
@@ -153,10 +135,9 @@ def _quote(word: str) -> str:
 
 
 def tell_missing(word: str, path: Path) -> str:
-    """Return why a word names no file; name the most similar file of its folder, if there is one.
+    """Return why a word of the user names no file, with the most similar file of its folder.
 
-    `word` is a path or a pattern as the user wrote it; `path` is the same with the home folder
-    written out.
+    `path` is the word with the home folder written out.
     """
     if any(sign in word for sign in "*?["):
         return f"{word}: nothing matches this pattern"
@@ -181,26 +162,19 @@ def execute(
 ) -> Outcome:
     """Run the cases that are missing, then write the estimates (`report.write` writes the report).
 
+    Raise `InputError` if no record or not the configuration can be used; nothing has been written
+    then.
+
+    Return what was computed, reused and failed. In `failed` are also the cases of a record that
+    cannot be used, if there are others that can, and estimates that could not be written.
+
     Parameters
     ----------
-    config
-        The configuration of the replay.
     fresh, progress, argv
         As for `owtsweep.sweep.run.sweep`.
     say
-        Function that shows the user a line: notes on the records before anything runs, and
-        announcements of slow work.
-
-    Returns
-    -------
-    Outcome
-        What was computed, reused and failed. In `failed` are also the cases of a record that cannot
-        be used, if there are others that can, and estimates that could not be written.
-
-    Raises
-    ------
-    InputError
-        If no record or not the configuration can be used; nothing has been written then.
+        Shows the user a line: notes on the records before anything runs, and announcements of slow
+        work.
     """
     from owtsweep.studies.replay import estimates
     from owtsweep.sweep.rows import Setback
@@ -225,10 +199,9 @@ def execute(
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
-    """Return the folder of each record's estimates: label of the record -> folder.
+    """Return label of a record -> folder of its estimates.
 
-    With a single record, this is the run folder `run`; otherwise it is records/<label> in the run
-    folder.
+    That is the run folder, or records/<label> in it if there are several records.
     """
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
@@ -256,8 +229,7 @@ class Replay:
     def advice(self) -> pd.DataFrame:
         """Return the table of advice: the best scheme and the runner-up for each record.
 
-        A record has up to two rows: one by the errors on the record, and one by the errors expected
-        for the record.
+        A record has up to two rows: by the errors on it, and by the errors expected for it.
         """
         return self.run.table("advice")
 
@@ -275,12 +247,8 @@ class Replay:
     def refused(self) -> pd.DataFrame:
         """Return the records that cannot be used: columns file (the label) and reason.
 
-        A single record that cannot be used is an `InputError` of `owtsweep.replay` instead.
-
-        Raises
-        ------
-        InputError
-            If the replay has a single record.
+        Raise `InputError` if the replay has a single record: `owtsweep.replay` refuses one that
+        cannot be used.
         """
         return self.run.table("refused")
 
@@ -288,18 +256,9 @@ class Replay:
         """Return the estimates of a record in replicate 0, one row per scheme and time.
 
         Columns time (s), scheme, x, y (m), vx, vy (m/s), and the standard deviations of these four:
-        x_std, y_std, vx_std, vy_std.
-
-        Parameters
-        ----------
-        record
-            The record's label, a value of the column `file` of `records()`. It may be left out if
-            there is only one record.
-
-        Raises
-        ------
-        InputError
-            If `record` is None although there are several records, or if no record has this label.
+        x_std, y_std, vx_std, vy_std. `record` is the record's label, a value of the column `file`
+        of `records()`. Raise `InputError` if `record` is None although there are several records,
+        or if no record has this label.
         """
         import pandas as pd
 

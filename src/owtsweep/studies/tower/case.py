@@ -30,10 +30,8 @@ class Case:
 
     Attributes
     ----------
-    replicate
-        Number of the record.
-    motion
-        Direction -> truth.
+    replicate, motion
+        Number of the record, and direction -> truth.
     part
         The substructure as schemes model it.
     true_stress
@@ -55,10 +53,7 @@ class Case:
 def make_case(config: TowerConfig, replicate: int) -> Case:
     """Simulate the record with a number, or read the one that `recorded.file` names.
 
-    Raises
-    ------
-    InputError
-        If the structure does not stand, or loads or sensors cannot be used.
+    Raise `InputError` if the structure does not stand, or loads or sensors cannot be used.
     """
     from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
 
@@ -95,14 +90,10 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
 
 
 def list_channels(config: TowerConfig, case: Case, direction: str, noise: float) -> list[Channel]:
-    """Return the channels of a direction with the noise that is told to schemes.
+    """Return the channels of a direction with the noise that schemes assume.
 
-    `noise` is in % of each channel's standard deviation; a GNSS receiver has its own.
-
-    Raises
-    ------
-    InputError
-        If a channel measures a constant, so that its noise would be zero.
+    `noise` is in % of each channel's standard deviation; a GNSS receiver has its own. Raise
+    `InputError` if a channel measures a constant, so that its noise would be zero.
     """
     size = case.signals[direction].std(axis=0)
     channels = []
@@ -139,7 +130,7 @@ def tell(
     soil_factor: float,
     channels: Sequence[Channel],
 ) -> Setting:
-    """Return what schemes are told of one direction of a record."""
+    """Return the knowledge of one direction of a record."""
     believed = make_believed(config.filters, 1.0 / config.record.rate, case.motion[direction])
     return make_setting(config, case.part, direction, soil_factor, channels, believed)
 

@@ -22,11 +22,7 @@ from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 
 class TowerConfig(TunedConfig, ContestConfig):
-    """The configuration of the tower study, with all its keys.
-
-    With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
-    the section `filters` is absent. `by_tuning` gives the configuration of each.
-    """
+    """The configuration of the tower study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
         "criterion", "sensors.name", "structure.name", "structure.source", "tuning",
@@ -74,10 +70,8 @@ class TowerConfig(TunedConfig, ContestConfig):
     def nodes(self) -> Array:
         """The heights of the nodes of the cut structure above the ground, m, shape (nodes,).
 
-        Raises
-        ------
-        InputError
-            If a cut is inside an element, or fewer than two elements lie between the cuts.
+        Raise `InputError` if a cut is inside an element, or fewer than two elements lie between the
+        cuts.
         """
         return np.asarray(list_nodes(self.structure, *self.heights) - self.structure.mudline)
 

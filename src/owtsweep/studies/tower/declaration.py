@@ -93,7 +93,7 @@ def _measure(config: TowerConfig, cell: Cell, truth: Truth) -> Record:
 
 
 def _inform(config: TowerConfig, cell: Cell, record: Record) -> dict[str, Part[Setting, Array]]:
-    """Return both directions; a scheme that ignores the soil is told the right one."""
+    """Return both directions; a scheme that ignores the soil gets the right one."""
     factor = cell.get("soil_factor", 1.0)
     return {
         d: Part(tell(config, record.case, d, factor, record.channels[d]), measured)
@@ -142,7 +142,6 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
 
 
 def _warn(config: TowerConfig) -> None:
-    """Log what the set-up sees, and a warning if it has few inclinometers."""
     for line in describe_sight(config):
         logger.info("%s", line)
     warn_of_few_inclinometers(config)

@@ -58,10 +58,9 @@ class Problem:
     given
         Information per step of the sensors that are there: the sum of h h' / sigma^2 over their
         rows h, shape (n, n).
-    heights
-        Heights of the candidate sensors above ground in m, shape (candidates,).
-    rows
-        Rows h / sigma of the candidate sensors, shape (candidates, n).
+    heights, rows
+        Heights of the candidate sensors above ground in m, shape (candidates,), and their rows h /
+        sigma, shape (candidates, n).
     stress
         Stress at each weld as a share of its scale, from the state, shape (welds, n).
     moment
@@ -84,18 +83,10 @@ class Problem:
 class Choice:
     """A set of candidate sensors with its predicted errors.
 
-    Attributes
-    ----------
-    chosen
-        Numbers of the candidates, increasing.
-    heights
-        Their heights above ground in m.
-    stress
-        Standard deviation of the stress over its scale at the worst weld; inf if it never settles.
-    weld
-        Number of this weld.
-    moment
-        Standard deviation of M0 over its scale; inf if it never settles.
+    `chosen`, `heights`: numbers of the candidates, increasing, and their heights above ground in m.
+    `stress`, `weld`: standard deviation of the stress over its scale at the worst weld, inf if it
+    never settles; and the number of this weld. `moment`: standard deviation of M0 over its scale;
+    inf if it never settles.
     """
 
     chosen: tuple[int, ...]
@@ -105,7 +96,7 @@ class Choice:
     moment: float
 
     def error(self, criterion: Criterion) -> float:
-        """Return the predicted error that a criterion asks for."""
+        """Return the predicted error by a criterion."""
         return self.stress if criterion == "stress" else self.moment
 
 
@@ -154,8 +145,8 @@ def pose(
     bent *= size / np.broadcast_to(stress_scale, len(stress))[:, None]
     moment = np.concatenate([model.loads_of_state[1], model.loads_of_input[1]])
     moment = moment * size / moment_scale
-    asked = np.vstack([rows, bent, moment])
-    kept = _leave_out_translation(transition, asked, modes)
+    wanted = np.vstack([rows, bent, moment])
+    kept = _leave_out_translation(transition, wanted, modes)
     transition = transition[kept][:, kept]
     given = rows[: len(setting.channels), kept]
     nodes = [channel.node for channel in candidates]
@@ -189,21 +180,20 @@ def _null_space(matrix: Array) -> Array:
 
 
 def _normalise(rows: Array) -> Array:
-    """Return rows of length 1; rows of zeros stay."""
     length = np.linalg.norm(rows, axis=1, keepdims=True)
     return np.asarray(rows / np.where(length > 0.0, length, 1.0))
 
 
-def _leave_out_translation(transition: Array, asked: Array, modes: int) -> list[int]:
+def _leave_out_translation(transition: Array, wanted: Array, modes: int) -> list[int]:
     """Return the numbers of the states that stay when the rigid translation is left out.
 
-    The translation is the first mode. Its position and velocity stay, too, if a row of `asked`
+    The translation is the first mode. Its position and velocity stay, too, if a row of `wanted`
     (sensors and wanted quantities) or another state's equation holds one of them.
     """
     pair = [0, modes]
     kept = [number for number in range(len(transition)) if number not in pair]
     others = np.abs(transition[kept][:, pair]).max()
-    read = np.abs(asked[:, pair]) / np.abs(asked).max(axis=1, keepdims=True)
+    read = np.abs(wanted[:, pair]) / np.abs(wanted).max(axis=1, keepdims=True)
     if others <= NOTHING and read.max() <= NOTHING:
         return kept
     return list(range(len(transition)))
@@ -212,10 +202,7 @@ def _leave_out_translation(transition: Array, asked: Array, modes: int) -> list[
 def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
     """Compute the settled covariance of the filtered state with some candidates beside the given.
 
-    Returns
-    -------
-    covariance
-        Shape (n, n), or None if it does not settle: the sensors do not see all states.
+    The shape is (n, n); None if it does not settle: the sensors do not see all states.
     """
     numbers = list(chosen)
     seen = np.linalg.svd(problem.lasting[numbers], compute_uv=False)
@@ -258,10 +245,7 @@ def predict(problem: Problem, chosen: Iterable[int]) -> Choice:
 def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "stress") -> Choice:
     """Try every set of `count` candidates; return the one with the least predicted error.
 
-    Raises
-    ------
-    InputError
-        If there are fewer candidates, or more sets than can be tried.
+    Raise `InputError` if there are fewer candidates, or more sets than can be tried.
     """
     from math import comb
 
@@ -286,16 +270,8 @@ def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress
 
     With too few sensors every error is infinite, and no first sensor is better than another. So the
     smallest set with a finite error is chosen exhaustively, and single sensors are added to it.
-
-    Returns
-    -------
-    choices
-        The sets of that smallest number of sensors, of one more, ..., of `count`.
-
-    Raises
-    ------
-    InputError
-        If there are fewer candidates, or no set of `count` candidates has a finite error.
+    Return the sets of that smallest number of sensors, of one more, ..., of `count`. Raise
+    `InputError` if there are fewer candidates, or no set of `count` candidates has a finite error.
     """
     _count_candidates(problem, count)
     for fewest in range(count + 1):

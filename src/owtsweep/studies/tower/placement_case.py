@@ -52,14 +52,12 @@ class PlacementCase:
         The structure and its tuning; the channels are the sensors that are there already.
     candidates
         Inclinometers to choose from, upwards.
-    stress
-        Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape (welds, dof).
-    welds
-        Heights of the judged welds above ground in m, shape (welds,).
-    stress_scale
-        Standard deviation of the true stress at these welds in Pa, shape (welds,).
-    moment_scale
-        Standard deviation of the true M0 in N m.
+    stress, welds
+        Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape (welds, dof),
+        and heights of these welds above ground in m, shape (welds,).
+    stress_scale, moment_scale
+        Standard deviations of the true stress at these welds in Pa, shape (welds,), and of the true
+        M0 in N m.
     motions
         The true motion of each record.
     ground
@@ -136,11 +134,14 @@ def make_case(
 ) -> PlacementCase:
     """Set up the choice of inclinometers on the substructure between the cuts.
 
+    Raise `InputError` if a height has no node, a sensor measures nothing, or the structure does not
+    stand.
+
     Parameters
     ----------
     config
-        The tower study's configuration, with one tuning. The noise is the first of `grid.noise`.
-        The sensors of the section `sensors` are there whatever is chosen.
+        With one tuning. The noise is the first of `grid.noise`. The sensors of the section
+        `sensors` are there whatever is chosen.
     inclinometers
         Heights above ground in m to choose from; None: every node without an inclinometer.
     spread
@@ -149,11 +150,6 @@ def make_case(
         "fa" or "ss".
     records
         Number of records to simulate. The first one gives the scales.
-
-    Raises
-    ------
-    InputError
-        If a height has no node, a sensor measures nothing, or the structure does not stand.
     """
     structure = config.structure
     part = model_substructure(config)
@@ -195,10 +191,7 @@ def make_case(
 
 
 def _list_given(config: TowerConfig, sizes: Mapping[Kind, Array], spread: bool) -> list[Channel]:
-    """Return the sensors that are there already.
-
-    `sizes` has the standard deviation of the signal at each node, by kind of sensor.
-    """
+    """Return the sensors that are there already; `sizes` are those of signals at the nodes."""
     nodes = config.nodes
     places = list_places(config.sensors, nodes)
     if spread:
@@ -234,12 +227,10 @@ def _list_offered(
 
 
 def _list_loud(size: Array) -> list[int]:
-    """Return the nodes with a signal, from the standard deviation of the signal at each node."""
     return [int(node) for node in np.flatnonzero(size > SILENT * size.max())]
 
 
 def _require_loud(what: str, nodes: Array, size: Array, node: int) -> None:
-    """Raise `InputError` if a node has no signal; `what` names the argument."""
     require(
         node in _list_loud(size),
         f"{what}: nothing moves at {nodes[node]:g} m above the ground; leave this height out",
@@ -247,7 +238,6 @@ def _require_loud(what: str, nodes: Array, size: Array, node: int) -> None:
 
 
 def _spread(heights: Array, nodes: Sequence[int]) -> list[int]:
-    """Return up to `SPREAD` of the nodes, evenly over the height."""
     own = heights[list(nodes)]
     ideal = np.linspace(own[0], own[-1], SPREAD)
     nearest = np.argmin(np.abs(own[:, None] - ideal), axis=0)

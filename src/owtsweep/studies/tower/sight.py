@@ -30,7 +30,7 @@ from owtsweep.studies.tower.setting import make_believed, make_setting, model_su
 #: matter for what is seen.
 NOMINAL: dict[Kind, float] = {"x": 1e-3, "theta": 1e-5, "a": 1e-3, "strain": 1e-6}
 #: Least part of an unseen direction that names a state or a load.
-TOLD = 0.05
+NAMED = 0.05
 SHIFT, LEAN = "rigid translation", "rigid rotation"
 
 
@@ -73,10 +73,8 @@ _passed: set[str] = set()
 def require_sight(config: TowerConfig) -> None:
     """Refuse a set-up at which every scheme of the run is blind or unstable.
 
-    Raises
-    ------
-    InputError
-        If no scheme can work; the message names loads that are unseen, and sensors that would do.
+    Raise `InputError` if no scheme can work; the message names loads that are unseen, and sensors
+    that would do.
     """
     decisive = as_mapping(config) | {"cuts": config.heights, "rate": config.record.rate}
     names = ("structure", "cuts", "rate", "sensors", "filters", "model", "schemes")
@@ -100,9 +98,9 @@ def _require_sight(config: TowerConfig) -> None:
         else:
             return
     loads = [name for name in INPUTS if name in _missed(*_observe(setting))]
-    told = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
+    text = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
     raise InputError(
-        f"sensors: no scheme can work with the set-up {config.sensors.name}: {told}; "
+        f"sensors: no scheme can work with the set-up {config.sensors.name}: {text}; "
         f"{_advise(setting, places, config.structure.mudline)}"
     )
 
@@ -127,7 +125,6 @@ def _observe(setting: Setting) -> tuple[Observability, list[str]]:
 
 
 def _name_states(setting: Setting) -> list[str]:
-    """Return the names of the states of AKF's model: coordinates, their rates, loads."""
     numbers: dict[str, int] = {}
     coordinates = []
     for kind in setting.reduced.kinds:
@@ -140,7 +137,7 @@ def _name_states(setting: Setting) -> list[str]:
 def _missed(seen: Observability, names: Sequence[str]) -> set[str]:
     """Return the names of states that have a part in what is unseen."""
     parts = [np.abs(found.directions).max(axis=1) for found in seen.unseen]
-    return {name for part in parts for name, size in zip(names, part, strict=True) if size > TOLD}
+    return {name for part in parts for name, size in zip(names, part, strict=True) if size > NAMED}
 
 
 def _sees_bending(setting: Setting) -> bool:
@@ -153,13 +150,11 @@ def _sees_bending(setting: Setting) -> bool:
 
 
 def _count_unseen(setting: Setting) -> int:
-    """Return how many directions of state and load are unseen."""
     seen, _ = _observe(setting)
     return seen.states - seen.rank
 
 
 def _advise(setting: Setting, places: Sequence[Place], ground: float) -> str:
-    """Say which further inclinometers, chosen one after another, make all loads seen."""
     heights = setting.cut.heights
     chosen: list[Place] = []
     while not _sees_bending(setting):

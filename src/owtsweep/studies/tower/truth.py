@@ -58,14 +58,14 @@ def make_truth(
 ) -> dict[str, Motion]:
     """Simulate one record of the whole structure, in both directions.
 
+    Return direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh. Raise
+    `InputError` if the structure does not stand, a cut is inside an element, or a file of loads
+    cannot be used.
+
     Parameters
     ----------
-    structure
-        The structure, checked.
     cuts
         Heights of the cuts above mean sea level in m.
-    wind, sea
-        The sections `wind` and `waves`.
     stream
         Function that returns a new random generator, given a name.
     steps, step
@@ -74,17 +74,6 @@ def make_truth(
         Whether the weight softens the structure (p-delta).
     subdivision
         Into how many elements each element of the estimators' mesh is divided.
-
-    Returns
-    -------
-    dict
-        Direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh.
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand, a cut is inside an element, or a file of loads cannot be
-        used.
     """
     # Loads act for a while before the record, so that it begins with a motion that has built up.
     lead = steps if wind.file is None else 0
@@ -137,10 +126,6 @@ def _simulate(
     lead: int,
     subdivision: int,
 ) -> Motion:
-    """Simulate one direction, and leave out the lead.
-
-    `share` is the part of the waves' loads along the direction.
-    """
     size = len(whole.mass)
     first = 2 * whole.find_node(cut.heights[0])
     inside = np.arange(first, first + len(cut.mass))  # of the cut structure, in the whole

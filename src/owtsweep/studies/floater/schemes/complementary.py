@@ -1,7 +1,7 @@
 """COMPLEMENTARY: positions below a crossover frequency, accelerations above it.
 
 Its crossover is `filters.crossover` times the one that is best for the noise and the bias that it
-believes. With body-fixed sensors the angles blend rates in place of accelerations, which are not
+assumes. With body-fixed sensors the angles blend rates in place of accelerations, which are not
 measured.
 """
 
@@ -72,10 +72,7 @@ def find_crossover(setting: Setting, column: int) -> float:
 def prepare(setting: Setting) -> Complementary:
     """Choose the crossover for a setting.
 
-    Raises
-    ------
-    Unable
-        If accelerations are believed to have no noise, so that positions never count.
+    Raise `Unable` if accelerations are assumed to have no noise, so that positions never count.
     """
     best = np.array([find_crossover(setting, i) for i in range(len(DOF))])
     if setting.body:

@@ -39,13 +39,8 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
     The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
-    `record` holds the facts about the only record.
-
-    Raises
-    ------
-    InputError
-        If the record has no fitted spectrum with a peak inside the band, or if no errors can be
-        computed for one of the schemes.
+    `record` holds the facts about the only record. Raise `InputError` if the record has no fitted
+    spectrum with a peak inside the band, or if no errors can be computed for one of the schemes.
     """
     from owtsweep.figures import smooth_map
 
@@ -85,16 +80,14 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
 
 
 def _name_left_out(config: ReplayConfig) -> str:
-    """Say which schemes are not in the map; "" if all are."""
     names = list_left_out(config)
     return f" Not in the map: {', '.join(names)}." if names else ""
 
 
 def _describe_coverage(record: Mapping[str, float]) -> str:
-    """Say in a title how much of a record's variance the fitted spectrum covers."""
     share = record["fit_share"]
-    told = f"the fit of Eq. (1) covers {100.0 * share:.0f} % of this record's variance"
-    return told if share >= LEAST_COVERED else f"{told}: no advice for the record"
+    text = f"the fit of Eq. (1) covers {100.0 * share:.0f} % of this record's variance"
+    return text if share >= LEAST_COVERED else f"{text}: no advice for the record"
 
 
 def _make_field(
@@ -142,10 +135,10 @@ def _make_field(
 
 
 def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> None:
-    """Mark the record's place by a star with bars.
+    """Mark the record's place, natural period (s) and amplitude (m), by a star with bars.
 
-    `place` is natural period (s) and amplitude (m). `ends` is half the bar of the period (s), and
-    half that of the logarithm of the amplitude; NaN for no bar.
+    `ends` is half the bar of the period (s), and half that of the logarithm of the amplitude, or
+    NaN.
     """
     period, amplitude = place
     across = np.full((2, 1), ends[0])

@@ -84,14 +84,10 @@ class Estimated:
 class Noise:
     """What a record says about its sensors.
 
-    Attributes
-    ----------
-    parameters
-        The estimated parameters; empty if nothing was recorded or the record is too short.
-    heavy_tails
-        Excess kurtosis of the innovations if it is more than Gaussian noise explains, else 0.
-    disagreement
-        Why the specific force and the positions contradict each other; "" if they do not.
+    `parameters`: the estimated parameters; empty if nothing was recorded or the record is too
+    short. `heavy_tails`: excess kurtosis of the innovations if it is more than Gaussian noise
+    explains, else 0. `disagreement`: why the specific force and the positions contradict each
+    other; "" if they do not.
     """
 
     parameters: tuple[Estimated, ...] = ()
@@ -112,13 +108,9 @@ _LOCK = Lock()
 def estimate_noise(config: ReplayConfig, file: str) -> Noise:
     """Estimate the noise of the sensors recorded in a file; the last results stay in memory.
 
-    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read; or if specific force and positions contradict each other,
-        unless `replay.disagreement` is "accept".
+    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions. Raise
+    `InputError` if the file cannot be read; or if specific force and positions contradict each
+    other, unless `replay.disagreement` is "accept".
     """
     replay = changed(config.replay, disagreement="accept", noise="estimate")
     settings = (config.columns, config.units, config.gaps, replay, config.sensors)
@@ -200,18 +192,10 @@ def _name(fit: Fit, sensors: Sensors, source: str) -> list[Estimated]:
 
 
 def measure_floor(force: Array) -> float:
-    """Return the standard deviation of white noise with the level of the upper half spectrum.
+    """Return the deviation (m/s^2) of white noise with the level of the upper half spectrum.
 
-    Parameters
-    ----------
-    force
-        Samples of the specific force, shape (n, 2), in m/s^2.
-
-    Returns
-    -------
-    float
-        The deviation per sample and axis, m/s^2; NaN if the samples are few, or the spectrum is not
-        flat there: then it holds more than white noise.
+    `force` are samples of the specific force, shape (n, 2), in m/s^2. NaN if they are few, or the
+    spectrum is not flat there: then it holds more than white noise.
     """
     if len(force) < LEAST_SPECTRA * SAMPLES:
         return np.nan

@@ -37,10 +37,9 @@ def name_second_run(scheme: str) -> str:
 
 
 def list_values(noise: Noise) -> Iterator[tuple[str, str, float, int]]:
-    """Yield the numbers of a record's noise as (measure, window, value, 1).
+    """Yield the numbers of a record's noise as ("source: parameter", window, value, 1).
 
-    The measure is "source: parameter"; the window is "stated", "estimate", "low" or "high".
-    Numbers that do not exist are left out.
+    The window is "stated", "estimate", "low" or "high". Numbers that do not exist are left out.
     """
     for one in noise.parameters:
         numbers = asdict(one)
@@ -148,7 +147,6 @@ def _compare(noise: pd.DataFrame) -> list[str]:
 
 
 def _format_estimate(estimate: float, low: float, high: float, unit: str) -> str:
-    """Return an estimate with its interval and unit, or only the bound that the record sets."""
     open_below = np.isnan(low) or (low == 0.0 and unit != "s")
     if open_below and np.isnan(high):
         return "nothing about it"

@@ -2,7 +2,7 @@
 
 States are modal coordinates with modal masses of 1 and their rates, inputs are in units of the
 model's `scale`. Noise of states is the tuning's one number for all of them (Q and P_0 of Simpson et
-al. 2025, section 3); noise of inputs is what the tuning believes of loads.
+al. 2025, section 3); noise of inputs is the tuning's prior of the loads.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Settled(Protocol):
 
 @dataclass(frozen=True)
 class Filtered:
-    """A filter made ready for one setting; `wait` is how long it looks ahead, s."""
+    """A filter made ready for one setting; `wait` is its latency, s."""
 
     model: Model
     filter: Settled
@@ -63,16 +63,10 @@ class Filtered:
 
 @dataclass(frozen=True)
 class FilterScheme(Scheme):
-    """A scheme that consists of a model and of a filter on it.
+    """A scheme that consists of a model and of a filter on it, made by `model` and `tune`.
 
     Attributes
     ----------
-    name
-        Name of the scheme.
-    model
-        Makes the model.
-    tune
-        Makes the filter.
     any_input
         Whether inputs may be anything, so that sensors must tell all of them apart. Inputs that
         fade by themselves need not be seen.
@@ -89,10 +83,7 @@ class FilterScheme(Scheme):
     def prepare(self, setting: Setting) -> Filtered:
         """Compute the gains for a setting.
 
-        Raises
-        ------
-        Unable
-            If the filter is unstable there, or does not see how the structure is bent.
+        Raise `Unable` if the filter is unstable there, or does not see how the structure is bent.
         """
         model = self.model(setting)
         if self.any_input:
@@ -142,12 +133,8 @@ def check_seen(name: str, setting: Setting, model: Model) -> None:
 
     Inputs may be anything here, as walks may (Eq. 22). Directions that bend nothing may stay
     unseen: with inclinometers and accelerometers, position and velocity of the rigid translation
-    drift.
-
-    Raises
-    ------
-    Unable
-        If they do not; the message has the rank by the test of Popov, Belevitch and Hautus.
+    drift. Raise `Unable` if they do not; the message has the rank by the test of Popov, Belevitch
+    and Hautus.
     """
     walks = np.eye(len(model.inputs))
     observed = find_unobservable(*augment(model.discrete, walks))
@@ -168,12 +155,8 @@ def check_loop(name: str, setting: Setting, model: Model, loop: Array) -> None:
     """Check that a settled filter forgets its errors, rigid motion that no sensor feels left out.
 
     `loop` is the filter's closed loop; its first 2 x modes states are those of the model. What the
-    sensors do not feel keeps an eigenvalue of 1 there, whatever the gain is.
-
-    Raises
-    ------
-    Unable
-        If errors grow or never fade; the message has the spectral radius.
+    sensors do not feel keeps an eigenvalue of 1 there, whatever the gain is. Raise `Unable` if
+    errors grow or never fade; the message has the spectral radius.
     """
     if not np.all(np.isfinite(loop)):
         raise Unable(f"{name} is unstable: its covariances grow beyond all bounds")

@@ -45,15 +45,10 @@ MARGIN = 10.0
 class Expander:
     """Shapes in one band, and how sensors give their coordinates.
 
-    Attributes
-    ----------
-    decompose
-        Coordinates (or their accelerations) for unit signals, shape (shapes, channels).
-    shapes
-        Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, shapes).
-    loads
-        Interface loads for unit displacement, velocity and acceleration of the coordinates, each of
-        shape (4, shapes).
+    `decompose`: coordinates (or their accelerations) for unit signals, shape (shapes, channels).
+    `shapes`: displacements of the cut's degrees of freedom for unit coordinates, shape (dof,
+    shapes). `loads`: interface loads for unit displacement, velocity and acceleration of the
+    coordinates, each of shape (4, shapes).
     """
 
     decompose: Array
@@ -96,10 +91,8 @@ class MDE(Scheme):
     def prepare(self, setting: Setting) -> Expansion:
         """Compute shapes, and coordinates from sensors.
 
-        Raises
-        ------
-        Unable
-            If there is no accelerometer, or the sensors of a band do not tell its shapes apart.
+        Raise `Unable` if there is no accelerometer, or the sensors of a band do not tell its shapes
+        apart.
         """
         moved = [i for i, channel in enumerate(setting.channels) if channel.kind == "a"]
         others = [i for i, channel in enumerate(setting.channels) if channel.kind != "a"]
@@ -154,17 +147,9 @@ def _expand(setting: Setting, numbers: list[int], whole_shapes: Array) -> Expand
 class Bands:
     """Bands between split frequencies, with gains that sum to 1, for records of one length.
 
-    Records are continued beyond both ends by their reflection in the end point, so that they
-    neither jump there nor wrap around.
-
-    Parameters
-    ----------
-    steps
-        Number of samples of a record, 2 or more.
-    step
-        Sampling interval, s.
-    splits
-        Frequencies in Hz at which bands meet, upwards.
+    Records, of 2 `steps` or more, are continued beyond both ends by their reflection in the end
+    point, so that they neither jump there nor wrap around. The `splits` at which bands meet are in
+    Hz, upwards; `step` is in s.
     """
 
     def __init__(self, steps: int, step: float, splits: Sequence[float]) -> None:

@@ -8,7 +8,7 @@ sensor the ground stays in place.
 
 THRUST_LEVER: a thrust from one sensor, times the lever: what people do first. One sensor gives the
 thrust: the highest inclinometer; without one the highest displacement sensor; without one the
-lowest strain gauge. Its reading, over the static response of the believed turbine on its soil to a
+lowest strain gauge. Its reading, over the static response of the assumed turbine on its soil to a
 unit thrust, is the thrust at each instant. The thrust acts at the centre of mass of what stands on
 the substructure. Moments are thrust times lever, and the displacements are the static shape.
 Inertia, waves and the moment of the rotor are left out.
@@ -30,14 +30,9 @@ from owtsweep.studies.tower.models import list_whole_dof, respond_statically, se
 class Shapes:
     """Static shapes and what the sensors say of them, for one setting.
 
-    Attributes
-    ----------
-    decompose
-        Coordinates of the shapes for unit signals, shape (shapes, channels).
-    shapes
-        Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, shapes).
-    loads
-        Interface loads for unit coordinates, shape (4, shapes).
+    `decompose`: coordinates of the shapes for unit signals, shape (shapes, channels). `shapes`:
+    displacements of the cut's degrees of freedom for unit coordinates, shape (dof, shapes).
+    `loads`: interface loads for unit coordinates, shape (4, shapes).
     """
 
     decompose: Array
@@ -59,10 +54,7 @@ class QuasiStatic(Scheme):
     def prepare(self, setting: Setting) -> Shapes:
         """Compute static shapes, and their coordinates from sensors.
 
-        Raises
-        ------
-        Unable
-            If the sensors do not tell the shapes apart.
+        Raise `Unable` if the sensors do not tell the shapes apart.
         """
         cut, channels = setting.cut, setting.channels
         height = cut.heights - cut.heights[0]
@@ -99,16 +91,9 @@ class QuasiStatic(Scheme):
 class Lever:
     """The static response to a thrust, for one setting.
 
-    Attributes
-    ----------
-    channel
-        Number of the sensor that gives the thrust.
-    per_reading
-        Thrust over reading, N per unit of the channel.
-    shape
-        Displacements of the cut's degrees of freedom for a unit thrust, shape (dof,).
-    loads
-        Interface loads for a unit thrust, shape (4,).
+    `channel`, `per_reading`: number of the sensor that gives the thrust, and thrust over its
+    reading, N per unit. `shape`: displacements of the cut's degrees of freedom for a unit thrust,
+    shape (dof,). `loads`: interface loads for a unit thrust, shape (4,).
     """
 
     channel: int
@@ -131,10 +116,7 @@ class ThrustLever(Scheme):
     def prepare(self, setting: Setting) -> Lever:
         """Choose the sensor and compute the static response.
 
-        Raises
-        ------
-        Unable
-            If there is no sensor but accelerometers, or the sensor does not feel thrust.
+        Raise `Unable` if there is no sensor but accelerometers, or the sensor does not feel thrust.
         """
         whole, at = setting.whole, list_whole_dof(setting)
         standing = whole.mass[np.ix_(at[-2:], at[-2:])] - setting.cut.mass[-2:, -2:]
@@ -158,10 +140,7 @@ class ThrustLever(Scheme):
 def choose_sensor(channels: tuple[Channel, ...]) -> int:
     """Return the number of the channel that gives the thrust.
 
-    Raises
-    ------
-    Unable
-        If all channels are accelerometers.
+    Raise `Unable` if all channels are accelerometers.
     """
     for kind, side in (("theta", 1), ("x", 1), ("strain", -1)):
         those = [i for i, channel in enumerate(channels) if channel.kind == kind]
