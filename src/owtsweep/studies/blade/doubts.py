@@ -35,6 +35,7 @@ def warn_of_doubts(config: BladeConfig) -> None:
     if config.recorded.imu is None:
         return
     lift = load_lift(config)
+    lift.inertial.log_notes()
     setting = tell_of_lift(config, lift)
     longest = float(np.linalg.norm(setting.geometry.levers, axis=1).max())
     if longest > LONGEST_RECORDED:
