@@ -108,7 +108,12 @@ def test_units(unit: str, dimension: str, expected: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("unit", "said"), [("deg", "a unit of angle, not of length"), ("kN", "not a unit known")]
+    ("unit", "said"),
+    [
+        ("deg", "a unit of angle, not of length"),
+        ("kN", "a unit of force, not of length"),
+        ("kg", "not a unit known"),
+    ],
 )
 def test_wrong_units_are_refused(tmp_path: Path, unit: str, said: str) -> None:
     message = refusal(record(tmp_path, x=X), units={"position_x": unit})

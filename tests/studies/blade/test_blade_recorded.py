@@ -16,8 +16,9 @@ from scipy.spatial.transform import Rotation
 
 import owtsweep
 from owtsweep.evaluation.estimate import EstimatedRecord
+from owtsweep.motion.recorded import describe, open_table
 from owtsweep.studies import compose
-from owtsweep.studies.blade.recorded_files import read_fixes
+from owtsweep.studies.blade.recorded_case import read_antenna
 
 SHORT = [
     "unit=fog", "record.duration=60", "record.settling=20", "sensors.outage_every=40",
@@ -120,7 +121,7 @@ def test_positions_on_the_globe_are_those_of_the_table(kind: str, lift: Estimate
 def test_float_solutions_of_nmea_are_told() -> None:
 
     _write_nmea(quality=5)
-    fixes = read_fixes(Path("fixes.nmea"), [])
+    fixes = read_antenna(open_table("fixes.nmea"), [])
     assert fixes.floating.all()
     assert fixes.time[0] == pytest.approx(100.0)
     size = {}
@@ -185,17 +186,17 @@ def _change(file: str, column: str, row: int, value: float) -> None:
         ),
         (["recorded.mounting=[[1,0,0],[0,1,0],[0,0,-1]]"], "recorded.mounting: the rows are no "),
         (["record.rate=100"], "record.rate: 100 Hz, but imu.csv has a row every 0.02 s; "),
-        (["record.duration=90"], "record.duration: 90 s, but imu.csv lasts 60 s from the first "),
+        (["record.duration=90"], "record.duration: 90 s, but imu.csv lasts 60 s; set record."),
         (["recorded.shift=1000"], "gnss0.csv: fewer than two fixes fall into the time of imu.csv"),
         (["recorded.imu=other.csv"], "other.csv: "),
         (["recorded.columns=[speed:v]"], "recorded.columns: 'speed:v' is not SIGNAL:NAME"),
         (
             ["recorded.columns=[wz:gyroz]"],
-            "recorded.columns: 'wz:gyroz', but there is no column 'gyroz' for wz; imu.csv has ",
+            "imu.csv: recorded.columns=wz:gyroz: no channel 'gyroz'; there are ",
         ),
         (
             ["recorded.columns=[x:fx]"],
-            "recorded.columns: 'x:fx', but there is no column 'fx' for x; gnss0.csv has time, x, ",
+            "gnss0.csv: recorded.columns=x:fx: no channel 'fx'; there are x, ",
         ),
         (["recorded.imu="], "recorded.imu: name the table of the inertial unit, e.g. "),
         (["grid.replicates=2"], "grid.replicates: 2, but one lift was recorded; "),
@@ -216,22 +217,32 @@ def test_what_a_record_cannot_be(words: list[str], told: str) -> None:
 @pytest.mark.parametrize(
     ("file", "column", "value", "told"),
     [
-        ("imu.csv", "fx", np.nan, "imu.csv: fx has no number in data row 8; "),
-        ("imu.csv", "time", 3.0, "imu.csv: the time does not increase in data row 8; "),
-        ("gnss0.csv", "time", 3.0, "gnss0.csv: the time does not increase in data row 8; "),
+        (
+            "imu.csv",
+            "fx",
+            np.nan,
+            "imu.csv: fx (channel fx) has no number in data row 8 (1 such ",
+        ),
+        ("imu.csv", "time", 3.0, "imu.csv: time (time) goes backwards in data row 8: "),
+        ("gnss0.csv", "time", 3.0, "gnss0.csv: time (time) goes backwards in data row 8: "),
         (
             "imu.csv",
             "fy",
             1e150,
-            "imu.csv: fy holds 1e+150 in SI units, and no motion reaches 1e+09",
+            "imu.csv: fy (channel fy) holds 1e+150 in SI units, and no motion reaches 1e+09",
         ),
         (
             "gnss0.csv",
             "y",
             1e20,
-            "gnss0.csv: y holds 1e+20 in SI units, and no motion reaches 1e+09",
+            "gnss0.csv: y (channel y) holds 1e+20 in SI units, and no motion reaches 1e+09",
         ),
-        ("globe.csv", "height", -1e20, "globe.csv: height holds 1e+20 in SI units, "),
+        (
+            "globe.csv",
+            "height",
+            -1e20,
+            "globe.csv: height (channel height) holds 1e+20 in SI ",
+        ),
         ("globe.csv", "latitude", 95.0, "globe.csv: a latitude of 95 degrees in data row 8; "),
     ],
 )
@@ -248,6 +259,34 @@ def test_fixes_faster_than_the_unit_are_refused() -> None:
     table.assign(time=100.0 + 0.004 * np.arange(len(table))).to_csv("gnss0.csv", index=False)
     with pytest.raises(owtsweep.InputError, match=r"a fix every 0.004 s is faster than the"):
         compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv]", "recorded.heading=0"])
+
+
+def test_a_lift_with_dates_for_times_is_refused() -> None:
+    """They become seconds from the first of each file, and the files begin at different times."""
+    table = pd.read_csv("gnss0.csv")
+    dates = pd.Timestamp("2024-05-01") + pd.to_timedelta(table["time"], unit="s")
+    table.assign(time=dates.dt.strftime("%Y-%m-%dT%H:%M:%S.%fZ")).to_csv("gnss0.csv", index=False)
+    with pytest.raises(owtsweep.InputError, match=r"^gnss0.csv: its times are dates, which become"):
+        compose([*RECORDED, *CELL, "recorded.gnss=[gnss0.csv]", "recorded.heading=0"])
+
+
+def test_sentences_are_described_as_a_table() -> None:
+    _write_nmea()
+    told = str(describe("fixes.nmea"))
+    assert "NMEA, GGA sentences, 5 channels" in told
+    assert "time (time): 100 s to" in told
+
+
+def test_an_inertial_unit_with_jitter_and_missing_rows_is_resampled(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    plain = _run("recorded.gnss=[gnss0.csv]", "recorded.heading=0")
+    imu = pd.read_csv("imu.csv").drop(index=[700, 701, 1500])
+    imu.to_csv("imu.csv", index=False)
+    found = _run("recorded.gnss=[gnss0.csv]", "recorded.heading=0")
+    assert "imu.csv: 3 rows are missing: filled by cubic spline" in caplog.text
+    apart = found.estimates["MEKF"]["root"] - plain.estimates["MEKF"]["root"]
+    assert np.abs(apart).max() < 0.01
 
 
 def test_antennas_in_a_line_do_not_show_an_attitude() -> None:
@@ -279,9 +318,9 @@ def _edit_nmea(edit: Callable[[list[str]], None], first: int = 0, count: int = 1
 def test_an_empty_geoid_separation_is_read() -> None:
     """Heights are altitudes then: all differ by the separation, so nothing else does."""
     _write_nmea()
-    whole = read_fixes(Path("fixes.nmea"), [])
+    whole = read_antenna(open_table("fixes.nmea"), [])
     _edit_nmea(lambda fields: fields.__setitem__(slice(11, 13), ["", ""]))
-    fixes = read_fixes(Path("fixes.nmea"), [])
+    fixes = read_antenna(open_table("fixes.nmea"), [])
     assert np.allclose(whole.position - fixes.position, [0.0, 0.0, 38.0], atol=1e-9)
     assert (fixes.time == whole.time).all()
 
@@ -291,7 +330,7 @@ def test_a_cut_sentence_is_one_line() -> None:
     _edit_nmea(lambda fields: fields.__delitem__(slice(3, None)), first=2, count=1)
     told = r"GGA sentence 3 with a fix has no readable"
     with pytest.raises(owtsweep.InputError, match=told):
-        read_fixes(Path("fixes.nmea"), [])
+        read_antenna(open_table("fixes.nmea"), [])
 
 
 def test_heights_above_the_geoid_and_above_the_ellipsoid_are_not_mixed() -> None:
@@ -322,7 +361,7 @@ def test_a_bad_field_of_nmea_is_one_line(field: int, value: str, says: str) -> N
     _write_nmea()
     _edit_nmea(lambda fields: fields.__setitem__(field, value), first=2, count=1)
     with pytest.raises(owtsweep.InputError, match="^fixes.nmea: " + re.escape(says)) as error:
-        read_fixes(Path("fixes.nmea"), [])
+        read_antenna(open_table("fixes.nmea"), [])
     assert "\n" not in str(error.value)
 
 

@@ -88,7 +88,9 @@ def test_recorded_velocities_and_accelerations_take_the_place_of_derivatives(
     assert truth.velocity[:, 0] == pytest.approx(2.0 * VELOCITY[:1800, 0])
     assert truth.velocity[:, 4] == pytest.approx(np.pi / 3.0 * VELOCITY[:1800, 4])
     assert truth.acceleration[:, 2] == pytest.approx(9.80665 * ACCELERATION[:1800, 2])
-    assert "not a unit of angular velocity" in refusal(write(tmp_path, more, {"q": "m/s"}))
+    assert "'m/s' is a unit of velocity, not of angular velocity" in refusal(
+        write(tmp_path, more, {"q": "m/s"})
+    )
 
 
 def test_rounded_times_are_equally_spaced(tmp_path: Path) -> None:
@@ -103,25 +105,34 @@ def test_each_wrong_file_is_told_in_one_line_that_helps(tmp_path: Path) -> None:
         kept = {name: each for name, each in (COLUMNS | columns).items() if each is not None}
         return write(tmp_path, kept)
 
-    assert "no column 'psi'; it has time, x, y, z, phi, theta; name it by " in refusal(
+    assert "no column psi; it has time, x, y, z, phi, theta; name it by " in refusal(
         changed(psi=None)
     )
-    assert "motion.columns=[time:NAME]" in refusal(changed(time=None))
+    assert (
+        "no time column found among x, y, z, phi, theta, psi: set motion.columns=[time:NAME]"
+        in refusal(changed(time=None))
+    )
     assert "motion.columns: 'speed:x' is not SIGNAL:NAME" in refusal(
         changed(), "motion.columns=[speed:x]"
     )
-    assert "has no column 'SURGE'; it has time" in refusal(changed(), "motion.columns=[x:SURGE]")
+    assert "motion.columns=x:SURGE: no channel 'SURGE'; there are time, x, y, z, phi" in refusal(
+        changed(), "motion.columns=[x:SURGE]"
+    )
     zero = refusal(changed(z=np.zeros(2000)))
-    assert "column z is 0 throughout" in zero
+    assert "z (channel z) is 0 throughout" in zero
     assert "put small noise in its place" in zero
-    assert "column psi is 0.3 throughout" in refusal(changed(psi=np.full(2000, 0.3)))
+    assert "psi (channel psi) is 0.3 throughout" in refusal(changed(psi=np.full(2000, 0.3)))
     gap = POSITION[:, 1].copy()
     gap[700] = np.nan
-    assert "column y lacks numbers" in refusal(changed(y=gap))
-    assert "must increase from row to row" in refusal(changed(time=TIME[::-1]))
+    assert "y (channel y) has no number in data row 701 (1 such rows in all)" in refusal(
+        changed(y=gap)
+    )
+    assert "time (time) goes backwards in data row 2" in refusal(changed(time=TIME[::-1]))
     late = TIME.copy()
-    late[900:] += 0.02
-    assert "not equally spaced in time (row " in refusal(changed(time=late))
+    late[900:] += 6.0 * STEP
+    assert "has gaps longer than 5 steps of 0.05 s: 44.95 s to 45.3 s; cut" in refusal(
+        changed(time=late)
+    )
     assert "set record.rate=10" in refusal(changed(time=2.0 * TIME))
     assert "set record.duration=100" in refusal(changed(), "record.duration=101")
     assert "'kg' is not a unit known here" in refusal(write(tmp_path, units={"x": "kg"}))
@@ -144,6 +155,6 @@ def test_a_position_that_no_floater_reaches_is_refused(tmp_path: Path) -> None:
     damaged[300] = 1e20
     told = refusal(write(tmp_path, {**COLUMNS, "y": damaged}))
     assert told.endswith(
-        "basin.csv: column y holds 1e+20 in SI units, and no motion reaches 1e+09: check its unit, "
-        "and mend damaged rows"
+        "basin.csv: y (channel y) holds 1e+20 in SI units, and no motion reaches 1e+09: check its "
+        "unit, and mend or cut out damaged rows"
     )

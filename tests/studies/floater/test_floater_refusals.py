@@ -131,7 +131,7 @@ def test_a_matlab_file_of_version_7_3_says_how_to_save_it(
 def test_a_zero_column_of_a_file_says_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
     savemat("basin.mat", {**COLUMNS, "psi": np.zeros(1300)})
     told = refusal(RECORDED, capsys)
-    assert "column psi is 0 throughout" in told
+    assert "psi (channel psi) is 0 throughout" in told
     assert "put small noise in its place" in told
     noise = 1e-4 * np.random.default_rng(1).standard_normal(1300)
     savemat("basin.mat", {**COLUMNS, "psi": noise})

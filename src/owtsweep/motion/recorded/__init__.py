@@ -8,6 +8,7 @@ from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.gridding import Gridded, TimeGrid, find_common_grid, to_grid
 from owtsweep.motion.recorded.reading import read
 from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.recorded.signals import Signals, Wanted, read_signals
 
 __all__ = [
     "MOTION_CUTOFF",
@@ -17,12 +18,15 @@ __all__ = [
     "MotionKind",
     "Recording",
     "Rotation",
+    "Signals",
     "TimeGrid",
+    "Wanted",
     "describe",
     "find_clear_band",
     "find_common_grid",
     "open_table",
     "read",
+    "read_signals",
     "to_grid",
     "to_motion",
 ]

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion.recorded.formats.table import MOST_STEPS, refuse
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import count_steps, fit_comb
+from owtsweep.motion.recorded.timing import count_steps, describe_jitter, fit_comb
 
 #: An axis with a larger mean measures gravity: it is not horizontal, or its unit is wrong.
 LARGEST_MEAN_FORCE = 5.0  # m/s^2
@@ -56,29 +57,38 @@ def require_possible(where: str, values: Array, hint: str, *, load: bool = False
     )
 
 
-def check_time(path: Path, name: str, time: Array) -> None:
+def check_time(
+    path: Path,
+    name: str,
+    time: Array,
+    *,
+    rows: NDArray[np.intp] | None = None,
+    fewest: int = FEWEST_SAMPLES,
+) -> None:
     """Check the times of a recording.
 
-    `time` holds the times in s, shape (n,). They come from the channel `name` of the file `path`.
+    `time` holds the times in s, shape (n,). They come from the channel `name` of the file `path`;
+    `rows` are the numbers of their data rows, from 0 (all rows if None).
 
     Raises
     ------
     InputError
-        If there are fewer than `FEWEST_SAMPLES` times, if a time is missing, or if the times do not
+        If there are fewer than `fewest` times, if a time is missing, or if the times do not
         increase.
     """
-    if len(time) < FEWEST_SAMPLES:
-        raise refuse(path, f"has {len(time)} rows; at least {FEWEST_SAMPLES} are needed")
+    rows = np.arange(len(time)) if rows is None else rows
+    if len(time) < fewest:
+        raise refuse(path, f"has {len(time)} rows; at least {fewest} are needed")
     missing = np.flatnonzero(~np.isfinite(time))
     if len(missing):
-        raise refuse(path, f"time ({name}) is missing in data row {missing[0] + 1}")
+        raise refuse(path, f"time ({name}) is missing in data row {rows[missing[0]] + 1}")
     step = np.diff(time)
     if step.min() <= 0.0:
         row = int(np.flatnonzero(step <= 0.0)[0])
         what = "goes backwards" if step[row] < 0.0 else "stands still"
         raise refuse(
             path,
-            f"time ({name}) {what} in data row {row + 2}: {time[row]:.9g} s, then "
+            f"time ({name}) {what} in data row {rows[row + 1] + 1}: {time[row]:.9g} s, then "
             f"{time[row + 1]:.9g} s; sort the rows by time and drop repeated times",
         )
 
@@ -128,24 +138,30 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
         if count < fewest:
             raise refuse(recording.path, f"{name} has {count} values; at least {fewest} are needed")
         time, there = recording.series(role)
-        _check_extent(recording.path, role, name, time, there)
+        require_possible(
+            f"{recording.path}: {name}",
+            there,
+            f"check units.{role}, and mark missing values as NaN",
+        )
+        if not role.startswith("fix"):
+            check_extent(recording.path, name, time)
         notes += _check_sampling(recording.path, role, name, time, gaps)
         notes += _check_size(recording.path, role, name, time, there)
     return list(dict.fromkeys(notes))
 
 
-def _check_extent(path: Path, role: str, name: str, time: Array, values: Array) -> None:
-    """Raise `InputError` if a value is absurdly large, or a regular grid would have too many steps.
+def check_extent(path: Path, name: str, time: Array) -> None:
+    """Check that a regular grid over rising times (s) has at most `MOST_STEPS` steps.
 
-    `time` (s) and `values` (SI units), shape (m,), are the channel that plays the role `role`;
-    `name` is the channel's name in messages. The grid spans these times at their median interval;
-    for GNSS fixes it is not checked.
+    The grid has the median interval; `name` is what has these times, for the message.
+
+    Raises
+    ------
+    InputError
+        If it has more.
     """
-    require_possible(
-        f"{path}: {name}", values, f"check units.{role}, and mark missing values as NaN"
-    )
     steps = count_steps(time)
-    if not steps <= MOST_STEPS and not role.startswith("fix"):
+    if not steps <= MOST_STEPS:
         raise refuse(
             path,
             f"{name} spans {time[-1] - time[0]:.3g} s at intervals of "
@@ -185,11 +201,7 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
     if not sparse:
         comb = fit_comb(time)
         if not comb.uniform:
-            notes.append(
-                f"{quantity}: irregular times, median interval {median:.6g} s, at most "
-                f"{comb.jitter:.3g} s ({100 * comb.jitter / comb.step:.2g} % of it) off a regular "
-                "grid: resampled by cubic spline"
-            )
+            notes.append(f"{quantity}: {describe_jitter(comb, median)}")
         elif comb.rounded:
             notes.append(
                 f"{quantity}: times rounded to {comb.resolution:g} s, taken as every "

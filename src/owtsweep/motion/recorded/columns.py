@@ -9,7 +9,10 @@ import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.units import find_factor
 
 #: The quantities that a channel can hold, with their dimensions (see `units`). `_x` points north or
 #: along the first horizontal axis, `_y` east or along the second.
@@ -183,32 +186,6 @@ def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
     return None
 
 
-def name_signals(
-    table: ChannelTable, signals: Sequence[str], given: Sequence[str]
-) -> dict[str, tuple[str, str]]:
-    """Return signal -> name and unit ("": none is stated) of its column, for signals that have one.
-
-    Parameters
-    ----------
-    table
-        The opened file.
-    signals
-        Names of signals, each of which may be that of a column. Time has a well-known name.
-    given
-        Items SIGNAL:NAME or SIGNAL:NAME:UNIT for columns that are called otherwise, or have another
-        unit than the file states. Items for columns of other files are passed over.
-    """
-    columns = {name: (name, table.unit(name)) for name in signals if name in table.names}
-    clock = guess_roles(table.names).get("time")
-    if clock is not None:
-        columns["time"] = (clock, table.unit(clock))
-    for item in given:
-        signal, name, *unit = item.split(":")
-        if signal in (*signals, "time") and name in table.names:
-            columns[signal] = (name, unit[0] if unit else table.unit(name))
-    return columns
-
-
 def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     """Return the name of the channel called `wanted`, spelled as in the file.
 
@@ -240,3 +217,57 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     )
     reason = f"{argument}: no channel {wanted!r}; there are {', '.join(listed)}{more}"
     raise refuse(table.path, reason)
+
+
+def list_names(table: ChannelTable) -> str:
+    """Return the names of the first channels, for messages."""
+    return ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
+
+
+def refuse_without_time(table: ChannelTable, setting: str) -> InputError:
+    """Return the error for a file without a channel of time; `setting` would name it."""
+    return refuse(table.path, f"no time column found among {list_names(table)}: set {setting}")
+
+
+def find_scale(
+    table: ChannelTable,
+    name: str,
+    dimension: str,
+    given: str | None,
+    setting: str,
+    implied: str = "",
+) -> float | None:
+    """Return the factor to SI of a channel's unit; None if there is no unit.
+
+    Parameters
+    ----------
+    table, name
+        The opened file, and its channel.
+    dimension
+        Of `units.DIMENSIONS`.
+    given, implied
+        Units: the one that the user gives in place of the file's, by `setting`; and the one that
+        holds if neither says any.
+
+    Raises
+    ------
+    InputError
+        If the unit is not known or is not of the dimension.
+    """
+    stated = table.unit(name) or implied
+    if dimension == "time" and stated == ISO_TIME:
+        if given:
+            raise refuse(
+                table.path,
+                f"{setting}={given}: the times ({name}) are dates with a time of day, which become "
+                f"seconds; leave out {setting}",
+            )
+        return 1.0
+    if given:
+        return find_factor(given, dimension, f"{table.path}: {setting}")
+    if not stated:
+        return None
+    try:
+        return find_factor(stated, dimension, f"{table.path}: channel {name} says its unit is")
+    except InputError as error:
+        raise InputError(f"{error}; or give the unit by {setting}") from None

@@ -14,7 +14,7 @@ from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.checks import find_gaps
 from owtsweep.motion.recorded.formats.table import MOST_STEPS
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import fit_comb
+from owtsweep.motion.recorded.timing import Comb, fit_comb
 
 #: A channel is kept in full up to this multiple of its sampling rate.
 FULL_BAND = 0.4
@@ -163,22 +163,30 @@ def make_uniform(
     `start` is the time of the first sample and `step` the sampling interval, in s. Missing samples
     are interpolated. The gaps, each (start, end) in s, are those of `checks.find_gaps`.
     """
-    from scipy.interpolate import CubicSpline, PchipInterpolator
-
     time, values = recording.series(role)
-    comb = fit_comb(time)
-    holes = find_gaps(time)
+    comb, holes = fit_comb(time), find_gaps(time)
     if comb.uniform and comb.count == len(time):
         return (comb.start, values), comb.step, holes
+    return (comb.start, fill(time, values, comb)), comb.step, holes
+
+
+def fill(time: Array, values: Array, comb: Comb) -> Array:
+    """Interpolate at the teeth of a comb; return values of shape (comb.count,).
+
+    `time` (s) and `values`, shape (n,), are a channel without missing samples, and `comb` is fitted
+    to its times. Samples that lie on teeth are not changed.
+    """
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
     teeth = comb.teeth
     at = comb.start + comb.step * comb.number if comb.uniform else time
     filled = np.asarray(CubicSpline(at, values)(teeth))
-    if holes:
+    if holes := find_gaps(time):
         inside = _mark_inside(teeth, holes)
         filled[inside] = PchipInterpolator(at, values)(teeth[inside])
     if comb.uniform:
         filled[comb.number.astype(np.int64)] = values
-    return (comb.start, filled), comb.step, holes
+    return filled
 
 
 def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:

@@ -13,10 +13,16 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
 from owtsweep.motion.recorded.choosing import add_motion, begin_position
-from owtsweep.motion.recorded.columns import PARTS, ROLES, assign_roles
+from owtsweep.motion.recorded.columns import (
+    PARTS,
+    ROLES,
+    assign_roles,
+    find_scale,
+    list_names,
+    refuse_without_time,
+)
 from owtsweep.motion.recorded.composing import TILT, Composer, compose, find_angles, imply_unit
 from owtsweep.motion.recorded.formats import open_table
-from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
@@ -190,17 +196,17 @@ def _assign_roles(
         channels do not give the motion of the hub.
     """
     chosen = assign_roles(table, columns)
-    listed = ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
     if "time" not in chosen:
-        raise refuse(table.path, f"no time column found among {listed}: set columns.time=NAME")
+        raise refuse_without_time(table, "columns.time=NAME")
     chosen, choice = add_motion(table, chosen, columns, motion=motion, tower_height=tower_height)
     if choice.problem:
         raise refuse(table.path, choice.problem)
     if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
         raise refuse(
             table.path,
-            f"no channel with a known name among {listed}: set columns.position_x=NAME or "
-            "columns.specific_force_x=NAME (--describe shows what is there)",
+            f"no channel with a known name among {list_names(table)}: set "
+            "columns.position_x=NAME or columns.specific_force_x=NAME (--describe shows what is "
+            "there)",
         )
     return {"time": chosen.pop("time"), **chosen}, choice.note
 
@@ -224,25 +230,11 @@ def find_factors(
             raise InputError(f"units.{role}: no such role: use one of {', '.join(ROLES)}")
     factors, assumed = {}, []
     for role, name in chosen.items():
-        given, stated = units.get(role), table.unit(name) or imply_unit(role, name)
-        if role == "time" and stated == ISO_TIME:
-            if given:
-                raise refuse(
-                    table.path,
-                    f"units.time={given}: the times ({name}) are dates with a time of day, which "
-                    "become seconds; leave out units.time",
-                )
-            factors[role] = 1.0
-        elif given:
-            factors[role] = find_factor(given, ROLES[role], f"{table.path}: units.{role}")
-        elif stated:
-            where = f"{table.path}: channel {name} says its unit is"
-            try:
-                factors[role] = find_factor(stated, ROLES[role], where)
-            except InputError as error:
-                raise InputError(f"{error}; or give the unit by units.{role}") from None
-        else:
-            factors[role] = 1.0
+        scale = find_scale(
+            table, name, ROLES[role], units.get(role), f"units.{role}", imply_unit(role, name)
+        )
+        factors[role] = 1.0 if scale is None else scale
+        if scale is None:
             assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")
     notes = [f"units not in the file, taken as SI: {', '.join(assumed)}"] if assumed else []
     unused = [f"units.{role}" for role, unit in units.items() if unit and role not in chosen]

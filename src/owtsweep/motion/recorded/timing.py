@@ -86,6 +86,15 @@ def fit_comb(time: Array) -> Comb:
     return Comb(start, step, int(number[-1]) + 1, number, jitter, resolution, uniform)
 
 
+def describe_jitter(comb: Comb, median: float) -> str:
+    """Say how far times are off the teeth of a comb; `median` is their median interval, s."""
+    return (
+        f"irregular times, median interval {median:.6g} s, at most {comb.jitter:.3g} s "
+        f"({100 * comb.jitter / comb.step:.2g} % of it) off a regular grid: resampled by cubic "
+        "spline"
+    )
+
+
 def _resolution(time: Array) -> float:
     """Find the largest power of ten, from 1e-9 to 1 s, of which all times are multiples.
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
-from owtsweep.errors import InputError, require
+from owtsweep.errors import InputError
 from owtsweep.gravity import STANDARD_GRAVITY
 
-#: dimension -> (SI unit, unit -> factor to SI)
+DEGREE = math.pi / 180
+#: dimension -> (SI unit, unit -> factor to SI). Latitudes and longitudes stay in degrees.
 DIMENSIONS: dict[str, tuple[str, dict[str, float]]] = {
     "time": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}),
     "length": ("m", {
@@ -20,8 +22,14 @@ DIMENSIONS: dict[str, tuple[str, dict[str, float]]] = {
         "m/s^2": 1.0, "mm/s^2": 1e-3, "cm/s^2": 1e-2,
         "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY, "ft/s^2": 0.3048,
     }),
-    "angle": ("rad", {"rad": 1.0, "deg": math.pi / 180, "mrad": 1e-3}),
+    "angle": ("rad", {"rad": 1.0, "deg": DEGREE, "mrad": 1e-3}),
+    "angular velocity": ("rad/s", {"rad/s": 1.0, "deg/s": DEGREE, "mrad/s": 1e-3}),
+    "latitude or longitude": ("deg", {"deg": 1.0, "rad": 1 / DEGREE}),
+    "force": ("N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
+    "moment": ("Nm", {"Nm": 1.0, "kNm": 1e3, "MNm": 1e6}),
 }  # fmt: skip
+#: Force or moment; case matters, because mN is not MN.
+_LOAD = re.compile(r"[kM]?Nm?")
 
 #: Other spellings of units, in lower case and without blanks.
 SPELLINGS = {
@@ -34,6 +42,9 @@ SPELLINGS = {
 
 def normalise_unit(unit: str) -> str:
     """Return a unit in one spelling: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` become `m/s^2`."""
+    load = re.sub(r"[\s*·.-]", "", unit)
+    if _LOAD.fullmatch(load):
+        return load
     text = unit.strip().lower()
     for old, new in (("**", "^"), ("²", "^2"), ("·", " "), ("*", " ")):
         text = text.replace(old, new)
@@ -41,7 +52,8 @@ def normalise_unit(unit: str) -> str:
         text = text.replace(old, new)
     text = "".join(text.split())
     text = text.replace("/sec", "/s").replace("/s/s", "/s^2").replace("/s2", "/s^2")
-    return SPELLINGS.get(text, text)
+    whole, slash, time = text.partition("/")
+    return SPELLINGS.get(whole, whole) + slash + time
 
 
 def find_dimension(unit: str) -> str | None:
@@ -69,24 +81,3 @@ def find_factor(unit: str, wanted: str, argument: str) -> float:
     else:
         reason = f"is a unit of {other}, not of {wanted}"
     raise InputError(f"{argument}: {unit!r} {reason}: use one of {', '.join(table)} (SI: {si})")
-
-
-def find_factor_to(si: str, unit: str, argument: str) -> float:
-    """Return the factor from a unit to the SI unit `si`, which may be rad/s; 1 if `unit` is "".
-
-    Raises
-    ------
-    InputError
-        As `find_factor`.
-    """
-    if not unit:
-        return 1.0
-    if si != "rad/s":
-        wanted = next(name for name, (own, _) in DIMENSIONS.items() if own == si)
-        return find_factor(unit, wanted, argument)
-    angle, slash, time = unit.strip().lower().partition("/")
-    require(
-        bool(slash) and find_dimension(angle) == "angle" and time.strip() in ("s", "sec"),
-        f"{argument}: {unit!r} is not a unit of angular velocity: use rad/s or deg/s",
-    )
-    return find_factor(angle, "angle", argument)

@@ -35,6 +35,7 @@ def warn_of_doubts(config: BladeConfig) -> None:
     if config.recorded.imu is None:
         return
     lift = load_lift(config)
+    lift.inertial.log_notes()
     setting = make_lift_setting(config, lift)
     longest = float(np.linalg.norm(setting.geometry.levers, axis=1).max())
     if longest > LONGEST_RECORDED:

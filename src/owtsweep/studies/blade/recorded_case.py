@@ -1,4 +1,4 @@
-"""Puts a recorded lift in the place of a simulated one.
+"""Reads a recorded lift, and puts it in the place of a simulated one.
 
 Nobody knows the truth of a record. Its reference is the smoother with all fixes, as in
 post-processing: its own errors are in every number, and in its own they are missing. Outages are
@@ -7,6 +7,8 @@ made by withholding fixes, and `withheld` compares estimates with these.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,21 +18,58 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import expand_home
-from owtsweep.motion.recorded.timing import fit_comb
+from owtsweep.motion.recorded import Signals, Wanted, open_table, read_signals
+from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
+from owtsweep.motion.recorded.formats.nmea import FORMAT as NMEA
+from owtsweep.motion.recorded.formats.table import ChannelTable
+from owtsweep.motion.recorded.signals import read_fixes
 from owtsweep.studies.blade.aligning import align
 from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Setting, Truth
 from owtsweep.studies.blade.recorded import REFERENCE
-from owtsweep.studies.blade.recorded_files import (
-    EXTRA,
-    Fixes,
-    check_columns,
-    read_fixes,
-    read_inertial,
-)
 from owtsweep.studies.blade.schemes import SCHEMES
 
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
+
+FORCE, RATE = ("fx", "fy", "fz"), ("wx", "wy", "wz")
+LOCAL, GLOBE = ("x", "y", "z"), ("latitude", "longitude", "height")
+OF_UNIT = dict.fromkeys(FORCE, "acceleration") | dict.fromkeys(RATE, "angular velocity")
+OF_ANTENNA = {
+    **dict.fromkeys((*LOCAL, "height"), "length"),
+    **dict.fromkeys(("latitude", "longitude"), "latitude or longitude"),
+}
+UNIT = Wanted("recorded.columns", OF_UNIT.get, ", ".join(OF_UNIT), (*FORCE, *RATE))
+ANTENNA = Wanted("recorded.columns", OF_ANTENNA.get, ", ".join(OF_ANTENNA))
+#: Heights of NMEA above the geoid, whose separation from the ellipsoid no sentence states; and the
+#: qualities of its fixes, of which one is a float solution.
+ALTITUDE, QUALITY, FLOAT = "altitude", "gga_quality", 5
+
+
+class Fixes(NamedTuple):
+    """What an antenna says.
+
+    Attributes
+    ----------
+    path
+        The file.
+    time
+        Times in s, shape (n,).
+    position
+        x, y, z in m, or latitude (deg), longitude (deg) and height (m), shape (n, 3).
+    globe
+        Whether positions are on the globe.
+    floating
+        Whether a solution is float, shape (n,).
+    above_geoid
+        Whether heights are above the geoid, because the file does not state its separation.
+    """
+
+    path: Path
+    time: Array
+    position: Array
+    globe: bool
+    floating: NDArray[np.bool_]
+    above_geoid: bool
 
 
 class Lift(NamedTuple):
@@ -39,6 +78,7 @@ class Lift(NamedTuple):
     measured: Measured
     start: tuple[Array, Array]
     start_sigma: Array
+    inertial: Signals
 
 
 def load_lift(config: BladeConfig) -> Lift:
@@ -52,42 +92,35 @@ def load_lift(config: BladeConfig) -> Lift:
     """
     recorded, rate, steps = config.recorded, config.record.rate, config.record.steps
     path = expand_home(str(recorded.imu))
-    files = [expand_home(name) for name in recorded.gnss]
-    check_columns(recorded.columns, path, files)
-    inertial = read_inertial(path, recorded.columns)
-    comb = fit_comb(inertial.time)
-    require(
-        comb.uniform and comb.count == len(inertial.time),
-        f"{path}: rows are not equally spaced in time; resample the record to one step",
-    )
-    require(
-        abs(comb.step * rate - 1.0) < 1e-3,
-        f"record.rate: {rate:g} Hz, but {path} has a row every {comb.step:g} s; set "
-        f"record.rate={1.0 / comb.step:.6g}",
-    )
-    antennas = [read_fixes(file, recorded.columns) for file in files]
-    placed, floating = place_fixes(antennas, files, inertial.time, recorded.shift)
+    tables = [open_table(expand_home(name)) for name in recorded.gnss]
+    for table in (open_table(path), *tables):
+        require(
+            ISO_TIME not in table.units,
+            f"{table.path}: its times are dates, which become seconds from the file's first, and "
+            "files of a lift need one clock; write seconds of one clock",
+        )
+    others = [(table, ANTENNA) for table in tables]
+    inertial = read_signals(path, UNIT, recorded.columns, others)
+    antennas = [read_antenna(table, recorded.columns) for table in tables]
+    placed, floating = place_fixes(antennas, inertial, recorded.shift)
     there = np.flatnonzero(np.isfinite(placed[:, 0, 0]))
     require(
         len(there) > 1,
-        f"{files[0]}: fewer than two fixes fall into the time of {path}; is recorded.shift right?",
+        f"{antennas[0].path}: fewer than two fixes fall into the time of {path}; is "
+        "recorded.shift right?",
     )
     begin = int(there[0])
-    require(
-        begin + steps <= len(placed),
-        f"record.duration: {steps / rate:g} s, but {path} lasts {(len(placed) - begin) / rate:g} s "
-        f"from the first fix on; set record.duration={np.floor((len(placed) - begin) / rate):g}",
-    )
+    inertial.require_record(rate, steps, begin)
     part = slice(begin, begin + steps)
     every = max(round(float(np.median(np.diff(there)))), 1)
     fixes = placed[part]
     due = np.isfinite(fixes[:, 0, 0])
     due[::every] |= ~_has_neighbour(due, every)[::every]
-    force = inertial.force[part] @ recorded.turn.T
+    force = inertial.stack(FORCE)[part] @ recorded.turn.T
     measured = Measured(
         step=1.0 / rate,
         specific_force=force,
-        rate=inertial.rate[part] @ recorded.turn.T,
+        rate=inertial.stack(RATE)[part] @ recorded.turn.T,
         fixes=fixes,
         due=due,
         floating=floating[part],
@@ -95,11 +128,40 @@ def load_lift(config: BladeConfig) -> Lift:
         prisms=np.empty((0, 3, 3)),
     )
     start, sigma = align(recorded, force, fixes, 1.0 / rate)
-    return Lift(measured, start, sigma)
+    return Lift(measured, start, sigma, inertial)
+
+
+def read_antenna(table: ChannelTable, columns: Sequence[str]) -> Fixes:
+    """Read the positions of an antenna from an opened file.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, times do not increase, or a position is none or absurdly large.
+    """
+    named = {item.partition(":")[0] for item in columns}
+    globe = "latitude" in (*table.names, *named) and "x" not in table.names
+    names, dimensions = GLOBE if globe else LOCAL, OF_ANTENNA
+    bare = table.format == NMEA and ALTITUDE in table.names
+    if bare:
+        names = (*GLOBE[:2], ALTITUDE)
+    if table.format == NMEA:
+        dimensions = OF_ANTENNA | {ALTITUDE: "length", QUALITY: "number"}
+    found = read_fixes(table, replace(ANTENNA, dimension=dimensions.get, needed=names), columns)
+    position = found.stack(names)
+    for i, (name, most) in enumerate((("latitude", 90.0), ("longitude", 360.0)) if globe else ()):
+        wrong = np.flatnonzero(np.abs(position[:, i]) > most)
+        require(
+            len(wrong) == 0,
+            f"{table.path}: a {name} of {position[wrong[:1], i].sum():g} degrees in data row "
+            f"{wrong[0] + 1 if len(wrong) else 0}; give decimal degrees up to {most:g}",
+        )
+    quality = found.values.get(QUALITY, np.zeros(len(found.time)))
+    return Fixes(table.path, found.time, position, globe, quality == FLOAT, bare)
 
 
 def place_fixes(
-    antennas: list[Fixes], files: list[Path], time: Array, shift: float
+    antennas: list[Fixes], inertial: Signals, shift: float
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return fixes at the nearest samples, m, shape (steps, k, 3), and where they are float.
 
@@ -117,27 +179,25 @@ def place_fixes(
         len(globe) == 1,
         "recorded.gnss: some files have x, y, z and others latitude and longitude; give one kind",
     )
-    bare = [file for file, fixes in zip(files, antennas, strict=True) if fixes.above_geoid]
+    bare = [fixes.path for fixes in antennas if fixes.above_geoid]
     require(
-        len(bare) in (0, len(files)),
+        len(bare) in (0, len(antennas)),
         f"recorded.gnss: no sentence of {bare[0] if bare else ''} states the geoid's separation, "
         "and heights of other files are above the ellipsoid; add the separation",
     )
-    step = float(time[1] - time[0])
+    time, step = inertial.time, inertial.step
     placed = np.full((len(time), len(antennas), 3), np.nan)
     floating = np.zeros(len(time), dtype=bool)
-    for k, (fixes, file) in enumerate(zip(antennas, files, strict=True)):
+    for k, fixes in enumerate(antennas):
         between = float(np.median(np.diff(fixes.time)))
         require(
             between > 0.99 * step,
-            f"{file}: a fix every {between:g} s is faster than the inertial unit's {step:g} s; "
-            "thin the fixes out",
+            f"{fixes.path}: a fix every {between:g} s is faster than the inertial unit's {step:g} "
+            "s; thin the fixes out",
         )
-        position = (
-            _level(fixes.position, antennas[0].position[0], file)
-            if fixes.globe
-            else (fixes.position)
-        )
+        position = fixes.position
+        if fixes.globe:
+            position = _level(position, antennas[0].position[0], fixes.path)
         at = np.round((fixes.time + shift - time[0]) / step).astype(int)
         inside = (at >= 0) & (at < len(time))
         placed[at[inside], k] = position[inside]
@@ -150,7 +210,10 @@ def _level(position: Array, origin: Array, file: Path) -> Array:
     try:
         from pymap3d import geodetic2enu
     except ModuleNotFoundError:
-        raise InputError(f"{file}: latitudes need the package pymap3d; {EXTRA}") from None
+        raise InputError(
+            f"{file}: latitudes need the package pymap3d; install the extra: "
+            "pip install 'owtsweep[gnss]'"
+        ) from None
     east, north, up = geodetic2enu(*position.T, *origin)
     return np.column_stack([north, -np.asarray(east), up])
 

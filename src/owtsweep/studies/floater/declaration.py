@@ -167,4 +167,5 @@ DECLARATION = Declaration(
     count_samples=lambda record: len(record.motion.truth.position),
     show=_show,
     state=_state,
+    warn=lambda config: WORLDS[config.motion.kind].warn(config.motion),
 )

@@ -15,7 +15,7 @@ from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.motion.lines import Series, Span
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.contract import DOF, Truth
-from owtsweep.studies.floater.motion_recorded import read_motion
+from owtsweep.studies.floater.motion_recorded import read_file, read_motion
 from owtsweep.studies.floater.motion_synthetic import Stream, decay, draw_motion
 from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
 
@@ -52,6 +52,9 @@ class World(ABC):
     def list_files(self, motion: Motion) -> dict[str, str]:
         """Return key of the section -> hash of the file that it names."""
         return {}
+
+    def warn(self, motion: Motion) -> None:  # noqa: B027
+        """Log what a user should know of the file."""
 
 
 class Simulated(World):
@@ -141,6 +144,10 @@ class Recorded(World):
     def list_files(self, motion: Motion) -> dict[str, str]:
         """Return the hash of the file."""
         return {"file": hash_file(expand_home(str(motion.file)))}
+
+    def warn(self, motion: Motion) -> None:
+        """Log what was left out of the file, or resampled."""
+        read_file(motion).log_notes()
 
 
 WORLDS: dict[str, World] = {

@@ -14,7 +14,7 @@ from owtsweep.streams import stream
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Setting
 from owtsweep.studies.tower.measuring import Place, add_errors, list_places, take_signals
-from owtsweep.studies.tower.recorded_truth import load_motions
+from owtsweep.studies.tower.recorded import load_motions
 from owtsweep.studies.tower.setting import (
     Substructure,
     make_believed,

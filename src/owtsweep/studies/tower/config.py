@@ -16,8 +16,16 @@ from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.keys import key_of_schemes, key_of_tuning, key_of_tunings
 from owtsweep.studies.base.schemes import SchemeEntries
-from owtsweep.studies.tower.recorded import Recorded
-from owtsweep.studies.tower.sections import Faults, Grid, Model, SeaState, Sensors, Truth, Wind
+from owtsweep.studies.tower.sections import (
+    Faults,
+    Grid,
+    Model,
+    Recorded,
+    SeaState,
+    Sensors,
+    Truth,
+    Wind,
+)
 from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 

@@ -24,7 +24,8 @@ from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import CONTEST
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Setting
 from owtsweep.studies.tower.measures import Fatigue, compare, find_quietest, find_true_fatigue
-from owtsweep.studies.tower.recorded_truth import measure as compare_with_record
+from owtsweep.studies.tower.recorded import measure as compare_with_record
+from owtsweep.studies.tower.recorded import read_record
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.sight import describe_sight, require_sight
 
@@ -144,6 +145,8 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
 def _warn(config: TowerConfig) -> None:
     for line in describe_sight(config):
         logger.info("%s", line)
+    if config.recorded.file is not None:
+        read_record(config.recorded).found.log_notes()
     warn_of_few_inclinometers(config)
 
 

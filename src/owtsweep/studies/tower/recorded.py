@@ -1,36 +1,37 @@
-"""Read a recorded structure: columns of force, displacement, velocity, acceleration, rotation.
+"""Puts a recorded structure in the place of a simulated truth, and compares estimates with it.
 
-A column is called kind_height or kind_height_direction, e.g. `a_012`, `theta_3.5`, `F_24_fa`:
+A signal is called kind_height or kind_height_direction, e.g. `a_012`, `theta_3.5`, `F_24_fa`:
 
     x  displacement   v  velocity   a  acceleration   theta  rotation
     F  force on the structure at a cut, along x       M  moment on the structure at a cut
 
-The height is in m above ground, the direction `fa` (taken where none is written) or `ss`. A unit
-may stand behind the name, `a_012 (g)`; without one the column is in SI units. Other names are
-translated by `recorded.columns`. Velocities are read and checked, but no scheme returns a velocity
-to compare with.
+The height is in m above ground, the direction `fa` (taken where none is written) or `ss`.
+Velocities are read and checked, but no scheme returns a velocity to compare with. Sensors measure
+the signals at their places, and estimates are compared with those that are there. What no column
+holds is NaN.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import Section, key
 from owtsweep.errors import InputError, require
-from owtsweep.motion.recorded import open_table
-from owtsweep.motion.recorded.checks import require_possible
-from owtsweep.motion.recorded.columns import guess_roles
-from owtsweep.motion.recorded.formats.table import ChannelTable
-from owtsweep.motion.recorded.timing import fit_comb
-from owtsweep.motion.recorded.units import find_factor
+from owtsweep.evaluation.signals import scatter
+from owtsweep.io.reading import expand_home
+from owtsweep.motion.recorded import Signals, Wanted, read_signals
+from owtsweep.structures.bernoulli import PlaneBeam
+from owtsweep.studies.tower.contract import Estimates, Kind
+from owtsweep.studies.tower.sections import Recorded
+from owtsweep.studies.tower.truth import Motion
 
-#: Kinds of columns with the dimension of their unit.
+#: Kinds of signals with the dimension of their unit.
 KINDS = {
     "x": "length",
     "v": "velocity",
@@ -39,68 +40,25 @@ KINDS = {
     "F": "force",
     "M": "moment",
 }
-#: Units of the dimensions that other recordings do not have, with their factors to SI.
-UNITS = {
-    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6},
-    "moment": {"Nm": 1.0, "kNm": 1e3, "MNm": 1e6},
-}
 NAME = re.compile(r"(theta|[xvaFM])_(\d+(?:\.\d+)?)(?:_(fa|ss))?")
 #: Heights nearer than this are the same, m.
 NEAR = 1e-6
-#: Fewest rows of a record.
-FEWEST = 32
 
 
-class Recorded(Section):
-    """The section `recorded`: a record of a structure in place of a simulated truth."""
-
-    file: str | None = key(
-        "table with a column of time and columns such as a_012 (docs/tower.md); null: the truth is "
-        "simulated",
-        default=None,
-    )
-    columns: list[str] = key(
-        "CHANNEL:NAME where a channel's column has another name in the file, e.g. [a_012:ACC3]",
-        default_factory=list,
-    )
-
-    def list_names(self) -> dict[str, str]:
-        """Return channel -> name of its column, for the renamed channels.
-
-        Raises
-        ------
-        InputError
-            If an item has no colon, or a channel is there twice.
-        """
-        names: dict[str, str] = {}
-        for item in self.columns:
-            channel, colon, name = item.partition(":")
-            require(
-                bool(colon) and channel not in names,
-                f"recorded.columns: {item!r} is not CHANNEL:NAME, or the channel is there twice; "
-                "write e.g. recorded.columns=[time:clock,a_012:ACC3]",
-            )
-            names[channel.strip()] = name.strip()
-        return names
+def _find_dimension(signal: str) -> str | None:
+    match = NAME.fullmatch(signal)
+    return None if match is None else KINDS[match[1]]
 
 
-@dataclass(frozen=True)
-class Signal:
-    """One column of a record, in SI units.
+WANTED = Wanted(
+    "recorded.columns",
+    _find_dimension,
+    "a kind and a height in m above ground, and perhaps a direction: a_012, theta_3.5, F_175_fa",
+)
 
-    Attributes
-    ----------
-    kind
-        A key of `KINDS`.
-    height
-        Height above ground, m.
-    direction
-        "fa" or "ss".
-    column
-        The column's name in the file.
-    values
-        Shape (steps,).
-    """
+
+class Signal(NamedTuple):
+    """A signal: a key of `KINDS`, height above ground in m, "fa" or "ss", column and values."""
 
     kind: str
     height: float
@@ -111,29 +69,20 @@ class Signal:
 
 @dataclass(frozen=True)
 class RecordedStructure:
-    """A recorded structure.
+    """A recorded structure: what its file holds, and its signals."""
 
-    Attributes
-    ----------
-    path
-        The file.
-    step
-        Time between two rows, s.
-    signals
-        The columns whose names say what they are.
-    unused
-        Names of the other columns, time excepted.
-    """
-
-    path: Path
-    step: float
+    found: Signals
     signals: tuple[Signal, ...]
-    unused: tuple[str, ...]
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.found.path
 
     @property
     def steps(self) -> int:
-        """The number of rows."""
-        return len(self.signals[0].values)
+        """The number of samples."""
+        return len(self.found.time)
 
     @property
     def directions(self) -> tuple[str, ...]:
@@ -160,7 +109,11 @@ class RecordedStructure:
         if values is None:
             others = [s.column for s in self.signals if (s.kind, s.direction) == (kind, direction)]
             there = f"it has {', '.join(others)}" if others else f"it has none of kind {kind}"
-            hint = f"; of unknown meaning are {', '.join(self.unused[:8])}" if self.unused else ""
+            hint = (
+                f"; of unknown meaning are {', '.join(self.found.unused[:8])}"
+                if self.found.unused
+                else ""
+            )
             raise InputError(
                 f"{self.path}: no column {kind}_{height:03g} of direction {direction} for the "
                 f"sensor there; {there}{hint}; name the column by recorded.columns or choose other "
@@ -169,127 +122,202 @@ class RecordedStructure:
         return values
 
 
-def read_record(path: str | Path, columns: Mapping[str, str] | None = None) -> RecordedStructure:
-    """Read and check a recorded structure.
-
-    Parameters
-    ----------
-    path
-        A table in any format that recordings may have (docs/replay.md).
-    columns
-        Channel, e.g. "a_012" or "time" -> name of its column in the file.
+def read_record(recorded: Recorded) -> RecordedStructure:
+    """Read and check a recorded structure: the file of the section `recorded`.
 
     Raises
     ------
     InputError
-        If the file cannot be read, a column is missing, time is not uniform, a number is missing or
-        absurdly large, or a unit is not known.
+        As `read_signals`, or if no column is a signal, or two are the same quantity at the same
+        place.
     """
-    table = open_table(path)
-    renamed = {}
-    for channel, name in (columns or {}).items():
-        where = f"recorded.columns.{channel}"
+    path = expand_home(str(recorded.file))
+    found = read_signals(path, WANTED, recorded.columns)
+    require(
+        bool(found.values),
+        f"{path}: no column has a name such as a_012 or F_175; it has "
+        f"{', '.join(found.unused[:12])}; name the columns by recorded.columns",
+    )
+    places: dict[tuple[str, float, str], Signal] = {}
+    for name, values in found.values.items():
+        kind, height, direction = NAME.fullmatch(name).groups()  # type: ignore[union-attr]
+        signal = Signal(kind, float(height), direction or "fa", found.columns[name], values)
+        place = (kind, round(signal.height / NEAR) * NEAR, signal.direction)
+        if place in places:
+            raise InputError(
+                f"{path}: the columns {places[place].column} and {signal.column} are the same "
+                "quantity at the same height; leave one out"
+            )
+        places[place] = signal
+    return RecordedStructure(found, tuple(places.values()))
+
+
+def make_motions(record: RecordedStructure, cut: PlaneBeam) -> dict[str, Motion]:
+    """Put a record in the place of a simulated truth.
+
+    Parameters
+    ----------
+    record
+        The record.
+    cut
+        The beam between the cuts; its lowest node is the ground, to which heights refer.
+
+    Returns
+    -------
+    dict
+        Direction -> motion, for the directions that the record has. What no column holds is NaN;
+        the wave load is zero.
+
+    Raises
+    ------
+    InputError
+        If a column is at a height without a node, or a force or moment is not at a cut.
+    """
+    dof = len(cut.mass)
+    ground = float(cut.heights[0])
+    top = float(cut.heights[-1]) - ground
+    motions = {
+        direction: Motion(
+            np.full((record.steps, dof), np.nan), np.full((record.steps, dof), np.nan),
+            np.full((record.steps, 4), np.nan), np.zeros(record.steps),
+        )
+        for direction in record.directions
+    }  # fmt: skip
+    for signal in record.signals:
+        motion, where = motions[signal.direction], f"{record.path}: column {signal.column}"
+        if signal.kind in "FM":
+            require(
+                min(abs(signal.height), abs(signal.height - top)) <= NEAR,
+                f"{where}: at {signal.height:g} m is no cut; forces and moments are known at the "
+                f"cuts, 0 and {top:g} m above ground",
+            )
+            upper = abs(signal.height - top) <= NEAR
+            motion.inputs[:, 2 * upper + (signal.kind == "M")] = signal.values
+            continue
+        node = cut.find_node(ground + signal.height, where)
+        if signal.kind == "a":
+            motion.acceleration[:, 2 * node] = signal.values
+        elif signal.kind != "v":
+            motion.displacement[:, 2 * node + (signal.kind == "theta")] = signal.values
+    return motions
+
+
+def load_motions(
+    recorded: Recorded,
+    cut: PlaneBeam,
+    channels: Sequence[tuple[Kind, int]],
+    *,
+    steps: int,
+    step: float,
+) -> dict[str, Motion]:
+    """Read a recorded structure, and put it in the place of a simulated truth.
+
+    Parameters
+    ----------
+    recorded
+        The section `recorded`, with a file.
+    cut
+        The beam between the cuts.
+    channels
+        Kinds and nodes of the sensors, for which the file must have columns.
+    steps, step
+        Number of samples that are taken from the file's beginning, and sampling interval (s).
+
+    Returns
+    -------
+    dict
+        As `make_motions`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used, lacks a sensor's column, is too short or has another step.
+    """
+    record = read_record(recorded)
+    record.found.require_record(1.0 / step, steps)
+    for direction in record.directions:
+        require_channels(record, cut, direction, channels)
+    return {
+        direction: Motion(
+            motion.displacement[:steps], motion.acceleration[:steps], motion.inputs[:steps],
+            motion.wave[:steps],
+        )
+        for direction, motion in make_motions(record, cut).items()
+    }  # fmt: skip
+
+
+def measure(
+    motions: Mapping[str, Motion], estimates: Mapping[str, Estimates], cut: PlaneBeam, first: int
+) -> dict[str, float]:
+    """Compare the estimates of a record, by direction, from the sample `first` on.
+
+    Returns
+    -------
+    dict
+        Channel and direction, e.g. "F_024_fa" -> as `compare`;
+        "displacement", the worst of the recorded displacements; and "base_moment", that of M0
+        fore-aft where it is recorded.
+    """
+    found = {
+        f"{name}_{direction}": error
+        for direction, motion in motions.items()
+        for name, error in compare(motion, estimates[direction], cut, first).items()
+    }
+    shifts = [error for name, error in found.items() if name.startswith("x_")]
+    if shifts:
+        found["displacement"] = max(shifts)
+    if "M_000_fa" in found:
+        found["base_moment"] = found["M_000_fa"]
+    return found
+
+
+def require_channels(
+    record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[tuple[Kind, int]]
+) -> None:
+    """Check that a record has the columns that sensors measure.
+
+    `channels` are kinds and nodes of `cut`.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, or a kind cannot be recorded.
+    """
+    for kind, node in channels:
+        height = float(cut.heights[node] - cut.heights[0])
         require(
-            channel == "time" or NAME.fullmatch(channel) is not None,
-            f"{where}: no channel has such a name; write a kind, a height in m above ground, and "
-            "perhaps a direction, e.g. a_012, theta_3.5 or F_175_fa",
+            kind in KINDS,
+            f"recorded.file: a record holds no channel of kind {kind}; use sensors of kind x, "
+            "theta and a",
         )
-        require(
-            name in table.names,
-            f"{where}: {path} has no column {name!r}; it has {_list(table.names)}",
-        )
-        renamed[name] = channel
-    time = next((name for name, channel in renamed.items() if channel == "time"), None)
-    if time is None:
-        time = guess_roles(table.names).get("time")
-    if time is None:
-        raise InputError(
-            f"{path}: no column of time among {_list(table.names)}; call one `time`, or name it by "
-            "recorded.columns=[time:NAME]"
-        )
-    others = [name for name in table.names if name != time]
-    used = {name: match for name in others if (match := NAME.fullmatch(renamed.get(name, name)))}
-    require(
-        bool(used),
-        f"{path}: no column has a name such as a_012 or F_175; it has {_list(others)}; name the "
-        "columns by recorded.columns",
-    )
-    loaded = table.load([time, *used], None)
-    factor = find_factor(table.unit(time) or "s", "time", f"{path}: column {time}")
-    step = _find_step(path, time, loaded[time] * factor)
-    signals = []
-    for name, match in used.items():
-        values = loaded[name] * _find_factor(table, name, KINDS[match[1]])
-        missing = np.flatnonzero(~np.isfinite(values))
-        require(
-            len(missing) == 0,
-            f"{path}: column {name} has no number in data row "
-            f"{missing[0] + 1 if len(missing) else 0} ({len(missing)} such rows in all); fill the "
-            "gaps or cut the record there",
-        )
-        require_possible(
-            f"{path}: column {name}",
-            values,
-            "check its unit, and mend damaged rows",
-            load=match[1] in ("F", "M"),
-        )
-        signals.append(Signal(match[1], float(match[2]), match[3] or "fa", name, values))
-    _refuse_repeats(path, signals)
-    return RecordedStructure(
-        Path(path), step, tuple(signals), tuple(name for name in others if name not in used)
-    )
+        record.need(kind, height, direction)
 
 
-def _find_step(path: str | Path, name: str, time: Array) -> float:
-    """Return the time between two rows in s; `time` (s) is the column `name`."""
-    require(
-        len(time) >= FEWEST,
-        f"{path}: it has {len(time)} rows; a record needs {FEWEST} or more",
-    )
-    missing = np.flatnonzero(~np.isfinite(time))
-    require(
-        len(missing) == 0,
-        f"{path}: column {name} has no time in data row {missing[0] + 1 if len(missing) else 0}",
-    )
-    interval = np.diff(time)
-    worst = int(np.argmax(np.abs(interval - np.median(interval))))
-    uniform = interval.min() > 0.0 and (comb := fit_comb(time)).uniform
-    require(
-        bool(uniform) and comb.count == len(time),
-        f"{path}: column {name} is not uniform: {interval[worst]:.6g} s between data rows "
-        f"{worst + 1} and {worst + 2}, elsewhere {np.median(interval):.6g} s; resample the record "
-        "to one step",
-    )
-    return float(comb.step)
+def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) -> dict[str, float]:
+    """Compare estimates with what a record holds, from the sample `first` on.
 
-
-def _find_factor(table: ChannelTable, name: str, dimension: str) -> float:
-    """Return the factor to SI of a column's unit; 1 if the file states no unit."""
-    unit, where = table.unit(name), f"{table.path}: column {name}"
-    if dimension not in UNITS:
-        return find_factor(unit, dimension, where) if unit else 1.0
-    known = UNITS[dimension]
-    bare = re.sub(r"[\s*·.]", "", unit)
-    require(
-        not unit or bare in known,
-        f"{where}: {unit!r} is not a unit of {dimension} known here; use one of "
-        f"{', '.join(text for text in known if text)}",
-    )
-    return known[bare] if unit else 1.0
-
-
-def _refuse_repeats(path: str | Path, signals: list[Signal]) -> None:
-    """Raise `InputError` if two columns are the same quantity at the same place."""
-    seen: dict[tuple[str, float, str], str] = {}
-    for signal in signals:
-        place = (signal.kind, round(signal.height / NEAR) * NEAR, signal.direction)
-        require(
-            place not in seen,
-            f"{path}: the columns {seen.get(place)} and {signal.column} are the same quantity at "
-            "the same height; leave one out",
-        )
-        seen[place] = signal.column
-
-
-def _list(names: tuple[str, ...] | list[str]) -> str:
-    return ", ".join(names[:12]) + (" ..." if len(names) > 12 else "")
+    Returns
+    -------
+    dict
+        Channel, e.g. "F_024" or "theta_012" -> standard deviation of the error over that of the
+        recorded signal (`evaluation.signals.scatter`: a mean error does not count). Signals that
+        are NaN or constant are left out.
+    """
+    heights = cut.heights - cut.heights[0]
+    ends = heights[[0, 0, -1, -1]]
+    pairs = [
+        (f"{kind}_{height:03g}", motion.inputs[first:, i], estimates.inputs[first:, i])
+        for i, (kind, height) in enumerate(zip("FMFM", ends, strict=True))
+    ]
+    for node, height in enumerate(heights):
+        for part, kind in enumerate(("x", "theta")):
+            at = 2 * node + part
+            pairs.append((
+                f"{kind}_{height:03g}", motion.displacement[first:, at],
+                estimates.displacement[first:, at],
+            ))  # fmt: skip
+    return {
+        name: float(scatter(truth, guess))
+        for name, truth, guess in pairs
+        if np.all(np.isfinite(truth)) and np.ptp(truth) > 0.0
+    }

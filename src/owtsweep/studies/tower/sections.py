@@ -139,3 +139,18 @@ class Model(Section):
     water_level: Finite = key("height of the model's sea level above the true one", unit="m")
     damping: Positive = key("factor on all damping; 1: right")
     rotor_mass: Positive = key("factor on mass and inertia of rotor and nacelle; 1: right")
+
+
+class Recorded(Section):
+    """The section `recorded`: a record of a structure in place of a simulated truth."""
+
+    file: str | None = key(
+        "table with a column of time and columns such as a_012 (docs/recorded.md); null: the truth "
+        "is simulated",
+        default=None,
+    )
+    columns: list[str] = key(
+        "SIGNAL:NAME or SIGNAL:NAME:UNIT where a signal's column has another name or unit, e.g. "
+        "[a_012:ACC3:g]",
+        default_factory=list,
+    )

@@ -14,6 +14,7 @@ from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
 from owtsweep.motion.recorded.formats.gtsdf import open_gtsdf
 from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
 from owtsweep.motion.recorded.formats.matlab import open_mat
+from owtsweep.motion.recorded.formats.nmea import open_nmea
 from owtsweep.motion.recorded.formats.table import ChannelTable, make_safe, refuse
 from owtsweep.motion.recorded.formats.text import open_text
 
@@ -30,6 +31,7 @@ READERS = {
     ".mat": open_mat,
     ".parquet": open_parquet,
     ".pq": open_parquet,
+    ".nmea": open_nmea,
 }
 
 

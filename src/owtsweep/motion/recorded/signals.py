@@ -1,0 +1,326 @@
+"""Read the named signals of a study's file, in SI units, at the file's times or at uniform ones.
+
+A study says which signals it knows. The configuration renames columns and states units by items
+SIGNAL:NAME or SIGNAL:NAME:UNIT. (A hub's file has roles in place of signals: `reading.read`.)
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError, require
+from owtsweep.motion.recorded.checks import (
+    check_extent,
+    check_time,
+    describe_gaps,
+    require_possible,
+)
+from owtsweep.motion.recorded.columns import (
+    find_channel,
+    find_scale,
+    guess_roles,
+    list_names,
+    refuse_without_time,
+)
+from owtsweep.motion.recorded.formats import open_table
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.gridding import fill
+from owtsweep.motion.recorded.timing import describe_jitter, fit_comb
+
+logger = logging.getLogger(__name__)
+
+#: Rows may be this many steps apart. Nearer ones than the second number of steps count as repeated.
+WIDEST, NEAREST = 5.0, 0.1
+#: By how much the file's step may differ from the study's.
+OTHER_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The signals that a kind of file may have, besides time.
+
+    Attributes
+    ----------
+    key
+        The key of the configuration with the items, e.g. "recorded.columns".
+    dimension
+        A function: the dimension (of `units.DIMENSIONS`) of a signal, None if there is no such.
+    listed
+        The signals in words, for messages.
+    needed
+        Signals without which a file is refused.
+    """
+
+    key: str
+    dimension: Callable[[str], str | None]
+    listed: str
+    needed: tuple[str, ...] = ()
+
+    def knows(self, signal: str) -> bool:
+        """Return whether a file may have a signal; time is one."""
+        return signal == "time" or self.dimension(signal) is not None
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The signals of a file.
+
+    Attributes
+    ----------
+    path
+        The file.
+    time
+        Times in s, shape (n,).
+    step
+        Time between two samples in s; NaN if times are not uniform.
+    values
+        Signal -> values in SI units, shape (n,).
+    columns
+        Signal -> the column's name; "time" is among the signals.
+    unused
+        The other columns.
+    notes
+        What a user should know: what was left out, or resampled.
+    """
+
+    path: Path
+    time: Array
+    step: float
+    values: Mapping[str, Array]
+    columns: Mapping[str, str]
+    unused: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def stack(self, names: Sequence[str]) -> Array:
+        """Return some signals as columns, shape (n, names)."""
+        return np.column_stack([self.values[name] for name in names])
+
+    def log_notes(self) -> None:
+        """Log the notes as warnings."""
+        for note in self.notes:
+            logger.warning("%s: %s", self.path, note)
+
+    def require_record(self, rate: float, steps: int, begin: int = 0) -> None:
+        """Check that the file has a record's rate (Hz), and its steps from a first one on.
+
+        Raises
+        ------
+        InputError
+            If it has not; the message says what to set.
+        """
+        require(
+            abs(self.step * rate - 1.0) <= OTHER_STEP,
+            f"record.rate: {rate:g} Hz, but {self.path} has a row every {self.step:g} s; set "
+            f"record.rate={1.0 / self.step:.6g}",
+        )
+        length = np.floor(100.0 * (len(self.time) - begin) / rate + 1e-6) / 100.0
+        require(
+            begin + steps <= len(self.time),
+            f"record.duration: {steps / rate:g} s, but {self.path} lasts {length:g} s"
+            f"{' from the first fix on' if begin else ''}; set record.duration={length:.10g}",
+        )
+
+
+def read_signals(
+    path: str | Path,
+    wanted: Wanted,
+    items: Sequence[str],
+    others: Sequence[tuple[ChannelTable, Wanted]] = (),
+) -> Signals:
+    """Read the signals of a file at uniform times, those of the file or near them.
+
+    If times jitter, or rows up to `WIDEST` steps apart are missing, the signals are resampled, and
+    a note says so.
+
+    Parameters
+    ----------
+    path
+        The file.
+    wanted
+        The signals that it may have.
+    items
+        The value of the key `wanted.key`.
+    others
+        Further files that the items are for.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column, a unit or a number is missing or wrong, times do not
+        rise, or the rows are too far apart or too near each other.
+    """
+    table = open_table(path)
+    _check_items(items, [(table, wanted), *others])
+    found = load_signals(table, wanted, items)
+    check_time(found.path, found.columns["time"], found.time)
+    for signal, values in found.values.items():
+        missing = np.flatnonzero(np.isnan(values))
+        if len(missing):
+            raise refuse(
+                found.path,
+                f"{signal} (channel {found.columns[signal]}) has no number in data row "
+                f"{missing[0] + 1} ({len(missing)} such rows in all); fill the gaps or cut the "
+                "record there",
+            )
+    return _make_uniform(found)
+
+
+def read_fixes(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
+    """Read the rows of an opened file in which no needed signal is missing; times may be uneven.
+
+    Arguments and errors are those of `read_signals`; the items are not checked.
+    """
+    found = load_signals(table, wanted, items)
+    there = np.isfinite(found.stack(wanted.needed)).all(axis=1)
+    require(bool(there.any()), f"{table.path}: no row has a position")
+    rows = np.flatnonzero(there)
+    time = found.time[rows]
+    check_time(table.path, found.columns["time"], time, rows=rows, fewest=2)
+    kept = {signal: values[rows] for signal, values in found.values.items()}
+    return replace(found, time=time, values=kept)
+
+
+def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wanted]]) -> None:
+    """Check that each item names a signal, and a column of a file that may have it.
+
+    Raises
+    ------
+    InputError
+        If an item does not; the message lists the signals, or the columns.
+    """
+    for item in items:
+        signal, _, rest = item.partition(":")
+        key = files[0][1].key
+        asked = [table for table, wanted in files if wanted.knows(signal)]
+        require(
+            bool(asked) and bool(rest.strip()),
+            f"{key}: {item!r} is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are time, "
+            f"{', '.join(dict.fromkeys(wanted.listed for _, wanted in files))}",
+        )
+        if not any(_find(table, rest) for table in asked):
+            find_channel(asked[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
+
+
+def load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
+    """Read the signals of an opened file, and check what needs no times; NaN is a missing number.
+
+    Items for columns of other files are passed over.
+
+    Raises
+    ------
+    InputError
+        If a column or a unit is missing or wrong, or a number is absurdly large.
+    """
+    columns, units = _find_columns(table, wanted, items)
+    loaded = table.load(list(dict.fromkeys(columns.values())), None)
+    values: dict[str, Array] = {}
+    for signal, name in columns.items():
+        dimension = wanted.dimension(signal) if signal != "time" else "time"
+        key = f"{wanted.key}=[{signal}:NAME:UNIT]"
+        scale = find_scale(table, name, str(dimension), units.get(signal), key)
+        with np.errstate(over="ignore"):  # infinite values count as missing
+            values[signal] = loaded[name] * (1.0 if scale is None else scale)
+        values[signal][~np.isfinite(values[signal])] = np.nan
+        if signal != "time":
+            require_possible(
+                f"{table.path}: {signal} (channel {name})",
+                values[signal],
+                "check its unit, and mend or cut out damaged rows",
+                load=dimension in ("force", "moment"),
+            )
+    time = values.pop("time")
+    unused = tuple(name for name in table.names if name not in columns.values())
+    notes = tuple(dict.fromkeys(table.notes))
+    return Signals(table.path, time, float("nan"), values, columns, unused, notes)
+
+
+def _find(table: ChannelTable, rest: str) -> tuple[str, str] | None:
+    """Return name and unit ("": none is given) of what follows the signal in an item."""
+    name, _, unit = rest.rpartition(":")
+    for each, given in ((rest, ""), (name, unit)):  # a name may hold a colon
+        if each.strip():
+            try:
+                return find_channel(table, each.strip(), ""), given.strip()
+            except InputError:
+                continue
+    return None
+
+
+def _find_columns(
+    table: ChannelTable, wanted: Wanted, items: Sequence[str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return signal -> column, and signal -> unit of those with a given one."""
+    columns: dict[str, str] = {}
+    units: dict[str, str] = {}
+    for item in items:
+        signal, _, rest = item.partition(":")
+        place = _find(table, rest) if wanted.knows(signal) else None
+        if place is None:
+            continue
+        require(
+            signal not in columns,
+            f"{wanted.key}: {signal} is there twice for columns of {table.path}; leave one out",
+        )
+        columns[signal], unit = place
+        if unit:
+            units[signal] = unit
+    taken = set(columns.values())
+    if "time" not in columns:
+        clock = guess_roles([name for name in table.names if name not in taken]).get("time")
+        if clock is None:
+            raise refuse_without_time(table, f"{wanted.key}=[time:NAME]")
+        columns["time"] = clock
+    for name in table.names:
+        known = name not in taken and name != columns["time"] and wanted.knows(name)
+        if known and name not in columns:
+            columns[name] = name
+    missing = [signal for signal in wanted.needed if signal not in columns]
+    require(
+        not missing,
+        f"{table.path}: no column {' and no column '.join(missing[:3])}; it has "
+        f"{list_names(table)}; name it by {wanted.key}=[{missing[0] if missing else ''}:NAME]",
+    )
+    return columns, units
+
+
+def _make_uniform(found: Signals) -> Signals:
+    """Return signals at uniform times, unchanged where the file's times are uniform."""
+    path, time, name = found.path, found.time, f"time ({found.columns['time']})"
+    check_extent(path, name, time)
+    comb = fit_comb(time)
+    if comb.uniform and comb.count == len(time):
+        return replace(found, step=comb.step)
+    between = np.diff(time)
+    wide = np.flatnonzero(between > (WIDEST + 0.5) * comb.step)
+    if len(wide):
+        gaps = describe_gaps([(float(time[k]), float(time[k + 1])) for k in wide])
+        raise refuse(
+            path,
+            f"{name} has gaps longer than {WIDEST:g} steps of {np.median(between):.6g} s: {gaps}; "
+            "cut the record at the gaps",
+        )
+    row = int(np.argmin(between))
+    if between[row] < NEAREST * comb.step:
+        raise refuse(
+            path,
+            f"{name} nearly stands still in data row {row + 2}: {between[row]:.3g} s after the row "
+            f"before, elsewhere {np.median(between):.6g} s; drop repeated times",
+        )
+    note = describe_jitter(comb, float(np.median(between)))
+    if comb.uniform:
+        note = f"{comb.count - len(time)} rows are missing: filled by cubic spline"
+    edge = 0.5 * comb.step
+    kept = comb.uniform | ((comb.teeth >= time[0] - edge) & (comb.teeth <= time[-1] + edge))
+    return replace(
+        found,
+        time=comb.teeth[kept],
+        step=comb.step,
+        values={signal: fill(time, each, comb)[kept] for signal, each in found.values.items()},
+        notes=(*found.notes, note),
+    )
