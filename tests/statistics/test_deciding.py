@@ -1,0 +1,116 @@
+"""Looks at more and more records: who leaves, who wins, what is a tie, how often it is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import skew, t, ttest_1samp
+
+from experiments.deciding import CELLS, draw_lognormal, draw_skewed, find_faults
+from owtsweep.statistics.deciding import (
+    LEVEL,
+    Rule,
+    decide,
+    find_level,
+    follow_looks,
+    is_below,
+    list_looks,
+)
+
+RULE = Rule()
+
+
+def test_levels_of_all_looks_are_the_level_of_the_map() -> None:
+    levels = [find_level(look) for look in range(1, 200_000)]
+    assert sum(levels) == pytest.approx(LEVEL, rel=1e-4)
+    assert sum(levels) < LEVEL
+    assert list_looks(256) == [8, 16, 32, 64, 128, 256]
+    assert list_looks(100) == [8, 16, 32, 64, 100]
+    assert list_looks(8) == [8]
+
+
+def test_the_test_is_student_s_and_hall_s() -> None:
+    random = np.random.default_rng(3)
+    few = random.normal(-0.6, 1.0, (50, 12))
+    p = ttest_1samp(few, 0.0, axis=1, alternative="less").pvalue
+    np.testing.assert_array_equal(is_below(few, 0.01), p < 0.01)
+    many = random.gamma(4.0, 0.25, (200, 40)) - 1.2  # of mean -.2, skewness 1
+    n, S, g = 40, many.mean(1) / many.std(1, ddof=1), skew(many, axis=1)
+    g = g * (many.std(1) / many.std(1, ddof=1)) ** 3
+    hall = np.sqrt(n) * (S + g * S**2 / 3 + g**2 * S**3 / 27 + g / (6 * n))
+    statistic = np.where(np.abs(g) > 1.0, hall, np.sqrt(n) * S)
+    np.testing.assert_array_equal(is_below(many, 0.02), statistic < t.ppf(0.02, n - 1))
+    assert 0 < np.sum(np.abs(g) > 1.0) < 200
+    equal = np.array([[-1.0] * 8, [0.0] * 8, [2.0] * 8])
+    assert is_below(equal, 0.05).tolist() == [True, False, False]
+
+
+def test_who_is_clearly_better_wins_at_the_first_look() -> None:
+    random = np.random.default_rng(1)
+    values = random.gamma(5.0, size=(1, 64)) * np.array([[9.0], [1.0], [4.0]])
+    found = decide(values, RULE, 60)
+    assert (found.verdict, found.best, found.left, found.look, found.records) == (
+        "won", 1, (1,), 1, 8,
+    )  # fmt: skip
+
+
+def test_equally_good_contenders_are_a_tie_for_the_simplest_but_not_before_32_records() -> None:
+    random = np.random.default_rng(2)
+    shared = random.gamma(5.0, size=256)
+    values = shared * np.exp(random.normal(0.0, 0.002, (3, 256)))
+    looks = list(follow_looks(values, RULE, 60))
+    assert [look.verdict for look in looks] == ["open", "open", "tie"]
+    assert looks[-1].best == 0
+    early = list(follow_looks(values, RULE._replace(ties_from=16), 60))
+    assert [look.verdict for look in early] == ["open", "tie"]
+    # 8 % worse by the error is more than the margin, by the square it is less
+    worse = values * np.array([[1.08], [1.0], [1.0]])
+    assert decide(worse, RULE._replace(ties_from=8), 60).best == 0
+    assert decide(worse, RULE._replace(ties_from=8, squared=False), 60).best != 0
+    assert decide(worse, RULE._replace(ties_from=8, squared=False, floor=9.0), 60).best == 0
+
+
+def test_a_contender_that_fails_leaves_and_all_may_fail() -> None:
+    values = np.ones((2, 40)) * np.array([[1.0], [2.0]])
+    values[0, 20] = np.nan
+    values[:, :20] = np.random.default_rng(4).gamma(1.0, size=(2, 20))
+    looks = list(follow_looks(values, RULE, 60))
+    assert looks[2].verdict == "won"
+    assert looks[2].best == 1
+    assert decide(np.full((2, 8), np.nan), RULE, 1).verdict == "none"
+    assert decide(np.ones((2, 7)), RULE, 1)[:4] == ("open", -1, (0, 1), 0)
+
+
+def test_more_records_continue_a_contest_and_change_no_decision() -> None:
+    random = np.random.default_rng(5)
+    for _ in range(50):
+        values = draw_lognormal(random, 512, 0.2).values
+        short = list(follow_looks(values[:, :128], RULE._replace(most=128), CELLS))
+        long = list(follow_looks(values, RULE._replace(most=512), CELLS))
+        assert long[: len(short)] == short
+        seen = decide(values[:, : long[-1].records], RULE._replace(most=512), CELLS)
+        assert seen == long[-1]
+
+
+@pytest.mark.parametrize("most", [0, 7])
+def test_fewer_records_than_a_look_are_refused(most: int) -> None:
+    with pytest.raises(ValueError, match=f"most: {most} records are fewer than the first look's 8"):
+        decide(np.ones((2, 8)), RULE._replace(most=most), 1)
+
+
+def test_maps_are_seldom_wrong() -> None:
+    """A small form of experiments/deciding.py; with 40 maps, two wrong ones are no chance."""
+    random = np.random.default_rng(6)
+    for draw, allowed in (
+        (lambda: draw_lognormal(random, 256, 0.15), 2),
+        (lambda: draw_skewed(random, 256), 4),
+    ):
+        wrong = 0
+        for _ in range(40):
+            cells = [draw() for _ in range(12)]
+            found = [decide(cell.values, RULE, len(cells)) for cell in cells]
+            wrong += any(
+                find_faults(each.verdict, cell.means, each.best, RULE)
+                for each, cell in zip(found, cells, strict=True)
+            )
+        assert wrong <= allowed
