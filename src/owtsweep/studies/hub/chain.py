@@ -132,7 +132,7 @@ class Chain:
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of position and velocity along an axis, shape (rows, 2, 2); NaN: not stated."""
+        """Covariance of position and velocity along an axis, (rows, 2, 2); NaN if not stated."""
         return self._covariance()
 
     @property
