@@ -132,7 +132,7 @@ class Chain:
 
     @cached_property
     def covariance(self) -> Array:
-        """The covariance of position and velocity along one axis, shape (rows, 2, 2), perhaps NaN."""
+        """The covariance of position and velocity along one axis, shape (rows, 2, 2) or NaN."""
         return self._covariance()
 
     @property
