@@ -132,7 +132,7 @@ class Chain:
 
     @cached_property
     def covariance(self) -> Array:
-        """The covariance of position and velocity along one axis, shape (rows, 2, 2) or NaN."""
+        """Covariance of position and velocity along an axis, (rows, 2, 2); NaN if not stated."""
         return self._covariance()
 
     @property
