@@ -1,4 +1,4 @@
-"""The settings of HME2's moving horizon estimator (MHE) as numbers, for all engines."""
+"""The settings of HME2's MHE as numbers, for all engines."""
 
 from __future__ import annotations
 

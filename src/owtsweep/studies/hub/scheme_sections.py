@@ -100,7 +100,7 @@ class Constraints(Section):
 
 
 class Mhe(Section):
-    """The settings of the moving horizon estimator (MHE) of HME2."""
+    """The settings of HME2's MHE."""
 
     interval: Positive = key(
         "T_m; whole IMU steps whose number divides the GNSS interval", unit="s"

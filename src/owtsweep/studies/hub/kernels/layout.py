@@ -17,7 +17,7 @@ from owtsweep.arrays import Array, Rows, aligned, make_mixed_rows, make_rows
 #: Number of records that run side by side; a record has two or three lanes.
 WIDTH = 8
 
-#: Which IMU samples the moving horizon estimator (MHE) takes, in the order of `hub.horizon.INPUTS`.
+#: Which IMU samples the MHE takes, in the order of `hub.horizon.INPUTS`.
 ALL, AVERAGED, SAMPLED = 0, 1, 2
 
 #: The fields of a state: position, velocity, acceleration, bias.
