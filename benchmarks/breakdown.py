@@ -19,9 +19,8 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.feed import Feed
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import Records, make_records
+from owtsweep.studies.hub.records import Feed, Records, make_records
 
 #: Records of a block, periods of the default grid.
 BLOCK, PERIODS = 8, 6

@@ -15,9 +15,8 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub import spectral_batch
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.records import Lanes, make_records
 
 #: Greatest time of SKF's kernel, ns per state, IMU step and series; of an online step, us; and of
 #: SKFA over a record, ns per IMU step and series.

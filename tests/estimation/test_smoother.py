@@ -6,7 +6,7 @@ import numpy as np
 import problem
 import pytest
 
-from owtsweep.estimation.smoother import FixedLagSmoother, smoother_gains
+from owtsweep.estimation.gains import FixedLagSmoother, smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
 
 

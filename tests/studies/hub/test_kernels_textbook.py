@@ -13,9 +13,8 @@ from tools import Array, assert_same, configure
 from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import Records, make_records
+from owtsweep.studies.hub.records import Lanes, Records, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -10,7 +10,7 @@ import pytest
 from tools import plan_blocks, run_blocks
 
 from owtsweep.studies import compose
-from owtsweep.studies.hub import feed, records
+from owtsweep.studies.hub import records
 from owtsweep.studies.hub.world import SPECTRUM
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -61,7 +61,7 @@ def at_a_time(monkeypatch):
 )
 @pytest.mark.parametrize("few", [1, 2])
 def test_parts_change_no_bit(overrides, few, monkeypatch, at_a_time):
-    monkeypatch.setattr(feed, "SPAN", 700)
+    monkeypatch.setattr(records, "SPAN", 700)
     whole = _rows(overrides)
     assert max(at_a_time) == 5
     at_a_time.clear()

@@ -15,9 +15,8 @@ from owtsweep.studies.hub.batch import Lanes
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves import inputs
 from owtsweep.studies.hub.error_spectrum import error_spectrum
-from owtsweep.studies.hub.feed import Feed
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.records import Feed, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -7,7 +7,7 @@ import pytest
 from tools import configure, plan_blocks, run_blocks
 from user_schemes import Saturated
 
-from owtsweep.studies.hub import batch, feed
+from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
@@ -34,7 +34,7 @@ def test_spans_and_company_do_not_show(
         return [np.append(sums.products.ravel(), sums.squared.ravel()) for sums in kept]
 
     whole = run(chains)
-    monkeypatch.setattr(feed, "SPAN", span)
+    monkeypatch.setattr(records, "SPAN", span)
     for together, chain, expected in zip(run(chains), chains, whole, strict=True):
         np.testing.assert_array_equal(together, expected)
         np.testing.assert_array_equal(run([chain])[0], expected)

@@ -17,8 +17,6 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.conditions import find_amplitude, find_period, list_condition_names
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
-from owtsweep.studies.hub.feed import Feed, Span
-from owtsweep.studies.hub.feed import Lanes as Lanes  # imported from here elsewhere
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
@@ -31,7 +29,8 @@ from owtsweep.studies.hub.kernels.layout import (
 )
 from owtsweep.studies.hub.lines import sum_line_errors
 from owtsweep.studies.hub.measures import Sums
-from owtsweep.studies.hub.records import Records, make_records_at
+from owtsweep.studies.hub.records import Feed, Records, Span, make_records_at
+from owtsweep.studies.hub.records import Lanes as Lanes
 
 #: Number of steps that kernels process at once, a chunk: so few that their rows fit the
 #: second-level cache.

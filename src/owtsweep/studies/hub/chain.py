@@ -15,8 +15,7 @@ import numpy as np
 
 from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete, powers, prediction_noise
-from owtsweep.estimation.gains import GainSchedule, schedule
-from owtsweep.estimation.smoother import smoother_gains
+from owtsweep.estimation.gains import GainSchedule, schedule, smoother_gains
 from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import (

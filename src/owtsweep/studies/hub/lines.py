@@ -16,9 +16,9 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.studies.hub.chain import NO_HORIZON, Chain, Line
-from owtsweep.studies.hub.feed import Feed
 from owtsweep.studies.hub.kernels.layout import WIDTH, FilterArrays, PredictorArrays
 from owtsweep.studies.hub.models import AxisFilter
+from owtsweep.studies.hub.records import Feed
 from owtsweep.studies.hub.sensors import Sensors
 
 

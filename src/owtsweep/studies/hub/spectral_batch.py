@@ -12,11 +12,10 @@ import numpy as np
 
 from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.late import follow, prepare_estimates, start_lanes
-from owtsweep.studies.hub.feed import Feed
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.kernels.sums import add_spectral_errors
 from owtsweep.studies.hub.measures import Sums
-from owtsweep.studies.hub.records import Records
+from owtsweep.studies.hub.records import Feed, Records
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete, predict, prediction_noise
-from owtsweep.estimation.smoother import FixedLagSmoother
+from owtsweep.estimation.gains import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Chain, chain
 from owtsweep.studies.hub.checks import check_window
