@@ -31,20 +31,10 @@ ROLL_OFF = 1.25
 
 
 class BandLimited:
-    """A band-limited function through the samples of a record.
+    """A band-limited function through n samples at the times start + k step, in s.
 
-    Parameters
-    ----------
-    values
-        Samples at the times start + k step, k = 0, 1, ...; shape (n,).
-    start, step
-        Time of the first sample, and interval between samples, in s.
-    cutoff
-        Frequency in Hz up to which the record is kept in full. Nothing is kept above `ROLL_OFF`
-        times this frequency.
-    rate
-        Rate in Hz of the grids on which the function will be evaluated; None if unknown. A known
-        rate makes the evaluation faster.
+    It is kept in full up to `cutoff`, Hz, and not at all above `ROLL_OFF` times that. The
+    evaluation is faster if the `rate` of its grids, Hz, is known.
     """
 
     def __init__(
@@ -109,9 +99,6 @@ class BandLimited:
 
 
 def lowpass(frequency: Array, cutoff: float) -> Array:
-    """Return the gain of a low-pass filter at the given frequencies; both arguments are in Hz.
-
-    The gain is 1 up to `cutoff`, then falls as a raised cosine to 0 at `ROLL_OFF` * cutoff.
-    """
+    """Return the gain: 1 up to `cutoff` (Hz), then a raised cosine to 0 at `ROLL_OFF` * cutoff."""
     part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
     return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))

@@ -46,30 +46,14 @@ ALTITUDE, QUALITY, FLOAT = "altitude", "gga_quality", 5
 
 
 class Fixes(NamedTuple):
-    """What an antenna says.
-
-    Attributes
-    ----------
-    path
-        The file.
-    time
-        Times in s, shape (n,).
-    position
-        x, y, z in m, or latitude (deg), longitude (deg) and height (m), shape (n, 3).
-    globe
-        Whether positions are on the globe.
-    floating
-        Whether a solution is float, shape (n,).
-    above_geoid
-        Whether heights are above the geoid, because the file does not state its separation.
-    """
+    """What an antenna says at n times."""
 
     path: Path
-    time: Array
-    position: Array
-    globe: bool
-    floating: NDArray[np.bool_]
-    above_geoid: bool
+    time: Array  # s
+    position: Array  # (n, 3): x, y, z in m, or latitude and longitude in deg, and height in m
+    globe: bool  # whether it is the latter
+    floating: NDArray[np.bool_]  # (n,), whether a solution is float
+    above_geoid: bool  # whether heights are, because the file does not state its separation
 
 
 class Lift(NamedTuple):
@@ -115,7 +99,8 @@ def load_lift(config: BladeConfig) -> Lift:
     every = max(round(float(np.median(np.diff(there)))), 1)
     fixes = placed[part]
     due = np.isfinite(fixes[:, 0, 0])
-    due[::every] |= ~_has_neighbour(due, every)[::every]
+    around = np.ones(max(every // 2, 1) * 2 + 1, dtype=int)  # half of the interval to either side
+    due[::every] |= (np.convolve(due.astype(int), around, "same") == 0)[::every]
     force = inertial.stack(FORCE)[part] @ recorded.turn.T
     measured = Measured(
         step=1.0 / rate,
@@ -216,12 +201,6 @@ def _level(position: Array, origin: Array, file: Path) -> Array:
         ) from None
     east, north, up = geodetic2enu(*position.T, *origin)
     return np.column_stack([north, -np.asarray(east), up])
-
-
-def _has_neighbour(due: NDArray[np.bool_], every: int) -> NDArray[np.bool_]:
-    """Return at which samples there is a fix within half of the interval `every`."""
-    near = np.convolve(due.astype(int), np.ones(max(every // 2, 1) * 2 + 1, dtype=int), "same")
-    return np.asarray(near > 0)
 
 
 def find_reference(lift: Lift, setting: Setting) -> Truth:
