@@ -74,6 +74,13 @@ def test_up_to_four_missing_rows_are_filled_and_more_refused(tmp_path: Path) -> 
     assert "time (time) has gaps longer than 5 steps of 0.05 s: 4.95 s to 5.25 s; cut" in told
 
 
+def test_a_replay_bears_the_same_gaps(tmp_path: Path) -> None:
+    found = read(write(tmp_path / "r.csv", np.delete(TIME, range(100, 104))))
+    assert any("gaps interpolated: 4.95 s to 5.2 s" in note for note in found.notes)
+    with pytest.raises(InputError, match=r"gaps longer than 0.25 s: 4.95 s to 5.25 s; cut the rec"):
+        read(write(tmp_path / "r.csv", np.delete(TIME, range(100, 105))))
+
+
 def _with(row: int, value: float) -> np.ndarray:
     time = TIME.copy()
     time[row] = value

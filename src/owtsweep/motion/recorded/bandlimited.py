@@ -1,16 +1,10 @@
 """Fit a band-limited function to uniform samples, and evaluate its derivatives at other times.
 
-Position, velocity and acceleration are derivatives of one function, so they agree exactly. The
-method:
-
-1. Subtract the straight line between the two ends of the record.
-2. Continue the record at both ends by its odd reflection, so that value and slope are continuous,
-   and fade the continuation to zero. The result is one period of a Fourier series.
-3. Keep the lines of the series up to the cut-off. Weight the lines beyond the cut-off by a raised
-   cosine that falls to zero at 1.25 times the cut-off. For a derivative, multiply all lines by
-   (j omega)^order.
-4. Evaluate the sum of the lines at the times of the new grid: by an inverse FFT, or by a chirp
-   z-transform if the ratio of old and new rate is not a fraction of small numbers.
+The straight line between the two ends is subtracted, and the record is continued at both ends by
+its odd reflection, faded to zero, so that value and slope are continuous: one period of a Fourier
+series. Its lines are kept up to the cut-off, and weighted by a raised cosine beyond. For a
+derivative they are multiplied by (j omega)^order. They are summed on the new grid by an inverse
+FFT, or by a chirp z-transform if the ratio of old and new rate is not a fraction of small numbers.
 
 Within a time of about 2 / cut-off from either end of the record, the acceleration depends on the
 reflection, because the real continuation of the record is unknown.

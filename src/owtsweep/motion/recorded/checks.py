@@ -25,6 +25,8 @@ FEWEST_SAMPLES = 32
 #: Gaps up to this length are interpolated, and gaps up to two and a half sampling intervals. Fixes
 #: and references may be missing for any time.
 LONGEST_GAP = 0.1  # s
+#: Rows may be this many steps apart.
+WIDEST = 5.0
 #: An IMU that samples less often is refused.
 LOWEST_IMU_RATE = 5.0  # Hz
 
@@ -78,13 +80,16 @@ def check_time(
         )
 
 
-def find_gaps(time: Array) -> list[tuple[float, float]]:
+def find_gaps(
+    time: Array, steps: float = 2.5, least: float | None = None
+) -> list[tuple[float, float]]:
     """Return (start, end) in s of the long gaps between a channel's times.
 
-    A gap is long if it is longer than `LONGEST_GAP` and than two and a half median intervals.
+    A gap is long if it is longer than so many median intervals, and than `least` (None:
+    `LONGEST_GAP`).
     """
     step = np.diff(time)
-    longest = max(LONGEST_GAP, 2.5 * float(np.median(step)))
+    longest = max(LONGEST_GAP if least is None else least, steps * float(np.median(step)))
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
@@ -162,11 +167,11 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
             f"{quantity}: {len(holes)} gap(s), the longest {longest:.3g} s, at "
             f"{describe_gaps(holes)}"
         )
-    elif holes and gaps == "refuse":
+    elif gaps == "refuse" and (wide := find_gaps(time, WIDEST + 0.5)):
         raise refuse(
             path,
-            f"{name} has gaps longer than {LONGEST_GAP:g} s: {describe_gaps(holes)}; cut "
-            "the record at the gaps, or use gaps=interpolate",
+            f"{name} has gaps longer than {max(LONGEST_GAP, WIDEST * median):.3g} s: "
+            f"{describe_gaps(wide)}; cut the record at the gaps, or use gaps=interpolate",
         )
     elif holes:
         notes.append(f"{quantity}: gaps interpolated: {describe_gaps(holes)}")

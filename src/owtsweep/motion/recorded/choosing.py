@@ -187,10 +187,8 @@ def _note_on_position(
 
 def _note_on_bending(names: Iterable[str]) -> str:
     listed = list(names)
-    verb = "is" if len(listed) == 1 else "are"
-    return (
-        f"{' and '.join(listed)} {verb} relative to the tower base, whose own motion is not in it"
-    )
+    are = "is" if len(listed) == 1 else "are"
+    return f"{' and '.join(listed)} {are} relative to the tower base, whose own motion is not in it"
 
 
 def _note_on_gauge(gauge: Mapping[str, str], *, composable: bool) -> str:

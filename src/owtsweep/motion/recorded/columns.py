@@ -88,6 +88,7 @@ NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 
 
 def strip(name: str) -> str:
+    """Return a name in lower case, with nothing but its letters and digits."""
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
@@ -197,6 +198,7 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
 
 
 def list_names(table: ChannelTable) -> str:
+    """Return the first names of a file, for messages."""
     return ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
 
 

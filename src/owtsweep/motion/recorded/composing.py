@@ -128,6 +128,7 @@ def find(names: Sequence[str], pattern: str) -> str | None:
 
 
 def find_all(names: Sequence[str], pattern: str) -> list[str]:
+    """Return the channels whose names match a pattern, sorted."""
     return sorted(name for name in names if re.fullmatch(pattern, strip(name)))
 
 
@@ -178,14 +179,8 @@ def compose(
             + ("" if rigid else ", or take the tower's bending alone by columns.motion=tower"),
         )
     channels = {axis: _add_up(values, axis, hub.tower_height, rotation) for axis in axes}
-    sources = {
-        axis: " + ".join(
-            names[role]
-            for role in (TRANSLATION[axis], TILT[axis], f"tower_{axis}")
-            if role in names
-        )
-        for axis in axes
-    }
+    parts = {axis: (TRANSLATION[axis], TILT[axis], f"tower_{axis}") for axis in axes}
+    sources = {a: " + ".join(names[r] for r in roles if r in names) for a, roles in parts.items()}
     matrix = _name_matrix(names, rotation)
     return channels, sources, _state_formula(values, names, channels, hub.tower_height, matrix)
 

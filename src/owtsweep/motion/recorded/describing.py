@@ -12,7 +12,6 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import (
-    LONGEST_GAP,
     check_extent,
     check_time,
     describe_gaps,
@@ -208,8 +207,7 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
     if time is not None and len(kept) > 1:
         median = float(np.median(np.diff(time[there])))
         rate = 1.0 / median
-        longest = max(LONGEST_GAP, 10 * median)
-        holes = tuple(gap for gap in find_gaps(time[there]) if gap[1] - gap[0] > longest)
+        holes = tuple(find_gaps(time[there], 10.0))
     with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
         mean, deviation = float(kept.mean()), float(kept.std())
     return Channel(
@@ -233,11 +231,9 @@ def _is_likely(channel: Channel) -> bool:
 
 
 def _describe_values(channel: Channel, role: str | None = None) -> str:
-    unit = channel.unit
-    if not unit:
-        unit = "no unit"
-        if role:
-            unit = f"{imply_unit(role, channel.name) or DIMENSIONS[ROLES[role]][0]}?"
+    unit = channel.unit or "no unit"
+    if role and not channel.unit:
+        unit = f"{imply_unit(role, channel.name) or DIMENSIONS[ROLES[role]][0]}?"
     if np.isnan(channel.mean):
         return f"{unit}, no value at all"
     if role == "time":

@@ -61,8 +61,8 @@ def read(
     units
         role -> unit, in place of the file's. Without any unit SI is assumed, and a note says so.
     gaps
-        What happens to long gaps (`checks.find_gaps`) in motion and specific force: "refuse" or
-        "interpolate".
+        What happens to gaps of more than 0.1 s and five steps in motion and specific force:
+        "refuse" or "interpolate".
     motion
         Which motion to take: "auto" is the hub's, as far as the file holds it; "tower" the bending
         of the tower alone; "rigid" the platform with a stiff tower; "platform" the platform alone.

@@ -16,9 +16,11 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.checks import (
+    WIDEST,
     check_extent,
     check_time,
     describe_gaps,
+    find_gaps,
     require_possible,
 )
 from owtsweep.motion.recorded.columns import (
@@ -35,8 +37,8 @@ from owtsweep.motion.recorded.recording import describe_jitter, fit_comb
 
 logger = logging.getLogger(__name__)
 
-#: Rows may be this many steps apart. Nearer ones than the second number of steps count as repeated.
-WIDEST, NEAREST = 5.0, 0.1
+#: Rows that are nearer than this part of a step count as repeated.
+NEAREST = 0.1
 #: By how much the file's step may differ from the study's.
 OTHER_STEP = 1e-3
 
@@ -244,13 +246,11 @@ def _make_uniform(found: Signals) -> Signals:
     if comb.uniform and comb.count == len(time):
         return replace(found, step=comb.step)
     between = np.diff(time)
-    wide = np.flatnonzero(between > (WIDEST + 0.5) * comb.step)
-    if len(wide):
-        gaps = describe_gaps([(float(time[k]), float(time[k + 1])) for k in wide])
+    if wide := find_gaps(time, WIDEST + 0.5, 0.0):
         raise refuse(
             path,
-            f"{name} has gaps longer than {WIDEST:g} steps of {np.median(between):.6g} s: {gaps}; "
-            "cut the record at the gaps",
+            f"{name} has gaps longer than {WIDEST:g} steps of {np.median(between):.6g} s: "
+            f"{describe_gaps(wide)}; cut the record at the gaps",
         )
     row = int(np.argmin(between))
     if between[row] < NEAREST * comb.step:

@@ -180,9 +180,7 @@ def place_fixes(
             f"{fixes.path}: a fix every {between:g} s is faster than the inertial unit's {step:g} "
             "s; thin the fixes out",
         )
-        position = fixes.position
-        if fixes.globe:
-            position = _level(position, antennas[0].position[0], fixes.path)
+        position = _level(fixes, antennas[0].position[0]) if fixes.globe else fixes.position
         at = np.round((fixes.time + shift - time[0]) / step).astype(int)
         inside = (at >= 0) & (at < len(time))
         placed[at[inside], k] = position[inside]
@@ -190,16 +188,16 @@ def place_fixes(
     return placed, floating
 
 
-def _level(position: Array, origin: Array, file: Path) -> Array:
+def _level(fixes: Fixes, origin: Array) -> Array:
     """Return positions on the globe (WGS84) as north, west and up of an origin, m, (n, 3)."""
     try:
         from pymap3d import geodetic2enu
     except ModuleNotFoundError:
         raise InputError(
-            f"{file}: latitudes need the package pymap3d; install the extra: "
+            f"{fixes.path}: latitudes need the package pymap3d; install the extra: "
             "pip install 'owtsweep[gnss]'"
         ) from None
-    east, north, up = geodetic2enu(*position.T, *origin)
+    east, north, up = geodetic2enu(*fixes.position.T, *origin)
     return np.column_stack([north, -np.asarray(east), up])
 
 

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import require
 from owtsweep.io.reading import read_bytes, require_regular
 from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
 from owtsweep.motion.recorded.formats.text import load_columns
@@ -102,16 +103,14 @@ def _read_selection(sel: Path) -> Selection:
 
 
 def _check_length(dat: Path, selection: Selection) -> None:
-    there = dat.stat().st_size
-    needed = 2 * selection.scans * len(selection.names)
-    if there == 0:
-        raise refuse(dat, "is empty")
-    if selection.factors is not None and there < needed:
-        raise refuse(
-            dat,
-            f"is cut short: {selection.scans} scans of {len(selection.names)} channels need "
-            f"{needed} bytes, {there} are there",
-        )
+    there, channels = dat.stat().st_size, len(selection.names)
+    needed = 2 * selection.scans * channels
+    require(there > 0, f"{dat}: is empty")
+    require(
+        selection.factors is None or there >= needed,
+        f"{dat}: is cut short: {selection.scans} scans of {channels} channels need {needed} bytes, "
+        f"{there} are there",
+    )
 
 
 def _load(

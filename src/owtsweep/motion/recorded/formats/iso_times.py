@@ -29,6 +29,7 @@ _DATE, _CLOCK = re.compile(r"\d{4}-\d\d-\d\d$"), re.compile(r"\d\d:\d\d")
 
 
 def is_iso_time(field: str) -> bool:
+    """Return whether a field is a date with a time of day in ISO 8601."""
     return _ISO.match(field) is not None
 
 

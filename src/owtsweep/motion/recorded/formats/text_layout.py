@@ -152,6 +152,7 @@ def _is_data(fields: list[str]) -> bool:
 
 
 def is_value(field: str) -> bool:
+    """Return whether a field is a number, a date, a time of day, or a sign of a missing value."""
     number = _NUMBER.match(field) or _DECIMAL_COMMA.match(field)
     return bool(number) or field in MISSING or is_date_or_clock(field)
 
