@@ -83,18 +83,19 @@ def count_steps(time: Array) -> float:
         return float((time[-1] - time[0]) / np.median(np.diff(time))) + 1.0
 
 
-def fit_comb(time: Array) -> Comb:
+def fit_comb(time: Array, number: Array | None = None) -> Comb:
     """Fit a comb by least squares to at least two increasing times in s, shape (n,).
 
-    The record may have gaps. Times printed with few digits (80 Hz in whole milliseconds) count as
-    uniform: a deviation of at most half the last decimal place is rounding, not jitter.
+    The record may have gaps, unless `number` has the teeth. Times printed with few digits (80 Hz in
+    whole milliseconds) count as uniform: half the last decimal place is rounding, not jitter.
     """
-    number = np.zeros(len(time))  # filled in place: a record may have ten million rows
-    interval = np.diff(time)
-    interval /= np.median(interval)
-    np.maximum(np.rint(interval, out=interval), 1.0, out=interval)
-    np.cumsum(interval, out=number[1:])
-    del interval
+    if number is None:
+        number = np.zeros(len(time))  # filled in place: a record may have ten million rows
+        interval = np.diff(time)
+        interval /= np.median(interval)
+        np.maximum(np.rint(interval, out=interval), 1.0, out=interval)
+        np.cumsum(interval, out=number[1:])
+        del interval
     centred = number - number.mean()
     step = float(centred @ (time - time.mean()) / (centred @ centred))
     start = float(time.mean() - step * number.mean())

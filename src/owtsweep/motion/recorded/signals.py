@@ -242,7 +242,8 @@ def _make_uniform(found: Signals) -> Signals:
     """Return signals at uniform times, unchanged where the file's times are uniform."""
     path, time, name = found.path, found.time, f"time ({found.columns['time']})"
     check_extent(path, name, time)
-    comb = fit_comb(time)
+    even = fit_comb(time, np.arange(len(time), dtype=float))  # much jitter looks like missing rows
+    comb = min(even, fit_comb(time), key=lambda each: each.jitter)
     if comb.uniform and comb.count == len(time):
         return replace(found, step=comb.step)
     between = np.diff(time)
@@ -259,11 +260,10 @@ def _make_uniform(found: Signals) -> Signals:
             f"{name} nearly stands still in data row {row + 2}: {between[row]:.3g} s after the row "
             f"before, elsewhere {np.median(between):.6g} s; drop repeated times",
         )
-    note = describe_jitter(comb, float(np.median(between)))
-    if comb.uniform:
-        note = f"{comb.count - len(time)} rows are missing: filled by cubic spline"
-    edge = 0.5 * comb.step
-    kept = comb.uniform | ((comb.teeth >= time[0] - edge) & (comb.teeth <= time[-1] + edge))
+    filled = f"{comb.count - len(time)} rows are missing: filled by cubic spline"
+    note = filled if comb.uniform else describe_jitter(comb, float(np.median(between)))
+    beyond = comb.teeth - np.clip(comb.teeth, time[0], time[-1])
+    kept = comb.uniform | (np.abs(beyond) <= 0.5 * comb.step)
     return replace(
         found,
         time=comb.teeth[kept],

@@ -84,8 +84,8 @@ def open_npz(path: Path) -> ChannelTable:
                         result[name] = np.array(values[:rows], dtype=float)
         return result
 
-    units = ("",) * len(places)
-    return ChannelTable(path, "NumPy archive", tuple(places), units, load, lengths.pop())
+    names = tuple(places)
+    return ChannelTable(path, "NumPy archive", names, ("",) * len(names), load, lengths.pop())
 
 
 def name_columns(path: Path, key: str, count: int) -> list[str]:

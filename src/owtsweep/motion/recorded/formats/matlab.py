@@ -226,8 +226,7 @@ def open_mat(path: Path) -> ChannelTable:
         return result
 
     longest = max(max(variable.shape) for variable, _ in places.values())
-    units = ("",) * len(places)
-    notes = [listed] if listed else []
+    units, notes = ("",) * len(places), [listed] if listed else []
     return ChannelTable(path, "MATLAB", tuple(places), units, load, longest, notes)
 
 
