@@ -222,7 +222,7 @@ def test_describe_tells_text_from_numbers_and_bad_time(tmp_path: Path) -> None:
     csv.write_text("time,x,state\n" + "\n".join(f"{k % 9},{k},ok" for k in range(60)))
     description = describe(csv)
     assert not description.channels[2].numeric
-    assert "does not increase in data row 10" in description.clock
+    assert "goes backwards in data row 10" in description.clock
     assert "no time column" in describe(_npz_without_time(tmp_path)).clock
 
 

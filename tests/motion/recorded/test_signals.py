@@ -47,7 +47,7 @@ def test_uniform_times_are_left_alone(tmp_path: Path) -> None:
     assert (found.unused, found.notes) == (("other",), ())
 
 
-@pytest.mark.parametrize("most", [0.1, 0.25])
+@pytest.mark.parametrize("most", [0.1, 0.25, 0.4])
 def test_jitter_is_resampled_with_a_note(tmp_path: Path, most: float) -> None:
     late = TIME + 0.05 * most * np.random.default_rng(1).uniform(-1.0, 1.0, len(TIME))
     found = read_x(write(tmp_path / "r.csv", late))
@@ -57,6 +57,12 @@ def test_jitter_is_resampled_with_a_note(tmp_path: Path, most: float) -> None:
     assert len(found.notes) == 1
     assert "irregular times, median interval" in found.notes[0]
     found.require_record(20.0, len(TIME))
+
+
+def test_coarsely_rounded_times_are_uniform(tmp_path: Path) -> None:
+    found = read_x(write(tmp_path / "r.csv", np.rint(2.5 * np.arange(100) + 0.25)))
+    assert found.step == pytest.approx(2.5, rel=1e-3)
+    assert found.notes == ()
 
 
 def test_a_clock_that_wanders_far_is_never_extrapolated(tmp_path: Path) -> None:
@@ -72,6 +78,13 @@ def test_up_to_four_missing_rows_are_filled_and_more_refused(tmp_path: Path) -> 
     assert found.notes == ("5 rows are missing: filled by cubic spline",)
     told = refusal(write(tmp_path / "r.csv", np.delete(TIME, range(100, 105))))
     assert "time (time) has gaps longer than 5 steps of 0.05 s: 4.95 s to 5.25 s; cut" in told
+
+
+def test_a_replay_bears_the_same_gaps(tmp_path: Path) -> None:
+    found = read(write(tmp_path / "r.csv", np.delete(TIME, range(100, 104))))
+    assert any("gaps interpolated: 4.95 s to 5.2 s" in note for note in found.notes)
+    with pytest.raises(InputError, match=r"gaps longer than 0.25 s: 4.95 s to 5.25 s; cut the rec"):
+        read(write(tmp_path / "r.csv", np.delete(TIME, range(100, 105))))
 
 
 def _with(row: int, value: float) -> np.ndarray:

@@ -15,6 +15,7 @@ from owtsweep.studies.composing import compose
 from owtsweep.studies.tower.contract import Channel, Estimates
 from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.recorded import (
+    Place,
     RecordedStructure,
     compare,
     load_motions,
@@ -72,7 +73,9 @@ def test_columns_become_the_truth_in_si_units(tmp_path):
 def test_a_users_names_and_units_are_translated(tmp_path):
     file = write(tmp_path / "r.csv", clock=TIME, ACC3=TIME, LOAD=TIME)
     record = read(file, "time:clock", "a_12:ACC3", "F_24: LOAD:kN")
-    np.testing.assert_allclose(1e3 * record.need("a", 12.0, "fa"), record.need("F", 24.0, "fa"))
+    np.testing.assert_allclose(
+        1e3 * record.need(Place("a", 12.0, "fa")), record.need(Place("F", 24.0, "fa"))
+    )
     for wrong, told in (
         (["a_12"], r"recorded.columns: 'a_12' is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are"),
         (["time:clock", "a_12:ACC3", "a_12:LOAD"], "recorded.columns: a_12 is there twice for col"),

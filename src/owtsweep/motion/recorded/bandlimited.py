@@ -1,16 +1,10 @@
 """Fit a band-limited function to uniform samples, and evaluate its derivatives at other times.
 
-Position, velocity and acceleration are derivatives of one function, so they agree exactly. The
-method:
-
-1. Subtract the straight line between the two ends of the record.
-2. Continue the record at both ends by its odd reflection, so that value and slope are continuous,
-   and fade the continuation to zero. The result is one period of a Fourier series.
-3. Keep the lines of the series up to the cut-off. Weight the lines beyond the cut-off by a raised
-   cosine that falls to zero at 1.25 times the cut-off. For a derivative, multiply all lines by
-   (j omega)^order.
-4. Evaluate the sum of the lines at the times of the new grid: by an inverse FFT, or by a chirp
-   z-transform if the ratio of old and new rate is not a fraction of small numbers.
+The straight line between the two ends is subtracted, and the record is continued at both ends by
+its odd reflection, faded to zero, so that value and slope are continuous: one period of a Fourier
+series. Its lines are kept up to the cut-off, and weighted by a raised cosine beyond. For a
+derivative they are multiplied by (j omega)^order. They are summed on the new grid by an inverse
+FFT, or by a chirp z-transform if the ratio of old and new rate is not a fraction of small numbers.
 
 Within a time of about 2 / cut-off from either end of the record, the acceleration depends on the
 reflection, because the real continuation of the record is unknown.
@@ -31,20 +25,10 @@ ROLL_OFF = 1.25
 
 
 class BandLimited:
-    """A band-limited function through the samples of a record.
+    """A band-limited function through n samples at the times start + k step, in s.
 
-    Parameters
-    ----------
-    values
-        Samples at the times start + k step, k = 0, 1, ...; shape (n,).
-    start, step
-        Time of the first sample, and interval between samples, in s.
-    cutoff
-        Frequency in Hz up to which the record is kept in full. Nothing is kept above `ROLL_OFF`
-        times this frequency.
-    rate
-        Rate in Hz of the grids on which the function will be evaluated; None if unknown. A known
-        rate makes the evaluation faster.
+    It is kept in full up to `cutoff`, Hz, and not at all above `ROLL_OFF` times that. The
+    evaluation is faster if the `rate` of its grids, Hz, is known.
     """
 
     def __init__(
@@ -109,9 +93,6 @@ class BandLimited:
 
 
 def lowpass(frequency: Array, cutoff: float) -> Array:
-    """Return the gain of a low-pass filter at the given frequencies; both arguments are in Hz.
-
-    The gain is 1 up to `cutoff`, then falls as a raised cosine to 0 at `ROLL_OFF` * cutoff.
-    """
+    """Return the gain: 1 up to `cutoff` (Hz), then a raised cosine to 0 at `ROLL_OFF` * cutoff."""
     part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
     return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))

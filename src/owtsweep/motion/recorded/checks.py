@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.motion.recorded.formats.table import MOST_STEPS, refuse
-from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import count_steps, describe_jitter, fit_comb
+from owtsweep.motion.recorded.recording import Recording, count_steps, describe_jitter, fit_comb
 
 #: An axis with a larger mean measures gravity: it is not horizontal, or its unit is wrong.
 LARGEST_MEAN_FORCE = 5.0  # m/s^2
@@ -26,28 +25,17 @@ FEWEST_SAMPLES = 32
 #: Gaps up to this length are interpolated, and gaps up to two and a half sampling intervals. Fixes
 #: and references may be missing for any time.
 LONGEST_GAP = 0.1  # s
+#: Rows may be this many steps apart.
+WIDEST = 5.0
 #: An IMU that samples less often is refused.
 LOWEST_IMU_RATE = 5.0  # Hz
 
 
 def require_possible(where: str, values: Array, hint: str, *, load: bool = False) -> None:
-    """Check that no number of a column is absurdly large.
+    """Raise `InputError` if a number is larger than `LARGEST_VALUE`, or `LARGEST_LOAD` for a load.
 
-    Parameters
-    ----------
-    where
-        File and column, for the message.
-    values
-        The column in SI units; NaN where a value is missing.
-    hint
-        What the user can do, for the message.
-    load
-        Whether it is a force or a moment, not a motion.
-
-    Raises
-    ------
-    InputError
-        If a number is larger than `LARGEST_VALUE`, or `LARGEST_LOAD` for a load.
+    `values` are in SI units, NaN where missing; `where` (file and column) begins the message,
+    `hint` ends it.
     """
     most, kind = (LARGEST_LOAD, "load") if load else (LARGEST_VALUE, "motion")
     largest = float(np.max(np.abs(values), initial=0.0, where=~np.isnan(values)))
@@ -65,10 +53,9 @@ def check_time(
     rows: NDArray[np.intp] | None = None,
     fewest: int = FEWEST_SAMPLES,
 ) -> None:
-    """Check the times of a recording.
+    """Check times in s, shape (n,), of the channel `name`.
 
-    `time` holds the times in s, shape (n,). They come from the channel `name` of the file `path`;
-    `rows` are the numbers of their data rows, from 0 (all rows if None).
+    `rows` are the numbers of their data rows, from 0 (None: all rows).
 
     Raises
     ------
@@ -93,38 +80,36 @@ def check_time(
         )
 
 
-def find_gaps(time: Array) -> list[tuple[float, float]]:
-    """Find the long gaps between the values of a channel; return a list of (start, end) in s.
+def find_gaps(
+    time: Array, steps: float = 2.5, least: float | None = None
+) -> list[tuple[float, float]]:
+    """Return (start, end) in s of the long gaps between a channel's times.
 
-    A gap is long if it is longer than `LONGEST_GAP` and than two and a half median intervals.
-    `time` holds the times of the channel's values in s, increasing.
+    A gap is long if it is longer than so many median intervals, and than `least` (None:
+    `LONGEST_GAP`).
     """
     step = np.diff(time)
-    longest = max(LONGEST_GAP, 2.5 * float(np.median(step)))
+    longest = max(LONGEST_GAP if least is None else least, steps * float(np.median(step)))
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
 def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
-    """Describe gaps, each (start, end) in s, in words.
-
-    The first `shown` gaps are listed, and the number of further gaps is given.
-    """
+    """Return the first gaps in words, and the number of further ones."""
     text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in gaps[:shown])
     return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
 
 
 def check_channels(recording: Recording, gaps: str) -> list[str]:
-    """Check every channel of a recording, and return notes for the user, one sentence each.
+    """Check every channel of a recording, and return notes for the user.
 
-    `gaps` says what happens to long gaps (`find_gaps`) in motion and in the specific force of an
-    IMU: "refuse" raises an error, "interpolate" gives a note. Long gaps in GNSS fixes and
-    references always give a note.
+    `gaps` says what happens to long gaps in motion and specific force: "refuse" raises an error,
+    "interpolate" gives a note. Those in GNSS fixes and references always give a note.
 
     Raises
     ------
     InputError
-        For a channel with too few values or none, an IMU that samples too slowly, a long gap that
-        is refused, a time span that needs too many steps, or a unit that cannot be right.
+        For a channel with too few values, an IMU that samples too slowly, a gap that is refused, a
+        time span that needs too many steps, or a unit that cannot be right.
     """
     notes: list[str] = []
     for role, values in recording.channels.items():
@@ -151,15 +136,7 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
 
 
 def check_extent(path: Path, name: str, time: Array) -> None:
-    """Check that a regular grid over rising times (s) has at most `MOST_STEPS` steps.
-
-    The grid has the median interval; `name` is what has these times, for the message.
-
-    Raises
-    ------
-    InputError
-        If it has more.
-    """
+    """Raise `InputError` if a regular grid over rising times (s) has too many steps."""
     steps = count_steps(time)
     if not steps <= MOST_STEPS:
         raise refuse(
@@ -190,11 +167,11 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
             f"{quantity}: {len(holes)} gap(s), the longest {longest:.3g} s, at "
             f"{describe_gaps(holes)}"
         )
-    elif holes and gaps == "refuse":
+    elif gaps == "refuse" and (wide := find_gaps(time, WIDEST + 0.5)):
         raise refuse(
             path,
-            f"{name} has gaps longer than {LONGEST_GAP:g} s: {describe_gaps(holes)}; cut "
-            "the record at the gaps, or use gaps=interpolate",
+            f"{name} has gaps longer than {max(LONGEST_GAP, WIDEST * median):.3g} s: "
+            f"{describe_gaps(wide)}; cut the record at the gaps, or use gaps=interpolate",
         )
     elif holes:
         notes.append(f"{quantity}: gaps interpolated: {describe_gaps(holes)}")

@@ -16,6 +16,7 @@ from owtsweep.motion.recorded.columns import PARTS, strip
 from owtsweep.motion.recorded.composing import (
     PATTERNS,
     TRANSLATION,
+    Hub,
     find,
     find_all,
     find_parts,
@@ -32,39 +33,22 @@ GAUGES = {"x": r"twht\dtpxi", "y": r"twht\dtpyi"}
 
 @dataclass(frozen=True)
 class Choice:
-    """The channels chosen for the motion of the hub.
+    """The channels chosen for the motion of the hub."""
 
-    Attributes
-    ----------
-    roles
-        role -> channel. The roles are position_x and position_y (or reference_x and reference_y
-        beside a specific force), or the parts `PARTS`, to be composed.
-    problem
-        Why the file's channels do not give the motion of the hub, and what would work; "" if they
-        do.
-    note
-        What the user should know about the chosen channels; "" if nothing.
-    """
-
+    #: Channels of position_x, ... (reference_x, ... beside a specific force) or of `PARTS`.
     roles: Mapping[str, str] = field(default_factory=dict)
-    problem: str = ""
-    note: str = ""
+    problem: str = ""  # why they do not give the motion, and what would work
+    note: str = ""  # what the user should know about them
 
 
 def add_motion(
     table: ChannelTable,
     chosen: Mapping[str, str],
     given: Mapping[str, str | None],
-    *,
-    motion: str,
-    tower_height: float | None,
+    hub: Hub,
 ) -> tuple[dict[str, str], Choice]:
-    """Add the channels of the hub's motion to those already chosen; arguments: `choose_motion`.
-
-    Return role -> channel, in which the roles of `Choice.roles` replace positions that were
-    guessed, and the choice. `table` is the opened file.
-    """
-    choice = choose_motion(table.names, chosen, given, motion=motion, tower_height=tower_height)
+    """Replace guessed positions by the channels of the hub's motion; arguments: `choose_motion`."""
+    choice = choose_motion(table.names, chosen, given, hub)
     roles = {role: name for role, name in chosen.items() if role not in PARTS}
     if choice.roles:
         for axis in "xy":
@@ -76,30 +60,19 @@ def choose_motion(
     names: Sequence[str],
     chosen: Mapping[str, str],
     given: Mapping[str, str | None],
-    *,
-    motion: str,
-    tower_height: float | None,
+    hub: Hub,
 ) -> Choice:
     """Choose the channels of the hub's motion by their names.
 
-    Parameters
-    ----------
-    names
-        The names of all channels of the file.
-    chosen
-        role -> channel, as `columns.assign_roles` returned it.
-    given
-        role -> channel as the user says; None or "" leaves a role out.
-    motion
-        Which motion is wanted, one of `MotionKind`.
-    tower_height
-        Height of the tower top above the platform's reference point in m; None if unknown.
+    `chosen` is role -> channel, as `columns.assign_roles` returned it, and `given` is what the user
+    says.
 
     Raises
     ------
     InputError
-        If `motion` has another value, or the user gives both a position and parts of it.
+        If `hub.motion` is none of `MotionKind`, or the user gives both a position and parts of it.
     """
+    motion, height = hub.motion, hub.tower_height
     if motion not in get_args(MotionKind):
         raise InputError(f"columns.motion: {motion!r} is none of {', '.join(get_args(MotionKind))}")
     by_user = {role for role, name in given.items() if name and str(name).strip()}
@@ -117,8 +90,8 @@ def choose_motion(
         return Choice(note=_note_on_position(names, chosen, parts))
     if use == "reference_" and len(axes) < 2:
         return Choice()
-    choice = _choose_by_names(names, parts, axes, use, tower_height)
-    unsaid = tower_height is None and any(role in PARTS for role in choice.roles)
+    choice = _choose_by_names(names, parts, axes, use, height)
+    unsaid = height is None and any(role in PARTS for role in choice.roles)
     if use == "reference_" and (unsaid or choice.problem):  # sensors can do without a reference
         return Choice(
             note="no reference: platform and tower are composed to one only if "
@@ -128,10 +101,7 @@ def choose_motion(
 
 
 def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, motion: str) -> Choice:
-    """Choose the parts for a motion that the user insists on; arguments as in `_choose_by_names`.
-
-    `motion` is one of `MotionKind`.
-    """
+    """Choose the parts for a motion that the user insists on."""
     if motion == "rigid":
         parts = {role: name for role, name in parts.items() if role.startswith("platform")}
     if motion in ("auto", "rigid"):
@@ -156,10 +126,10 @@ def _choose_by_names(
     use: str,
     tower_height: float | None,
 ) -> Choice:
-    """Choose channels by the programs' names alone; arguments as in `choose_motion`.
+    """Choose channels by the programs' names alone.
 
-    `parts` maps the roles of parts to channels, `axes` are the wanted axes, and `use` begins the
-    role of a position, e.g. "position_".
+    `parts` maps the roles of parts to channels, `axes` are the wanted ones, and `use` begins the
+    role of a position.
     """
 
     def take(found: Mapping[str, str | None], note: str = "") -> Choice:
@@ -194,17 +164,13 @@ def _choose_by_names(
 
 
 def begin_position(chosen: Mapping[str, str]) -> str:
-    """Return how the role of a position begins: "reference_" beside a specific force.
-
-    Otherwise it begins with "position_". `chosen` maps roles to channels.
-    """
+    """Return how the role of a position begins: "reference_" beside a specific force."""
     return "reference_" if "specific_force_x" in chosen else "position_"
 
 
 def _note_on_position(
     names: Sequence[str], chosen: Mapping[str, str], parts: Mapping[str, str]
 ) -> str:
-    """Return a note on a position that the user names, or that HAWC2 gives for several bodies."""
     taken = chosen.get("position_x") or chosen.get("reference_x") or ""
     platform = [name for role, name in parts.items() if role.startswith("platform")]
     if platform and strip(taken) in PATTERNS["tower_x"].split("|"):
@@ -221,10 +187,8 @@ def _note_on_position(
 
 def _note_on_bending(names: Iterable[str]) -> str:
     listed = list(names)
-    verb = "is" if len(listed) == 1 else "are"
-    return (
-        f"{' and '.join(listed)} {verb} relative to the tower base, whose own motion is not in it"
-    )
+    are = "is" if len(listed) == 1 else "are"
+    return f"{' and '.join(listed)} {are} relative to the tower base, whose own motion is not in it"
 
 
 def _note_on_gauge(gauge: Mapping[str, str], *, composable: bool) -> str:

@@ -1,7 +1,4 @@
-"""Assign a file's channels to roles: as the user says, else by well-known channel names.
-
-A role says what a channel holds, e.g. "time" or "position_x".
-"""
+"""Assign a file's channels to roles such as "time" or "position_x": what a channel holds."""
 
 from __future__ import annotations
 
@@ -91,18 +88,15 @@ NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 
 
 def strip(name: str) -> str:
-    """Return a channel's name in lower case, with nothing but its letters and digits."""
+    """Return a name in lower case, with nothing but its letters and digits."""
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
 def guess_roles(names: Sequence[str]) -> dict[str, str]:
     """Assign channels to roles by well-known names: return role -> channel.
 
-    A role says what a channel holds, e.g. "position_x". `names` are the names of a file's channels.
-    Roles without a channel are left out. The x and the y axis of a quantity come from one pair of
-    well-known names; y may be missing. If the channels include a specific force and positions, but
-    no reference, the positions become the reference, with which the estimates from the specific
-    force are compared.
+    The x and the y axis of a quantity come from one pair of well-known names; y may be missing. If
+    there are a specific force and positions, but no reference, the positions become the reference.
     """
     bare = {name: strip(name) for name in names}
 
@@ -131,17 +125,8 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
 def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[str, str]:
     """Assign channels to roles as given, and guess the other roles: return role -> channel.
 
-    A role says what a channel holds, e.g. "position_x".
-
-    Parameters
-    ----------
-    table
-        The opened file.
-    given
-        role -> channel name; None or "" leaves a role out. A channel given here is not guessed for
-        another role. If only one axis of a quantity is given, the other axis is the channel whose
-        name has y in place of x (or x in place of y). Without such a channel, the other axis is
-        left out.
+    `given` is role -> channel name; None or "" leaves a role out. If only one axis of a quantity is
+    given, the other is the channel whose name has y in place of x, if there is one.
 
     Raises
     ------
@@ -171,12 +156,7 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
 
 
 def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
-    """Find the channel of the other horizontal axis, e.g. "TwHt1TPyi" for "TwHt1TPxi".
-
-    `names` are the names of all channels. `axis` ("x" or "y") is the axis of the channel `name`.
-    The name that is looked for has one letter y in place of x, or x in place of y if `axis` is "y".
-    Return None if no channel has such a name.
-    """
+    """Return the channel with y in place of one x, or x of y: "TwHt1TPyi" for "TwHt1TPxi"."""
     swap = {axis: OTHER[axis], axis.upper(): OTHER[axis].upper()}
     for place, letter in enumerate(name):
         if letter in swap:
@@ -189,15 +169,13 @@ def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
 def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     """Return the name of the channel called `wanted`, spelled as in the file.
 
-    Case matters only if two names in the file differ by case alone. If no name fits, a unit in
-    brackets at the end of `wanted` is ignored. `argument` is the setting that names the channel,
-    e.g. "columns.time".
+    Case matters only if two names differ by case alone. If no name fits, a unit in brackets at the
+    end of `wanted` is ignored. `argument` is the setting that names the channel.
 
     Raises
     ------
     InputError
-        If there is no such channel. The message names the file and `argument`, and lists up to 12
-        channels, the most similar names first.
+        If there is no such channel; the most similar names are listed first.
     """
     names = table.names
     if wanted in names:
@@ -220,12 +198,12 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
 
 
 def list_names(table: ChannelTable) -> str:
-    """Return the names of the first channels, for messages."""
+    """Return the first names of a file, for messages."""
     return ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
 
 
 def refuse_without_time(table: ChannelTable, setting: str) -> InputError:
-    """Return the error for a file without a channel of time; `setting` would name it."""
+    """Return the error for a file without time; `setting` would name it."""
     return refuse(table.path, f"no time column found among {list_names(table)}: set {setting}")
 
 
@@ -239,15 +217,8 @@ def find_scale(
 ) -> float | None:
     """Return the factor to SI of a channel's unit; None if there is no unit.
 
-    Parameters
-    ----------
-    table, name
-        The opened file, and its channel.
-    dimension
-        Of `units.DIMENSIONS`.
-    given, implied
-        Units: the one that the user gives in place of the file's, by `setting`; and the one that
-        holds if neither says any.
+    The unit that the user gives by `setting` goes before the file's, and this before an `implied`
+    one. `dimension` is one of `units.DIMENSIONS`.
 
     Raises
     ------

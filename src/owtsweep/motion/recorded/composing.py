@@ -5,32 +5,27 @@ platform: h is its height above the platform's reference point at rest, and b th
 bending. So its horizontal displacement is
 
     x = surge + [R (b_x, b_y, h + b_z)]_x,    y = sway + [R (b_x, b_y, h + b_z)]_y,
-    R = R_z(yaw) R_y(pitch) R_x(roll),
+    R = R_z(yaw) R_y(pitch) R_x(roll).
 
-so roughly x = surge + h sin(pitch) + b_x and y = sway - h sin(roll) + b_y. The axes are those of
-FAST: x downwind, y to the left when looking downwind, z up. ElastoDyn turns the platform by this R
-(EulerConstructZYX in OpenFAST's modules/nwtc-library/src/NWTC_Num.f90) since OpenFAST 4.0. Before,
-FAST and OpenFAST turned it by the orthonormal matrix nearest to I + [a]x, a = (roll, pitch, yaw)
-(SmllRotTrans in the same file). This is a turn about a by the angle arctan |a|. The two differ by
-products of two angles: for a yaw of 3 deg and a pitch of 4 deg, y by 0.16 m at 90 m.
-
-The parts stand in channels of their own, which FAST and OpenFAST write; what these mean is in
-OpenFAST's source (modules/elastodyn/src/ElastoDyn.f90, AllOuts): PtfmSurge is that of the
-platform's reference point in the inertial frame; YawBrTDxt (TTDspFA is another name of it) is
-relative to the tower base, which moves with the platform.
+The axes are those of FAST: x downwind, y to the left when looking downwind, z up. ElastoDyn turns
+the platform by this R (EulerConstructZYX in OpenFAST's modules/nwtc-library/src/NWTC_Num.f90) since
+OpenFAST 4.0. Before, FAST and OpenFAST turned it by the orthonormal matrix nearest to I + [a]x, a =
+(roll, pitch, yaw) (SmllRotTrans in the same file): a turn about a by the angle arctan |a|. What the
+channels mean is in OpenFAST's modules/elastodyn/src/ElastoDyn.f90, AllOuts. docs/recorded.md has
+the names.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import require
 from owtsweep.motion.recorded.columns import PARTS, strip
 from owtsweep.motion.recorded.formats.table import refuse
 
@@ -74,8 +69,14 @@ ROWS = 1 << 18
 Rotation = Literal["zyx", "small"]
 Vector = tuple[Array, ...]
 Composed = tuple[dict[str, Array], dict[str, str], str]
-#: `compose` with its settings given: file, values and names of channels -> motion.
-Composer = Callable[[Path, Mapping[str, Array], Mapping[str, str]], Composed]
+
+
+class Hub(NamedTuple):
+    """Which motion of the hub is wanted, as in `reading.read`."""
+
+    motion: str  # of `choosing.MotionKind`
+    tower_height: float | None  # m
+    rotation: str  # of `Rotation`
 
 
 def find_parts(
@@ -83,8 +84,8 @@ def find_parts(
 ) -> dict[str, str]:
     """Find the channels of the parts of the motion: return role -> channel.
 
-    `names` are all channels of the file. Channels in `chosen` (role -> channel) are taken, roles in
-    `left_out` are not, and the other roles are guessed by `PATTERNS`.
+    Channels in `chosen` (role -> channel) are taken, roles in `left_out` are not, and the other
+    roles are guessed by `PATTERNS`.
     """
     found = {role: chosen.get(role) or find(names, PATTERNS[role]) for role in PARTS}
     return {role: name for role, name in found.items() if name and role not in left_out}
@@ -93,10 +94,10 @@ def find_parts(
 def find_angles(
     names: Sequence[str], chosen: Mapping[str, str], left_out: Sequence[str]
 ) -> dict[str, str]:
-    """Find the channels of the platform's roll and pitch: return role -> channel.
+    """Find the channels of the platform's roll and pitch, as `find_parts`.
 
-    Arguments as for `find_parts`. The bare names roll and pitch are taken as a pair only, because
-    a pitch alone may be that of the blades.
+    The bare names roll and pitch are taken as a pair only, because a pitch alone may be that of the
+    blades.
     """
     found = {role: chosen.get(role) or find(names, ANGLES[role]) for role in TILT.values()}
     bare = {role: find(names, role.removeprefix("platform_")) for role in found}
@@ -113,10 +114,7 @@ def keep_axes(parts: Mapping[str, str], axes: Sequence[str]) -> dict[str, str]:
 
 
 def imply_unit(role: str, name: str) -> str:
-    """Return the unit that FAST always uses for a channel, e.g. "deg" for PtfmPitch; "" if unknown.
-
-    `role` is the part of the motion that the channel `name` is taken for.
-    """
+    """Return the unit that FAST always uses for a channel, e.g. "deg" for PtfmPitch; else ""."""
     return "deg" if PARTS.get(role) == "angle" and strip(name).startswith("ptfm") else ""
 
 
@@ -130,7 +128,7 @@ def find(names: Sequence[str], pattern: str) -> str | None:
 
 
 def find_all(names: Sequence[str], pattern: str) -> list[str]:
-    """Return the channels whose names match a pattern, in the order of their names."""
+    """Return the channels whose names match a pattern, sorted."""
     return sorted(name for name in names if re.fullmatch(pattern, strip(name)))
 
 
@@ -138,48 +136,32 @@ def compose(
     path: Path,
     values: Mapping[str, Array],
     names: Mapping[str, str],
-    *,
-    tower_height: float | None,
-    rigid: bool = False,
-    rotation: str = "zyx",
+    hub: Hub,
 ) -> Composed:
     """Compose the motion of the hub along x and y from its parts.
 
-    Along an axis of which the file has no part, there is no result.
-
-    Parameters
-    ----------
-    path
-        The file, for messages.
-    values
-        Role of a part (`columns.PARTS`) -> values in m or rad, shape (n,); NaN where missing.
-    names
-        Role of a part -> the channel's name.
-    tower_height
-        Height of the tower top above the platform's reference point, m; None if unknown.
-    rigid
-        Whether the tower does not bend.
-    rotation
-        How the platform's angles are to be read, one of `Rotation`.
+    `values` and `names` are role of a part (`columns.PARTS`) -> values in m or rad, shape (n,), NaN
+    where missing, and the channel's name.
 
     Returns
     -------
     tuple
-        axis "x" or "y" -> displacement of the hub in m, shape (n,); axis -> the names of the
-        channels that it is composed from; and a note for the user, which states the formula.
+        axis "x" or "y" -> displacement of the hub in m, shape (n,), for axes that have parts; axis
+        -> the names of its channels; and a note for the user, which states the formula.
 
     Raises
     ------
     InputError
-        If `rotation` has another value, if the platform moves and a part or the height is missing,
-        or if the parts make no motion.
+        If `hub.rotation` is none of `Rotation`, if the platform moves and a part or the height is
+        missing, or if the parts make no motion.
     """
-    if rotation not in get_args(Rotation):
-        raise InputError(
-            f"columns.rotation: {rotation!r} is none of {', '.join(get_args(Rotation))}"
-        )
+    rotation, rigid = hub.rotation, hub.motion == "rigid"
+    require(
+        rotation in get_args(Rotation),
+        f"columns.rotation: {rotation!r} is none of {', '.join(get_args(Rotation))}",
+    )
     platform = [role for role in values if role.startswith("platform")]
-    moving = [role for role in platform if _extent(values[role]) > LEAST[PARTS[role]]]
+    moving = [role for role in platform if find_extent(values[role]) > LEAST[PARTS[role]]]
     bends = {axis: f"tower_{axis}" for axis in "xy" if f"tower_{axis}" in values}
     if not moving and bends and not rigid:
         channels = {axis: values[role] for axis, role in bends.items()}
@@ -188,7 +170,7 @@ def compose(
         note = f"{listed}: the displacement of the tower top from its base; {still}"
         return channels, {axis: names[role] for axis, role in bends.items()}, note
     axes = _find_axes(path, names, rigid=rigid)
-    if tower_height is None:
+    if hub.tower_height is None:
         raise refuse(
             path,
             f"the platform moves ({', '.join(names[role] for role in moving or platform)}): give "
@@ -196,24 +178,15 @@ def compose(
             "PtfmRefzt), e.g. columns.tower_height=87.6"
             + ("" if rigid else ", or take the tower's bending alone by columns.motion=tower"),
         )
-    channels = {axis: _add_up(values, axis, tower_height, rotation) for axis in axes}
-    sources = {
-        axis: " + ".join(
-            names[role]
-            for role in (TRANSLATION[axis], TILT[axis], f"tower_{axis}")
-            if role in names
-        )
-        for axis in axes
-    }
+    channels = {axis: _add_up(values, axis, hub.tower_height, rotation) for axis in axes}
+    parts = {axis: (TRANSLATION[axis], TILT[axis], f"tower_{axis}") for axis in axes}
+    sources = {a: " + ".join(names[r] for r in roles if r in names) for a, roles in parts.items()}
     matrix = _name_matrix(names, rotation)
-    return channels, sources, _state_formula(values, names, channels, tower_height, matrix)
+    return channels, sources, _state_formula(values, names, channels, hub.tower_height, matrix)
 
 
 def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str]:
-    """Return the axes along which the motion can be composed; refuse an axis with some parts only.
-
-    `names` maps the roles of parts to channels.
-    """
+    """Return the axes along which there is motion; refuse an axis with some parts only."""
     missing: dict[str, list[str]] = {}
     for axis in "xy":
         needed = [TRANSLATION[axis], TILT[axis]] + ([] if rigid else [f"tower_{axis}"])
@@ -238,10 +211,7 @@ def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str
 
 
 def _add_up(values: Mapping[str, Array], axis: str, height: float, rotation: str) -> Array:
-    """Return surge + [R (b_x, b_y, height + b_z)]_x, or for "y" sway and the y component; m.
-
-    `values` maps the roles of parts to arrays of shape (n,); a part that is not there is 0.
-    """
+    """Return surge + [R (b_x, b_y, height + b_z)]_x, or for "y" sway and the y component; m."""
     turn = _turn_about_axes if rotation == "zyx" else _turn_by_small_angles
     result = values[TRANSLATION[axis]].copy()
     for begin in range(0, len(result), ROWS):
@@ -254,10 +224,7 @@ def _add_up(values: Mapping[str, Array], axis: str, height: float, rotation: str
 
 
 def _turn_about_axes(angles: Vector, v: Vector) -> tuple[Array, Array]:
-    """Turn v about x by the roll, then about y by the pitch and about z by the yaw: return x and y.
-
-    `angles` are roll, pitch and yaw in rad; the components of `angles` and `v` have the shape (n,).
-    """
+    """Turn v about x by the roll, then about y by the pitch and z by the yaw: return x and y."""
     roll, pitch, yaw = angles
     y, z = np.cos(roll) * v[1] - np.sin(roll) * v[2], np.sin(roll) * v[1] + np.cos(roll) * v[2]
     x = np.cos(pitch) * v[0] + np.sin(pitch) * z
@@ -267,8 +234,7 @@ def _turn_about_axes(angles: Vector, v: Vector) -> tuple[Array, Array]:
 def _turn_by_small_angles(angles: Vector, v: Vector) -> tuple[Array, Array]:
     """Turn v about the axis a = `angles` by arctan |a|: return x and y.
 
-    The arguments are as for `_turn_about_axes`. With s = sqrt(1 + |a|^2), the turn is Rodrigues'
-    (v + a x v) / s + a (a . v) / (s (s + 1)).
+    With s = sqrt(1 + |a|^2), the turn is Rodrigues' (v + a x v) / s + a (a . v) / (s (s + 1)).
     """
     a = angles
     s = np.sqrt(1.0 + a[0] ** 2 + a[1] ** 2 + a[2] ** 2)
@@ -280,7 +246,6 @@ def _turn_by_small_angles(angles: Vector, v: Vector) -> tuple[Array, Array]:
 
 
 def _name_matrix(names: Mapping[str, str], rotation: str) -> str:
-    """Return the rotation R in words, with the channels (role -> channel) of its angles."""
     angles = {axis: names.get(f"platform_{name}") for axis, name in
               (("z", "yaw"), ("y", "pitch"), ("x", "roll"))}  # fmt: skip
     if rotation == "zyx":
@@ -295,7 +260,7 @@ def _state_formula(
     height: float,
     matrix: str,
 ) -> str:
-    """State in one sentence how the motion was composed, and how much each part moves the hub."""
+    """Say how the motion was composed, and how much each part moves the hub."""
     bending = ", ".join(names.get(f"tower_{axis}", "0") for axis in "xy")
     up = f"{height:g} m" + (f" + {names['tower_z']}" if "tower_z" in names else "")
     sums = ", ".join(f"{axis} = {names[TRANSLATION[axis]]} + [R b]_{axis}" for axis in channels)
@@ -313,7 +278,7 @@ def _state_formula(
     )
 
 
-def _extent(values: Array) -> float:
+def find_extent(values: Array) -> float:
     """Return the range of the finite values; 0 if there are none."""
     there = values[np.isfinite(values)]
     return float(np.ptp(there)) if len(there) else 0.0

@@ -41,14 +41,9 @@ def to_motion(
 ) -> Gridded:
     """Compute position, velocity and acceleration on a grid from recorded positions.
 
-    The position is a band-limited function through the recorded positions. Velocity and
-    acceleration are the derivatives of this function. If the recording also has velocity or
-    acceleration, and `quantity` is "position", the recorded values replace the derived values, and
-    a note says how much the two differ. An axis without positions stays at rest.
-
-    The cut-off f_c decides how much noise the derivatives have. White position noise of standard
-    deviation s per sample at rate f_s becomes acceleration noise of (2 pi f_c)^2 s sqrt(2 f_c / (5
-    f_s)) and velocity noise of 2 pi f_c s sqrt(2 f_c / (3 f_s)).
+    All three are derivatives of one band-limited function through the positions (docs/recorded.md
+    says what noise they have). Recorded velocities or accelerations take their place if `quantity`
+    is "position"; a note says how much the two differ. An axis without positions stays at rest.
 
     Parameters
     ----------
@@ -57,20 +52,14 @@ def to_motion(
     rate
         Rate of the grid, Hz; not used if `grid` is given.
     quantity
-        The quantity that holds the positions: "position" or "reference". Where a reference has a
-        long gap, the result is NaN.
+        What holds the positions: "position" or "reference", which is NaN in its long gaps.
     orders
         1 for the position only, 2 for position and velocity, 3 for the acceleration too.
     cutoff
-        Cut-off frequency in Hz. By default 5 Hz, or 0.4 of the lower of two rates (of the recording
-        and of the grid) if this is less than 5 Hz.
+        Cut-off frequency in Hz; by default 5 Hz, or 0.4 of the rate of recording or grid if this is
+        less.
     grid
-        The grid. By default it covers the time that the recorded axes have in common.
-
-    Returns
-    -------
-    Gridded
-        The channels position_x, position_y, velocity_x, ..., as many as `orders` says.
+        By default it covers the time that the recorded axes have in common.
 
     Raises
     ------
@@ -131,18 +120,8 @@ def find_clear_band(recording: Recording, roles: Sequence[str], lowest: float) -
     """Return the frequency (Hz) above `lowest` up to which positions are mostly motion.
 
     The noise is taken as white: its density is the median density above 0.4 of the sampling rate.
-    The result is at most 0.4 of the lowest sampling rate, and `lowest` if the record has fewer than
-    512 samples.
-
-    Parameters
-    ----------
-    recording
-        A checked recording.
-    roles
-        The channels with the positions, e.g. "reference_x" and "reference_y". The result is that of
-        the channel with the widest band.
-    lowest
-        Frequency in Hz at which the search begins.
+    The result is that of the channel of `roles` with the widest band, at most 0.4 of its rate, and
+    `lowest` if the record has fewer than 512 samples.
     """
     found = lowest
     for role in roles:
@@ -161,8 +140,8 @@ def find_clear_band(recording: Recording, roles: Sequence[str], lowest: float) -
 def estimate_density(values: Array, step: float) -> tuple[Array, Array]:
     """Estimate a spectral density by Welch's method; return frequencies (Hz) and densities.
 
-    `values` has the shape (n,), n at least 512; `step` is the sampling interval in s. Segments
-    overlap by half or less and have a Hann window; their mean and trend are removed.
+    `values` has the shape (n,), n at least 512. Segments overlap by half or less and have a Hann
+    window; their mean and trend are removed.
     """
     most = len(values) - SEGMENT
     starts = np.unique(

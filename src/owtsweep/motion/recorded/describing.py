@@ -1,13 +1,9 @@
-"""Describe a file: its channels, their units, rates and gaps, and which roles they would get.
-
-A role says what a channel holds, e.g. "position_x".
-"""
+"""Describe a file: its channels, their units, rates and gaps, and which roles they would get."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from textwrap import wrap
 
@@ -15,14 +11,19 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable
-from owtsweep.motion.recorded.checks import LONGEST_GAP, describe_gaps, find_gaps
+from owtsweep.motion.recorded.checks import (
+    check_extent,
+    check_time,
+    describe_gaps,
+    find_gaps,
+)
 from owtsweep.motion.recorded.choosing import add_motion
 from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, assign_roles
-from owtsweep.motion.recorded.composing import Composer, compose, imply_unit
+from owtsweep.motion.recorded.composing import Hub, compose, imply_unit
 from owtsweep.motion.recorded.formats import open_table
-from owtsweep.motion.recorded.formats.table import MOST_STEPS, MOST_VALUES, ChannelTable
+from owtsweep.motion.recorded.formats.table import MOST_VALUES, ChannelTable
 from owtsweep.motion.recorded.reading import find_factors
-from owtsweep.motion.recorded.timing import count_steps, fit_comb
+from owtsweep.motion.recorded.recording import fit_comb
 from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
 
 #: Of a longer file only this many rows are read, and fewer if it has more than 200 channels.
@@ -33,72 +34,33 @@ WIDTH = 100
 
 @dataclass(frozen=True, kw_only=True)
 class Channel:
-    """One channel of a file, in the unit that the file uses.
-
-    Attributes
-    ----------
-    name, unit
-        Name and unit as in the file; the unit is "" if the file states none.
-    missing
-        Number of rows without a value.
-    mean, deviation, smallest, largest
-        Mean, standard deviation and range of the values; NaN if no row has a value.
-    rate
-        Rate in Hz, from the median interval between values; NaN if the file has no usable time.
-    gaps
-        (start, end) in s of the gaps longer than 0.1 s and longer than ten sampling intervals.
-    numeric
-        Whether the channel holds numbers. If not, all attributes but name and unit have their
-        default values.
-    """
+    """One channel of a file, in the unit that the file uses; NaN where there is no number."""
 
     name: str
-    unit: str
-    missing: int = 0
+    unit: str  # "" if the file states none
+    missing: int = 0  # rows
     mean: float = np.nan
     deviation: float = np.nan
     smallest: float = np.nan
     largest: float = np.nan
-    rate: float = np.nan
-    gaps: tuple[tuple[float, float], ...] = ()
+    rate: float = np.nan  # Hz, from the median interval
+    gaps: tuple[tuple[float, float], ...] = ()  # (start, end) in s, longer than 0.1 s and ten steps
     numeric: bool = True
 
 
 @dataclass(frozen=True)
 class Description:
-    """The contents of a file in summary; `str(description)` is the text for the terminal.
-
-    Attributes
-    ----------
-    path, format
-        The file, and its format in words.
-    rows
-        Number of rows that were read.
-    cut
-        Whether the file may have more rows than were read.
-    guess
-        role -> the channel that would be taken for this role. A role says what a channel holds,
-        e.g. "position_x".
-    channels
-        All channels, in the file's order.
-    clock
-        A sentence about the times.
-    motion
-        A sentence on the motion of the hub: how it is composed, why it cannot be, or what the
-        channels of the position are; "" if there is nothing to say.
-    notes
-        Sentences on what of the file was left out.
-    """
+    """The contents of a file in summary; `str(description)` is the text for the terminal."""
 
     path: Path
-    format: str
-    rows: int
-    cut: bool
-    guess: dict[str, str]
+    format: str  # in words
+    rows: int  # that were read
+    cut: bool  # whether there may be more
+    guess: dict[str, str]  # role -> the channel that would be taken
     channels: tuple[Channel, ...]
-    clock: str
-    motion: str = ""
-    notes: tuple[str, ...] = ()
+    clock: str  # a sentence about the times
+    motion: str = ""  # how the hub's motion is composed, or why it cannot be
+    notes: tuple[str, ...] = ()  # what was left out
 
     def __str__(self) -> str:
         rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
@@ -142,17 +104,7 @@ def describe(
 ) -> Description:
     """Describe every channel of a file, from its first million rows at most.
 
-    Parameters
-    ----------
-    path
-        The file.
-    columns
-        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Other roles are guessed from well-known
-        names; None or "" leaves a role out.
-    units
-        role -> unit, e.g. `{"position_x": "mm"}`, instead of the unit stated in the file.
-    motion, tower_height, rotation
-        As for `read`.
+    Arguments are those of `read`.
 
     Raises
     ------
@@ -165,9 +117,8 @@ def describe(
     if not loaded:
         table.load(table.names, most)  # says why
     mapping = assign_roles(table, columns or {})
-    mapping, choice = add_motion(
-        table, mapping, columns or {}, motion=motion, tower_height=tower_height
-    )
+    hub = Hub(motion, tower_height, rotation)
+    mapping, choice = add_motion(table, mapping, columns or {}, hub)
     table = _with_units(table, mapping, units or {})
     mapping = {role: name for role, name in mapping.items() if name in loaded}
     time: Array | None = None
@@ -176,7 +127,7 @@ def describe(
         name = mapping["time"]
         to_seconds = DIMENSIONS["time"][1].get(normalise_unit(table.unit(name) or "s"), 1.0)
         time = loaded[name] * to_seconds
-        clock = _describe_clock(name, time)
+        clock = _describe_clock(table.path, name, time)
         if len(time) < 2 or not np.all(np.diff(time) > 0.0):
             time = None
     rows = max((len(values) for values in loaded.values()), default=0)
@@ -186,10 +137,7 @@ def describe(
     )
     moved = choice.problem or choice.note
     if any(role in PARTS for role in mapping):
-        add_up = partial(
-            compose, tower_height=tower_height, rigid=motion == "rigid", rotation=rotation
-        )
-        moved = _describe_parts(table, mapping, loaded, add_up)
+        moved = _describe_parts(table, mapping, loaded, hub)
     notes = tuple(dict.fromkeys(table.notes))
     return Description(
         table.path, table.format, rows, rows >= most, mapping, channels, clock, moved, notes
@@ -197,17 +145,13 @@ def describe(
 
 
 def _describe_parts(
-    table: ChannelTable,
-    mapping: Mapping[str, str],
-    loaded: Mapping[str, Array],
-    add_up: Composer,
+    table: ChannelTable, mapping: Mapping[str, str], loaded: Mapping[str, Array], hub: Hub
 ) -> str:
-    """Say how `add_up` composes the hub's motion from the parts in `mapping`, or why it cannot."""
     names = {role: name for role, name in mapping.items() if role in PARTS}
     try:
         factors, _ = find_factors(table, names, {})
         values = {role: factors[role] * loaded[name] for role, name in names.items()}
-        return add_up(table.path, values, names)[2]
+        return compose(table.path, values, names, hub)[2]
     except InputError as error:
         return str(error).removeprefix(f"{table.path}: ")
 
@@ -224,10 +168,7 @@ def _with_units(
 
 
 def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, Array]:
-    """Read the first `rows` values of the named channels: return channel -> values.
-
-    Channels that do not hold numbers are left out.
-    """
+    """Read the channels that hold numbers."""
     try:
         return table.load(names, rows)
     except InputError:
@@ -238,15 +179,12 @@ def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, 
         return {**_load(table, left, rows), **_load(table, right, rows)}
 
 
-def _describe_clock(name: str, time: Array) -> str:
-    if len(time) < 2 or not np.all(np.isfinite(time)):
-        return f"time ({name}) has missing values or fewer than two"
-    step = np.diff(time)
-    if step.min() <= 0.0:
-        row = int(np.argmin(step > 0.0)) + 2
-        return f"time ({name}) does not increase in data row {row}"
-    if not count_steps(time) <= MOST_STEPS:
-        return f"time ({name}) spans {time[-1] - time[0]:.3g} s, far more than its steps say"
+def _describe_clock(path: Path, name: str, time: Array) -> str:
+    try:
+        check_time(path, name, time, fewest=2)
+        check_extent(path, f"time ({name})", time)
+    except InputError as error:
+        return str(error).removeprefix(f"{path}: ")
     comb = fit_comb(time)
     regular = "regular" if comb.uniform else f"irregular (up to {comb.jitter:.3g} s off)"
     if comb.rounded:
@@ -269,8 +207,7 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
     if time is not None and len(kept) > 1:
         median = float(np.median(np.diff(time[there])))
         rate = 1.0 / median
-        longest = max(LONGEST_GAP, 10 * median)
-        holes = tuple(gap for gap in find_gaps(time[there]) if gap[1] - gap[0] > longest)
+        holes = tuple(find_gaps(time[there], 10.0))
     with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
         mean, deviation = float(kept.mean()), float(kept.std())
     return Channel(
@@ -287,22 +224,16 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
 
 
 def _is_likely(channel: Channel) -> bool:
-    """Return whether a channel may be motion or force.
-
-    This is so if the channel's values vary, and its unit is missing or is a unit of length,
-    velocity or acceleration.
-    """
+    """Return whether a channel varies, and its unit is missing or that of a motion or force."""
     if not channel.deviation > 0.0:  # NaN without numbers
         return False
     return not channel.unit or find_dimension(channel.unit) in QUANTITIES.values()
 
 
 def _describe_values(channel: Channel, role: str | None = None) -> str:
-    unit = channel.unit
-    if not unit:
-        unit = "no unit"
-        if role:
-            unit = f"{imply_unit(role, channel.name) or DIMENSIONS[ROLES[role]][0]}?"
+    unit = channel.unit or "no unit"
+    if role and not channel.unit:
+        unit = f"{imply_unit(role, channel.name) or DIMENSIONS[ROLES[role]][0]}?"
     if np.isnan(channel.mean):
         return f"{unit}, no value at all"
     if role == "time":
@@ -321,10 +252,7 @@ def _describe_values(channel: Channel, role: str | None = None) -> str:
 
 
 def _wrap(words: list[str]) -> list[str]:
-    """Join words by commas, and return the text as indented lines of at most `WIDTH` characters.
-
-    Lines are broken only between words; a word may contain blanks, and may be longer than a line.
-    """
+    """Return words as indented lines of at most `WIDTH` characters, broken only between words."""
     text = ", ".join(word.replace(" ", "\0") for word in words)
     lines = wrap(
         text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,

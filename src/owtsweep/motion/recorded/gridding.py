@@ -13,8 +13,7 @@ from owtsweep.errors import InputError
 from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.checks import find_gaps
 from owtsweep.motion.recorded.formats.table import MOST_STEPS
-from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import Comb, fit_comb
+from owtsweep.motion.recorded.recording import Comb, Recording, fit_comb
 
 #: A channel is kept in full up to this multiple of its sampling rate.
 FULL_BAND = 0.4
@@ -36,35 +35,20 @@ class TimeGrid:
 
 @dataclass(frozen=True)
 class Gridded:
-    """Channels resampled to one grid.
-
-    Attributes
-    ----------
-    grid
-        The times of all values.
-    channels
-        role -> values in SI units, shape (steps,). GNSS fixes are NaN at steps without a fix, and
-        references are NaN in long gaps. Other channels are never NaN.
-    pairs
-        quantity -> values of shape (steps, 2), columns x and y, which share memory with `channels`.
-        An axis that was not requested is zero. GNSS fixes are not among the quantities.
-    cutoff
-        Frequency in Hz up to which the motion is kept; None if no motion was derived.
-    notes
-        What a user should know about the resampling, one sentence each.
-    """
+    """Channels resampled to one grid."""
 
     grid: TimeGrid
+    #: role -> values, shape (steps,). Fixes are NaN at steps without one, references in long gaps.
     channels: Mapping[str, Array]
+    #: quantity (but fixes) -> values, shape (steps, 2), which share memory with `channels`; an axis
+    #: that was not requested is zero.
     pairs: Mapping[str, Array]
-    cutoff: float | None
+    cutoff: float | None  # Hz, up to which the motion is kept; None if none was derived
     notes: tuple[str, ...]
 
 
 def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) -> TimeGrid:
-    """Return the grid over the time that all channels of the given roles cover.
-
-    `rate` is the rate of the grid, Hz.
+    """Return the grid of a rate in Hz over the time that all channels of the roles cover.
 
     Raises
     ------
@@ -97,26 +81,20 @@ def to_grid(
 ) -> Gridded:
     """Resample channels to a grid.
 
-    Each channel except GNSS fixes is resampled by a band-limited function (`bandlimited`). This
-    function keeps frequencies up to 0.4 of the lower of two rates (of the channel and of the grid)
-    in full. It removes all frequencies above half that rate, so that there are no images and no
-    aliases. A channel whose samples already lie on the grid is not changed. Irregular times and
-    missing samples are first interpolated by a cubic spline, long gaps (`checks.find_gaps`) by a
-    monotone cubic spline. In its long gaps, a reference is NaN. GNSS fixes are not resampled: each
-    fix moves to the nearest step, and of two fixes at one step the later one is kept.
+    Frequencies up to 0.4 of the lower rate (of the channel and of the grid) are kept in full, those
+    above half of it removed. A channel whose samples lie on the grid is not changed. Irregular
+    times and missing samples are first interpolated (`fill`). GNSS fixes move to the nearest step,
+    and of two fixes at one step the later one is kept.
 
     Parameters
     ----------
-    recording
-        A checked recording.
-    roles
-        The roles of the channels to resample, e.g. "position_x".
+    recording, roles
+        A checked recording, and the roles of its channels to resample, e.g. "position_x".
     rate
         Rate of the grid, Hz; not used if `grid` is given.
     grid
-        The grid. By default it covers the time that the channels other than fixes and references
-        have in common. If there are only fixes and references, it covers the time that these have
-        in common.
+        By default it covers the time that the channels have in common, without fixes and references
+        if there are others.
     """
     if grid is None:
         dense = [role for role in roles if not role.startswith(("fix", "reference"))]
@@ -143,11 +121,10 @@ def to_grid(
 
 
 def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
-    """Make an array of shape (steps,) for a role, filled with zeros.
+    """Make an array of zeros, shape (steps,), for a role.
 
-    For a role with an axis, e.g. "position_x", the array is a column of the array
-    `pairs["position"]`. The latter has shape (steps, 2), and is added to `pairs` if missing. A role
-    without an axis, e.g. "yaw", gets an array of its own.
+    For a role with an axis it is a column of the array `pairs[quantity]`, which is added if
+    missing.
     """
     quantity, _, axis = role.rpartition("_")
     if axis not in ("x", "y"):
@@ -160,8 +137,8 @@ def make_uniform(
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
     """Return a channel as uniform samples: ((start, samples), step, gaps).
 
-    `start` is the time of the first sample and `step` the sampling interval, in s. Missing samples
-    are interpolated. The gaps, each (start, end) in s, are those of `checks.find_gaps`.
+    `start` and `step` are in s. Missing samples are interpolated. Gaps are those of
+    `checks.find_gaps`.
     """
     time, values = recording.series(role)
     comb, holes = fit_comb(time), find_gaps(time)
@@ -171,10 +148,10 @@ def make_uniform(
 
 
 def fill(time: Array, values: Array, comb: Comb) -> Array:
-    """Interpolate at the teeth of a comb; return values of shape (comb.count,).
+    """Interpolate a channel at the teeth of the comb of its times; return shape (comb.count,).
 
-    `time` (s) and `values`, shape (n,), are a channel without missing samples, and `comb` is fitted
-    to its times. Samples that lie on teeth are not changed.
+    The spline is cubic, in long gaps (`checks.find_gaps`) monotone. Samples that lie on teeth are
+    not changed. `time` (s) and `values` have shape (n,).
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -190,10 +167,9 @@ def fill(time: Array, values: Array, comb: Comb) -> Array:
 
 
 def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
-    """Return a channel's samples at the times of a grid; None unless all have a sample.
+    """Return the samples at the times of a grid; None unless all have one.
 
-    `source` is (start, samples): the samples are at the times start + k step, in s. A sample may be
-    off the grid's time by 1e-3 of `step`.
+    `source` is (start, samples). A sample may be off the grid's time by 1e-3 of `step`.
     """
     start, values = source
     first = (grid.start - start) / step
@@ -205,10 +181,6 @@ def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -
 
 
 def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
-    """Return a mask of the times (increasing, s) that lie strictly inside a gap.
-
-    `holes` holds the gaps, each (start, end) in s.
-    """
     result = np.zeros(len(time), dtype=bool)
     for start, end in holes:
         result[np.searchsorted(time, start, "right") : np.searchsorted(time, end, "left")] = True
@@ -216,21 +188,13 @@ def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bo
 
 
 def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -> None:
-    """Set the values inside gaps to NaN, in place.
-
-    `values` belong to the times of `grid`, shape (steps,). `holes` holds the gaps, each (start,
-    end) in s.
-    """
+    """Set the values inside gaps, each (start, end) in s, to NaN, in place."""
     if holes:
         values[_mark_inside(grid.time, holes)] = np.nan
 
 
 def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
-    """Move GNSS fixes to the nearest steps of a grid; return (values, notes).
-
-    The values have shape (steps,) and are NaN at steps without a fix. If two fixes move to one
-    step, the later fix is kept. The notes say how far fixes moved, and how many were dropped.
-    """
+    """Move fixes to the nearest steps of a grid; return values (else NaN) and notes."""
     time, values = recording.series(role)
     exact = (time - grid.start) * grid.rate
     place = np.rint(exact).astype(np.int64)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,14 @@ from owtsweep.motion.recorded.columns import (
     list_names,
     refuse_without_time,
 )
-from owtsweep.motion.recorded.composing import TILT, Composer, compose, find_angles, imply_unit
+from owtsweep.motion.recorded.composing import (
+    TILT,
+    Hub,
+    compose,
+    find_angles,
+    find_extent,
+    imply_unit,
+)
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.recording import Recording
@@ -48,17 +54,15 @@ def read(
     Parameters
     ----------
     path
-        The file. The extension decides the format; if several formats share the extension, the
-        content decides.
+        The file.
     columns
-        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. A role says what a channel holds. Roles
-        that are not given are guessed from well-known names; None or "" leaves a role out.
+        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Other roles are guessed from well-known
+        names; None or "" leaves a role out.
     units
-        role -> unit, e.g. `{"position_x": "mm"}`, instead of the unit stated in the file. If no
-        unit is given or stated, the SI unit is assumed, and a note says so.
+        role -> unit, in place of the file's. Without any unit SI is assumed, and a note says so.
     gaps
-        What happens to long gaps (`checks.find_gaps`) in motion and specific force: "refuse" or
-        "interpolate".
+        What happens to gaps of more than 0.1 s and five steps in motion and specific force:
+        "refuse" or "interpolate".
     motion
         Which motion to take: "auto" is the hub's, as far as the file holds it; "tower" the bending
         of the tower alone; "rigid" the platform with a stiff tower; "platform" the platform alone.
@@ -76,7 +80,8 @@ def read(
     if gaps not in GAPS:
         raise InputError(f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
     table = open_table(path)
-    chosen, said = _assign_roles(table, columns or {}, motion, tower_height)
+    hub = Hub(motion, tower_height, rotation)
+    chosen, said = _assign_roles(table, columns or {}, hub)
     factors, notes = find_factors(table, chosen, units or {})
     out = [role for role, name in (columns or {}).items() if not (name and str(name).strip())]
     angles = {} if "specific_force_x" in chosen else find_angles(table.names, chosen, out)
@@ -89,10 +94,7 @@ def read(
     for values in channels.values():
         values[~np.isfinite(values)] = np.nan
     if any(role in PARTS for role in chosen):
-        add_up = partial(
-            compose, tower_height=tower_height, rigid=motion == "rigid", rotation=rotation
-        )
-        said = _compose(table.path, channels, chosen, add_up)
+        said = _compose(table.path, channels, chosen, hub)
     bare = Recording(table.path, time, channels, chosen, ())
     said_of_motion = (said,) if said else ()
     left_out = dict.fromkeys(table.notes)
@@ -101,7 +103,6 @@ def read(
 
 
 def _load(table: ChannelTable, needed: Iterable[str], wished: Iterable[str]) -> Mapping[str, Array]:
-    """Read the channels that are needed, and those that are wished for if that can be."""
     names = list(dict.fromkeys(needed))
     more = [name for name in wished if name not in names]
     if more:
@@ -112,25 +113,17 @@ def _load(table: ChannelTable, needed: Iterable[str], wished: Iterable[str]) -> 
     return table.load(names, None)
 
 
-def _varies(values: Array) -> bool:
-    there = values[np.isfinite(values)]
-    return len(there) > 0 and bool(there.max() > there.min())
-
-
 def _find_leans(
     table: ChannelTable,
     loaded: Mapping[str, Array],
     names: Mapping[str, str],
     factors: Mapping[str, float],
 ) -> dict[str, tuple[str, Array | None]]:
-    """Return `Recording.leans` from the channels read; `names` maps roles to channels.
-
-    `factors` maps roles to factors to SI, of those roles of which the user or a part decides.
-    """
+    """Return `Recording.leans`; `factors` has the roles of which user or part decide."""
     leans: dict[str, tuple[str, Array | None]] = {}
     for axis, role in TILT.items():
         name = names.get(role)
-        if name is None or name not in loaded or not _varies(loaded[name]):
+        if name is None or name not in loaded or find_extent(loaded[name]) == 0.0:
             continue
         factor = factors.get(role)
         if factor is None and (unit := table.unit(name) or imply_unit(role, name)):
@@ -142,17 +135,11 @@ def _find_leans(
     return leans
 
 
-def _compose(
-    path: Path, channels: dict[str, Array], chosen: dict[str, str], add_up: Composer
-) -> str:
-    """Put positions composed from the parts of the motion in the place of these parts.
-
-    Beside a specific force, the result is the reference. `channels` (role -> values) and `chosen`
-    (role -> channel) are changed; `add_up` composes. Return a note for the user.
-    """
+def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub: Hub) -> str:
+    """Put positions composed from parts in the place of these, and return a note for the user."""
     values = {role: channels.pop(role) for role in PARTS if role in channels}
     names = {role: chosen.pop(role) for role in PARTS if role in chosen}
-    composed, sources, note = add_up(path, values, names)
+    composed, sources, note = compose(path, values, names, hub)
     use = begin_position(chosen)
     channels |= {use + axis: moved for axis, moved in composed.items()}
     chosen |= {use + axis: source for axis, source in sources.items()}
@@ -162,12 +149,7 @@ def _compose(
 def _scale_to_si(
     loaded: Mapping[str, Array], role: str, chosen: Mapping[str, str], scale: float
 ) -> Array:
-    """Return the values of a role in SI units.
-
-    `loaded` maps channels to values, `chosen` maps roles to channels, and `scale` is the factor to
-    SI units. The loaded array itself is changed, unless another role uses it too or it is
-    read-only.
-    """
+    """Return the values of a role in SI units; no copy is made where none is needed."""
     values = loaded[chosen[role]]
     shared = list(chosen.values()).count(chosen[role]) > 1  # one channel plays two roles
     if shared or not values.flags.writeable:
@@ -178,27 +160,13 @@ def _scale_to_si(
 
 
 def _assign_roles(
-    table: ChannelTable,
-    columns: Mapping[str, str | None],
-    motion: str,
-    tower_height: float | None,
+    table: ChannelTable, columns: Mapping[str, str | None], hub: Hub
 ) -> tuple[dict[str, str], str]:
-    """Assign channels to roles: return role -> channel, with the role "time" first, and a note.
-
-    A role says what a channel holds. `columns` maps roles to channels as the user says; other roles
-    are guessed from well-known names (`columns.assign_roles`, `choosing.add_motion`). The note says
-    what the channels of the motion are; it is "" if there is nothing to say.
-
-    Raises
-    ------
-    InputError
-        If no channel has the role "time", none has a role other than "time" and "yaw", or the
-        channels do not give the motion of the hub.
-    """
+    """Return role -> channel, "time" first, and a note on the channels of the motion ("": none)."""
     chosen = assign_roles(table, columns)
     if "time" not in chosen:
         raise refuse_without_time(table, "columns.time=NAME")
-    chosen, choice = add_motion(table, chosen, columns, motion=motion, tower_height=tower_height)
+    chosen, choice = add_motion(table, chosen, columns, hub)
     if choice.problem:
         raise refuse(table.path, choice.problem)
     if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
@@ -216,9 +184,7 @@ def find_factors(
 ) -> tuple[dict[str, float], list[str]]:
     """Find the factor to SI of each role's unit; return role -> factor, and notes.
 
-    `chosen` maps roles to channels, and `units` maps roles to units as the user says. A unit that
-    the user does not give is the one stated in the file, or the one that a program always uses for
-    this channel (`parts.imply_unit`). Otherwise the factor is 1, and a note says so.
+    `chosen` maps roles to channels, and `units` maps roles to units as the user says.
 
     Raises
     ------

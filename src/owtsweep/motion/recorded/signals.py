@@ -16,9 +16,11 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.motion.recorded.checks import (
+    WIDEST,
     check_extent,
     check_time,
     describe_gaps,
+    find_gaps,
     require_possible,
 )
 from owtsweep.motion.recorded.columns import (
@@ -31,36 +33,24 @@ from owtsweep.motion.recorded.columns import (
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.gridding import fill
-from owtsweep.motion.recorded.timing import describe_jitter, fit_comb
+from owtsweep.motion.recorded.recording import describe_jitter, fit_comb
 
 logger = logging.getLogger(__name__)
 
-#: Rows may be this many steps apart. Nearer ones than the second number of steps count as repeated.
-WIDEST, NEAREST = 5.0, 0.1
+#: Rows that are nearer than this part of a step count as repeated.
+NEAREST = 0.1
 #: By how much the file's step may differ from the study's.
 OTHER_STEP = 1e-3
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """The signals that a kind of file may have, besides time.
+    """The signals that a kind of file may have, besides time."""
 
-    Attributes
-    ----------
-    key
-        The key of the configuration with the items, e.g. "recorded.columns".
-    dimension
-        A function: the dimension (of `units.DIMENSIONS`) of a signal, None if there is no such.
-    listed
-        The signals in words, for messages.
-    needed
-        Signals without which a file is refused.
-    """
-
-    key: str
-    dimension: Callable[[str], str | None]
-    listed: str
-    needed: tuple[str, ...] = ()
+    key: str  # the key of the configuration with the items, e.g. "recorded.columns"
+    dimension: Callable[[str], str | None]  # of `units.DIMENSIONS`; None if there is no such signal
+    listed: str  # the signals in words
+    needed: tuple[str, ...] = ()  # without these a file is refused
 
     def knows(self, signal: str) -> bool:
         """Return whether a file may have a signal; time is one."""
@@ -69,33 +59,15 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Signals:
-    """The signals of a file.
-
-    Attributes
-    ----------
-    path
-        The file.
-    time
-        Times in s, shape (n,).
-    step
-        Time between two samples in s; NaN if times are not uniform.
-    values
-        Signal -> values in SI units, shape (n,).
-    columns
-        Signal -> the column's name; "time" is among the signals.
-    unused
-        The other columns.
-    notes
-        What a user should know: what was left out, or resampled.
-    """
+    """The signals of a file."""
 
     path: Path
-    time: Array
-    step: float
-    values: Mapping[str, Array]
-    columns: Mapping[str, str]
-    unused: tuple[str, ...]
-    notes: tuple[str, ...]
+    time: Array  # s, shape (n,)
+    step: float  # between two samples, s; NaN if times are not uniform
+    values: Mapping[str, Array]  # in SI units, shape (n,)
+    columns: Mapping[str, str]  # signal, or "time" -> the column's name
+    unused: tuple[str, ...]  # the other columns
+    notes: tuple[str, ...]  # what was left out, or resampled
 
     def stack(self, names: Sequence[str]) -> Array:
         """Return some signals as columns, shape (n, names)."""
@@ -107,13 +79,7 @@ class Signals:
             logger.warning("%s: %s", self.path, note)
 
     def require_record(self, rate: float, steps: int, begin: int = 0) -> None:
-        """Check that the file has a record's rate (Hz), and its steps from a first one on.
-
-        Raises
-        ------
-        InputError
-            If it has not; the message says what to set.
-        """
+        """Raise `InputError` if the file has not a record's rate (Hz), or ends before its steps."""
         require(
             abs(self.step * rate - 1.0) <= OTHER_STEP,
             f"record.rate: {rate:g} Hz, but {self.path} has a row every {self.step:g} s; set "
@@ -140,10 +106,8 @@ def read_signals(
 
     Parameters
     ----------
-    path
-        The file.
-    wanted
-        The signals that it may have.
+    path, wanted
+        The file, and the signals that it may have.
     items
         The value of the key `wanted.key`.
     others
@@ -157,7 +121,7 @@ def read_signals(
     """
     table = open_table(path)
     _check_items(items, [(table, wanted), *others])
-    found = load_signals(table, wanted, items)
+    found = _load_signals(table, wanted, items)
     check_time(found.path, found.columns["time"], found.time)
     for signal, values in found.values.items():
         missing = np.flatnonzero(np.isnan(values))
@@ -174,9 +138,9 @@ def read_signals(
 def read_fixes(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
     """Read the rows of an opened file in which no needed signal is missing; times may be uneven.
 
-    Arguments and errors are those of `read_signals`; the items are not checked.
+    Errors are those of `read_signals`; the items are not checked, for they may be for other files.
     """
-    found = load_signals(table, wanted, items)
+    found = _load_signals(table, wanted, items)
     there = np.isfinite(found.stack(wanted.needed)).all(axis=1)
     require(bool(there.any()), f"{table.path}: no row has a position")
     rows = np.flatnonzero(there)
@@ -187,13 +151,7 @@ def read_fixes(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Sig
 
 
 def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wanted]]) -> None:
-    """Check that each item names a signal, and a column of a file that may have it.
-
-    Raises
-    ------
-    InputError
-        If an item does not; the message lists the signals, or the columns.
-    """
+    """Check that each item names a signal, and a column of a file that may have it."""
     for item in items:
         signal, _, rest = item.partition(":")
         key = files[0][1].key
@@ -207,16 +165,8 @@ def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wante
             find_channel(asked[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
 
 
-def load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
-    """Read the signals of an opened file, and check what needs no times; NaN is a missing number.
-
-    Items for columns of other files are passed over.
-
-    Raises
-    ------
-    InputError
-        If a column or a unit is missing or wrong, or a number is absurdly large.
-    """
+def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
+    """Read the signals of an opened file; NaN is a missing number, `step` is not found yet."""
     columns, units = _find_columns(table, wanted, items)
     loaded = table.load(list(dict.fromkeys(columns.values())), None)
     values: dict[str, Array] = {}
@@ -277,9 +227,8 @@ def _find_columns(
             raise refuse_without_time(table, f"{wanted.key}=[time:NAME]")
         columns["time"] = clock
     for name in table.names:
-        known = name not in taken and name != columns["time"] and wanted.knows(name)
-        if known and name not in columns:
-            columns[name] = name
+        if name not in {*taken, columns["time"]} and wanted.knows(name):
+            columns.setdefault(name, name)
     missing = [signal for signal in wanted.needed if signal not in columns]
     require(
         not missing,
@@ -293,17 +242,16 @@ def _make_uniform(found: Signals) -> Signals:
     """Return signals at uniform times, unchanged where the file's times are uniform."""
     path, time, name = found.path, found.time, f"time ({found.columns['time']})"
     check_extent(path, name, time)
-    comb = fit_comb(time)
+    even = fit_comb(time, np.arange(len(time), dtype=float))  # much jitter looks like missing rows
+    comb = min(even, fit_comb(time), key=lambda each: each.jitter)
     if comb.uniform and comb.count == len(time):
         return replace(found, step=comb.step)
     between = np.diff(time)
-    wide = np.flatnonzero(between > (WIDEST + 0.5) * comb.step)
-    if len(wide):
-        gaps = describe_gaps([(float(time[k]), float(time[k + 1])) for k in wide])
+    if wide := find_gaps(time, WIDEST + 0.5, 0.0):
         raise refuse(
             path,
-            f"{name} has gaps longer than {WIDEST:g} steps of {np.median(between):.6g} s: {gaps}; "
-            "cut the record at the gaps",
+            f"{name} has gaps longer than {WIDEST:g} steps of {np.median(between):.6g} s: "
+            f"{describe_gaps(wide)}; cut the record at the gaps",
         )
     row = int(np.argmin(between))
     if between[row] < NEAREST * comb.step:
@@ -312,11 +260,10 @@ def _make_uniform(found: Signals) -> Signals:
             f"{name} nearly stands still in data row {row + 2}: {between[row]:.3g} s after the row "
             f"before, elsewhere {np.median(between):.6g} s; drop repeated times",
         )
-    note = describe_jitter(comb, float(np.median(between)))
-    if comb.uniform:
-        note = f"{comb.count - len(time)} rows are missing: filled by cubic spline"
-    edge = 0.5 * comb.step
-    kept = comb.uniform | ((comb.teeth >= time[0] - edge) & (comb.teeth <= time[-1] + edge))
+    filled = f"{comb.count - len(time)} rows are missing: filled by cubic spline"
+    note = filled if comb.uniform else describe_jitter(comb, float(np.median(between)))
+    beyond = comb.teeth - np.clip(comb.teeth, time[0], time[-1])
+    kept = comb.uniform | (np.abs(beyond) <= 0.5 * comb.step)
     return replace(
         found,
         time=comb.teeth[kept],

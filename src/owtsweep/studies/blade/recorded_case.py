@@ -46,30 +46,14 @@ ALTITUDE, QUALITY, FLOAT = "altitude", "gga_quality", 5
 
 
 class Fixes(NamedTuple):
-    """What an antenna says.
-
-    Attributes
-    ----------
-    path
-        The file.
-    time
-        Times in s, shape (n,).
-    position
-        x, y, z in m, or latitude (deg), longitude (deg) and height (m), shape (n, 3).
-    globe
-        Whether positions are on the globe.
-    floating
-        Whether a solution is float, shape (n,).
-    above_geoid
-        Whether heights are above the geoid, because the file does not state its separation.
-    """
+    """What an antenna says at n times."""
 
     path: Path
-    time: Array
-    position: Array
-    globe: bool
-    floating: NDArray[np.bool_]
-    above_geoid: bool
+    time: Array  # s
+    position: Array  # (n, 3): x, y, z in m, or latitude and longitude in deg, and height in m
+    globe: bool  # whether it is the latter
+    floating: NDArray[np.bool_]  # (n,), whether a solution is float
+    above_geoid: bool  # whether heights are, because the file does not state its separation
 
 
 class Lift(NamedTuple):
@@ -115,7 +99,8 @@ def load_lift(config: BladeConfig) -> Lift:
     every = max(round(float(np.median(np.diff(there)))), 1)
     fixes = placed[part]
     due = np.isfinite(fixes[:, 0, 0])
-    due[::every] |= ~_has_neighbour(due, every)[::every]
+    around = np.ones(max(every // 2, 1) * 2 + 1, dtype=int)  # half of the interval to either side
+    due[::every] |= (np.convolve(due.astype(int), around, "same") == 0)[::every]
     force = inertial.stack(FORCE)[part] @ recorded.turn.T
     measured = Measured(
         step=1.0 / rate,
@@ -195,9 +180,7 @@ def place_fixes(
             f"{fixes.path}: a fix every {between:g} s is faster than the inertial unit's {step:g} "
             "s; thin the fixes out",
         )
-        position = fixes.position
-        if fixes.globe:
-            position = _level(position, antennas[0].position[0], fixes.path)
+        position = _level(fixes, antennas[0].position[0]) if fixes.globe else fixes.position
         at = np.round((fixes.time + shift - time[0]) / step).astype(int)
         inside = (at >= 0) & (at < len(time))
         placed[at[inside], k] = position[inside]
@@ -205,23 +188,17 @@ def place_fixes(
     return placed, floating
 
 
-def _level(position: Array, origin: Array, file: Path) -> Array:
+def _level(fixes: Fixes, origin: Array) -> Array:
     """Return positions on the globe (WGS84) as north, west and up of an origin, m, (n, 3)."""
     try:
         from pymap3d import geodetic2enu
     except ModuleNotFoundError:
         raise InputError(
-            f"{file}: latitudes need the package pymap3d; install the extra: "
+            f"{fixes.path}: latitudes need the package pymap3d; install the extra: "
             "pip install 'owtsweep[gnss]'"
         ) from None
-    east, north, up = geodetic2enu(*position.T, *origin)
+    east, north, up = geodetic2enu(*fixes.position.T, *origin)
     return np.column_stack([north, -np.asarray(east), up])
-
-
-def _has_neighbour(due: NDArray[np.bool_], every: int) -> NDArray[np.bool_]:
-    """Return at which samples there is a fix within half of the interval `every`."""
-    near = np.convolve(due.astype(int), np.ones(max(every // 2, 1) * 2 + 1, dtype=int), "same")
-    return np.asarray(near > 0)
 
 
 def find_reference(lift: Lift, setting: Setting) -> Truth:

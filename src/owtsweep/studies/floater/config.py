@@ -69,7 +69,7 @@ class Motion(Section):
     attitude: Literal["small", "exact"] = key(
         "how body rates and specific force follow from angles: to first order, or by Eq. 2"
     )
-    file: str | None = key("CSV or MAT file with kind=recorded; null: none", default=None)
+    file: str | None = key("table with kind=recorded (docs/recorded.md); null: none", default=None)
     columns: list[str] = key(
         "SIGNAL:NAME where a column has another name, SIGNAL:NAME:UNIT where its unit is another, "
         "e.g. [x:SURGE,phi:ROLL:deg]",

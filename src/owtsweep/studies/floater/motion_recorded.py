@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.lines import Series, Span
@@ -42,20 +41,16 @@ def read_motion(
 ) -> Series:
     """Read a recorded motion; before the record it rests at its first position.
 
-    Parameters
-    ----------
-    motion
-        The section `motion`, with a file.
-    stream, roll
-        Not used: nothing is random, and the roll is that of the file.
-    span
-        The samples that are taken from the file's beginning, and the lead before them.
+    `motion` is the section, with a file; `stream` and `roll` are not used, because nothing is
+    random. The samples of `span` are taken from the file's beginning.
 
     Raises
     ------
     InputError
         If the file cannot be used, lacks a column, is too short, or has another step.
     """
+    from scipy.interpolate import make_interp_spline
+
     steps, step, lead = span
     found = read_file(motion)
     found.require_record(1.0 / step, steps)
@@ -75,7 +70,9 @@ def read_motion(
         "Euler angles fail; if angles are in degrees, say so: motion.columns=[phi:NAME:deg,"
         "theta:NAME:deg,psi:NAME:deg]",
     )
-    velocity, acceleration = _derive(position, step)
+    time = step * np.arange(steps)
+    spline = make_interp_spline(time, position, k=5)
+    velocity, acceleration = np.asarray(spline(time, 1)), np.asarray(spline(time, 2))
     for names, array in ((VELOCITIES, velocity), (ACCELERATIONS, acceleration)):
         for number, name in enumerate(names):
             if name in values:
@@ -86,12 +83,3 @@ def read_motion(
         np.concatenate([rest, velocity]),
         np.concatenate([rest, acceleration]),
     )
-
-
-def _derive(position: Array, step: float) -> tuple[Array, Array]:
-    """Return first and second derivatives of a spline of degree 5 through positions."""
-    from scipy.interpolate import make_interp_spline
-
-    time = step * np.arange(len(position))
-    spline = make_interp_spline(time, position, k=5)
-    return np.asarray(spline(time, 1)), np.asarray(spline(time, 2))

@@ -1,22 +1,15 @@
 """Puts a recorded structure in the place of a simulated truth, and compares estimates with it.
 
-A signal is called kind_height or kind_height_direction, e.g. `a_012`, `theta_3.5`, `F_24_fa`:
-
-    x  displacement   v  velocity   a  acceleration   theta  rotation
-    F  force on the structure at a cut, along x       M  moment on the structure at a cut
-
-The height is in m above ground, the direction `fa` (taken where none is written) or `ss`.
-Velocities are read and checked, but no scheme returns a velocity to compare with. Sensors measure
-the signals at their places, and estimates are compared with those that are there. What no column
-holds is NaN.
+A signal is called kind_height or kind_height_direction, e.g. `a_012`, `theta_3.5`, `F_24_ss`: x is
+displacement, v velocity, a acceleration, theta rotation, F and M force and moment at a cut. The
+height is in m above ground, the direction `fa` (taken where none is written) or `ss`. What no
+column holds is NaN. No scheme returns a velocity to compare with.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -57,69 +50,41 @@ WANTED = Wanted(
 )
 
 
-class Signal(NamedTuple):
-    """A signal: a key of `KINDS`, height above ground in m, "fa" or "ss", column and values."""
+class Place(NamedTuple):
+    """What a signal is: a key of `KINDS`, height above ground in m, "fa" or "ss"."""
 
     kind: str
     height: float
     direction: str
-    column: str
-    values: Array
 
 
-@dataclass(frozen=True)
-class RecordedStructure:
-    """A recorded structure: what its file holds, and its signals."""
+class RecordedStructure(NamedTuple):
+    """A recorded structure: its file's signals, and the name of the signal of each place."""
 
     found: Signals
-    signals: tuple[Signal, ...]
+    names: dict[Place, str]
 
     @property
-    def path(self) -> Path:
-        """The file."""
-        return self.found.path
-
-    @property
-    def steps(self) -> int:
-        """The number of samples."""
-        return len(self.found.time)
-
-    @property
-    def directions(self) -> tuple[str, ...]:
+    def directions(self) -> list[str]:
         """The directions that the record has columns of, "fa" before "ss"."""
-        return tuple(sorted({signal.direction for signal in self.signals}))
+        return sorted({place.direction for place in self.names})
 
-    def find(self, kind: str, height: float, direction: str) -> Array | None:
-        """Return a column's values, shape (steps,); None if there is no such column."""
-        for signal in self.signals:
-            same = signal.kind == kind and signal.direction == direction
-            if same and abs(signal.height - height) <= NEAR:
-                return signal.values
-        return None
-
-    def need(self, kind: str, height: float, direction: str) -> Array:
-        """Return a column's values, shape (steps,).
-
-        Raises
-        ------
-        InputError
-            If there is no such column; the message lists the columns of the same kind.
-        """
-        values = self.find(kind, height, direction)
-        if values is None:
-            others = [s.column for s in self.signals if (s.kind, s.direction) == (kind, direction)]
-            there = f"it has {', '.join(others)}" if others else f"it has none of kind {kind}"
-            hint = (
-                f"; of unknown meaning are {', '.join(self.found.unused[:8])}"
-                if self.found.unused
-                else ""
-            )
-            raise InputError(
-                f"{self.path}: no column {kind}_{height:03g} of direction {direction} for the "
-                f"sensor there; {there}{hint}; name the column by recorded.columns or choose other "
-                "sensors"
-            )
-        return values
+    def need(self, wanted: Place) -> Array:
+        """Return the values of a place, shape (steps,); raise `InputError` if there are none."""
+        others = []
+        for place, name in self.names.items():
+            if (place.kind, place.direction) == (wanted.kind, wanted.direction):
+                if abs(place.height - wanted.height) <= NEAR:
+                    return self.found.values[name]
+                others.append(self.found.columns[name])
+        there = f"it has {', '.join(others)}" if others else f"it has none of kind {wanted.kind}"
+        unused = ", ".join(self.found.unused[:8])
+        hint = f"; of unknown meaning are {unused}" if unused else ""
+        raise InputError(
+            f"{self.found.path}: no column {wanted.kind}_{wanted.height:03g} of direction "
+            f"{wanted.direction} for the sensor there; {there}{hint}; name the column by "
+            "recorded.columns or choose other sensors"
+        )
 
 
 def read_record(recorded: Recorded) -> RecordedStructure:
@@ -138,29 +103,25 @@ def read_record(recorded: Recorded) -> RecordedStructure:
         f"{path}: no column has a name such as a_012 or F_175; it has "
         f"{', '.join(found.unused[:12])}; name the columns by recorded.columns",
     )
-    places: dict[tuple[str, float, str], Signal] = {}
-    for name, values in found.values.items():
+    names: dict[Place, str] = {}
+    for name in found.values:
         kind, height, direction = NAME.fullmatch(name).groups()  # type: ignore[union-attr]
-        signal = Signal(kind, float(height), direction or "fa", found.columns[name], values)
-        place = (kind, round(signal.height / NEAR) * NEAR, signal.direction)
-        if place in places:
-            raise InputError(
-                f"{path}: the columns {places[place].column} and {signal.column} are the same "
-                "quantity at the same height; leave one out"
-            )
-        places[place] = signal
-    return RecordedStructure(found, tuple(places.values()))
+        place = Place(kind, round(float(height) / NEAR) * NEAR, direction or "fa")
+        require(
+            place not in names,
+            f"{path}: the columns {found.columns.get(names.get(place, ''))} and "
+            f"{found.columns[name]} are the same quantity at the same height; leave one out",
+        )
+        names[place] = name
+    return RecordedStructure(found, names)
 
 
-def make_motions(record: RecordedStructure, cut: PlaneBeam) -> dict[str, Motion]:
-    """Put a record in the place of a simulated truth.
+def make_motions(
+    record: RecordedStructure, cut: PlaneBeam, steps: int | None = None
+) -> dict[str, Motion]:
+    """Put the first `steps` samples of a record (None: all) in the place of a simulated truth.
 
-    Parameters
-    ----------
-    record
-        The record.
-    cut
-        The beam between the cuts; its lowest node is the ground, to which heights refer.
+    Heights refer to the ground, the lowest node of `cut`, the beam between the cuts.
 
     Returns
     -------
@@ -173,32 +134,34 @@ def make_motions(record: RecordedStructure, cut: PlaneBeam) -> dict[str, Motion]
     InputError
         If a column is at a height without a node, or a force or moment is not at a cut.
     """
-    dof = len(cut.mass)
+    steps = len(record.found.time) if steps is None else steps
+    shape = (steps, len(cut.mass))
     ground = float(cut.heights[0])
     top = float(cut.heights[-1]) - ground
     motions = {
         direction: Motion(
-            np.full((record.steps, dof), np.nan), np.full((record.steps, dof), np.nan),
-            np.full((record.steps, 4), np.nan), np.zeros(record.steps),
+            np.full(shape, np.nan), np.full(shape, np.nan), np.full((steps, 4), np.nan),
+            np.zeros(steps),
         )
         for direction in record.directions
     }  # fmt: skip
-    for signal in record.signals:
-        motion, where = motions[signal.direction], f"{record.path}: column {signal.column}"
-        if signal.kind in "FM":
+    for (kind, height, direction), name in record.names.items():
+        motion, values = motions[direction], record.found.values[name][:steps]
+        where = f"{record.found.path}: column {record.found.columns[name]}"
+        if kind in "FM":
+            upper = abs(height - top) <= NEAR
             require(
-                min(abs(signal.height), abs(signal.height - top)) <= NEAR,
-                f"{where}: at {signal.height:g} m is no cut; forces and moments are known at the "
-                f"cuts, 0 and {top:g} m above ground",
+                upper or height <= NEAR,
+                f"{where}: at {height:g} m is no cut; forces and moments are known at the cuts, 0 "
+                f"and {top:g} m above ground",
             )
-            upper = abs(signal.height - top) <= NEAR
-            motion.inputs[:, 2 * upper + (signal.kind == "M")] = signal.values
+            motion.inputs[:, 2 * upper + (kind == "M")] = values
             continue
-        node = cut.find_node(ground + signal.height, where)
-        if signal.kind == "a":
-            motion.acceleration[:, 2 * node] = signal.values
-        elif signal.kind != "v":
-            motion.displacement[:, 2 * node + (signal.kind == "theta")] = signal.values
+        node = cut.find_node(ground + height, where)
+        if kind == "a":
+            motion.acceleration[:, 2 * node] = values
+        elif kind != "v":
+            motion.displacement[:, 2 * node + (kind == "theta")] = values
     return motions
 
 
@@ -210,40 +173,28 @@ def load_motions(
     steps: int,
     step: float,
 ) -> dict[str, Motion]:
-    """Read a recorded structure, and put it in the place of a simulated truth.
+    """Read a recorded structure, and put its beginning in the place of a simulated truth.
 
     Parameters
     ----------
-    recorded
-        The section `recorded`, with a file.
-    cut
-        The beam between the cuts.
+    recorded, cut
+        The section `recorded`, with a file, and the beam between the cuts.
     channels
         Kinds and nodes of the sensors, for which the file must have columns.
     steps, step
-        Number of samples that are taken from the file's beginning, and sampling interval (s).
-
-    Returns
-    -------
-    dict
-        As `make_motions`.
+        Number of samples, and sampling interval (s).
 
     Raises
     ------
     InputError
-        If the file cannot be used, lacks a sensor's column, is too short or has another step.
+        As `make_motions`, or if the file cannot be used, lacks a sensor's column, is too short or
+        has another step.
     """
     record = read_record(recorded)
     record.found.require_record(1.0 / step, steps)
     for direction in record.directions:
         require_channels(record, cut, direction, channels)
-    return {
-        direction: Motion(
-            motion.displacement[:steps], motion.acceleration[:steps], motion.inputs[:steps],
-            motion.wave[:steps],
-        )
-        for direction, motion in make_motions(record, cut).items()
-    }  # fmt: skip
+    return make_motions(record, cut, steps)
 
 
 def measure(
@@ -274,15 +225,7 @@ def measure(
 def require_channels(
     record: RecordedStructure, cut: PlaneBeam, direction: str, channels: Sequence[tuple[Kind, int]]
 ) -> None:
-    """Check that a record has the columns that sensors measure.
-
-    `channels` are kinds and nodes of `cut`.
-
-    Raises
-    ------
-    InputError
-        If a column is missing, or a kind cannot be recorded.
-    """
+    """Raise `InputError` if a record lacks a column for a sensor, a kind and a node of `cut`."""
     for kind, node in channels:
         height = float(cut.heights[node] - cut.heights[0])
         require(
@@ -290,7 +233,7 @@ def require_channels(
             f"recorded.file: a record holds no channel of kind {kind}; use sensors of kind x, "
             "theta and a",
         )
-        record.need(kind, height, direction)
+        record.need(Place(kind, height, direction))
 
 
 def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) -> dict[str, float]:
@@ -304,20 +247,16 @@ def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) ->
         are NaN or constant are left out.
     """
     heights = cut.heights - cut.heights[0]
-    ends = heights[[0, 0, -1, -1]]
-    pairs = [
-        (f"{kind}_{height:03g}", motion.inputs[first:, i], estimates.inputs[first:, i])
-        for i, (kind, height) in enumerate(zip("FMFM", ends, strict=True))
-    ]
-    for node, height in enumerate(heights):
-        for part, kind in enumerate(("x", "theta")):
-            at = 2 * node + part
-            pairs.append((
-                f"{kind}_{height:03g}", motion.displacement[first:, at],
-                estimates.displacement[first:, at],
-            ))  # fmt: skip
+    ends = zip("FMFM", heights[[0, 0, -1, -1]], strict=True)
+    pairs = {
+        f"{kind}_{height:03g}": (motion.inputs[first:, i], estimates.inputs[first:, i])
+        for i, (kind, height) in enumerate(ends)
+    }
+    for i in range(2 * len(heights)):
+        name = f"{('x', 'theta')[i % 2]}_{heights[i // 2]:03g}"
+        pairs[name] = motion.displacement[first:, i], estimates.displacement[first:, i]
     return {
         name: float(scatter(truth, guess))
-        for name, truth, guess in pairs
+        for name, (truth, guess) in pairs.items()
         if np.all(np.isfinite(truth)) and np.ptp(truth) > 0.0
     }

@@ -14,12 +14,12 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.table import (
-    MOST_CHANNELS,
     MOST_VALUES,
     ChannelTable,
     number_repeats,
     refuse,
     refuse_damaged,
+    require_channels,
     require_room,
 )
 
@@ -42,16 +42,15 @@ HEADERS = {
 def open_npz(path: Path) -> ChannelTable:
     """Open a NumPy archive of arrays that all have the same number n of rows.
 
-    An array `a` of shape (n,) becomes the channel a. An array `a` with up to three columns, of
-    shape (n, 1) to (n, 3), becomes the channels a_x, a_y and a_z, as many as there are columns. An
-    array `a` with more columns becomes a_1, a_2, ... Arrays that hold no numbers or have more than
+    An array `a` of shape (n,) becomes the channel a; one of shape (n, 1) to (n, 3) the channels
+    a_x, a_y, a_z; one with more columns a_1, a_2, ... Arrays that hold no numbers or have more than
     two dimensions are left out.
 
     Raises
     ------
     InputError
         If the archive is damaged, holds pickled objects, no array of numbers or too many numbers,
-        or if its arrays differ in their number of rows.
+        or arrays of different lengths.
     """
     places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
     lengths: set[int] = set()
@@ -85,41 +84,25 @@ def open_npz(path: Path) -> ChannelTable:
                         result[name] = np.array(values[:rows], dtype=float)
         return result
 
-    units = ("",) * len(places)
-    return ChannelTable(path, "NumPy archive", tuple(places), units, load, lengths.pop())
+    names = tuple(places)
+    return ChannelTable(path, "NumPy archive", names, ("",) * len(names), load, lengths.pop())
 
 
 def name_columns(path: Path, key: str, count: int) -> list[str]:
-    """Return the names of the channels that the columns of a two-dimensional array become.
-
-    Raises
-    ------
-    InputError
-        If there are more than `MOST_CHANNELS` columns.
-    """
+    """Return the channels that the columns of an array become, at most `MOST_CHANNELS`."""
     require_channels(path, count)
     return [f"{key}_{AXES[i] if count <= len(AXES) else i + 1}" for i in range(count)]
-
-
-def require_channels(path: Path, count: int) -> None:
-    """Raise `InputError` if a file announces more than `MOST_CHANNELS` channels."""
-    if count > MOST_CHANNELS:
-        raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
 
 
 def _find_shape(
     path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo
 ) -> tuple[int, ...] | None:
-    """Return the shape that the header of a member of an archive, i.e. of one array, announces.
-
-    Return None if the member is left out: an array that does not hold plain numbers, or that has
-    neither one nor two dimensions.
+    """Return the shape that an array's header announces; None if the array is left out.
 
     Raises
     ------
     InputError
-        If the member holds pickled objects, fewer bytes than its header announces, or too many
-        numbers.
+        If it holds pickled objects, fewer bytes than announced, or too many numbers.
     """
     with archive.open(member) as stream:
         read_header = HEADERS.get(np.lib.format.read_magic(stream))
@@ -139,16 +122,15 @@ def _find_shape(
 
 
 def open_parquet(path: Path) -> ChannelTable:
-    """Open a Parquet file.
+    """Open a Parquet file; timestamps become seconds since the column's first.
 
-    The unit of a column is the entry `unit` or `units` of the column's metadata; "" without such an
-    entry. A column of timestamps becomes seconds since the column's first timestamp.
+    The unit of a column is the entry `unit` or `units` of its metadata.
 
     Raises
     ------
     InputError
-        If the file is damaged or has too many columns. When numbers are loaded, `InputError` is
-        raised if the file is damaged or a column does not hold numbers.
+        If the file is damaged or has too many columns; when numbers are loaded, if a column holds
+        none.
     """
     import pyarrow as pa
     from pyarrow import parquet
@@ -183,15 +165,9 @@ def open_parquet(path: Path) -> ChannelTable:
 
 
 def _load_column(path: Path, file: parquet.ParquetFile, place: int, rows: int | None) -> Array:
-    """Return the first `rows` numbers of a column; if `rows` is None, the first `MOST_VALUES`.
+    """Return the first `rows` numbers of a column (None: the first `MOST_VALUES`).
 
-    `file` is the opened Parquet file, and `place` is the number of the column, from 0. The column
-    is read in batches, because a page of the file may unpack to far more rows than are wanted.
-
-    Raises
-    ------
-    InputError
-        If the column does not hold numbers.
+    It is read in batches, because a page of the file may unpack to far more rows than are wanted.
     """
     import pyarrow as pa
 

@@ -36,33 +36,16 @@ SHORT = 10  # characters of a name in kinds 1 to 3
 
 @dataclass(frozen=True)
 class Header:
-    """The header of a FAST binary file with n channels besides time.
-
-    Attributes
-    ----------
-    kind
-        The kind of file, 1 to 4.
-    steps
-        The number of time steps.
-    clock
-        In kind 1 the scale and offset of time; else the first time and the time step, in s.
-    scale, offset
-        Shape (n,): (packed value - offset) / scale is the value of a channel.
-    names, units
-        The names and units of time and the n channels, in this order; a unit is "" if the file
-        states none.
-    first
-        The byte of the file at which the numbers begin.
-    """
+    """The header of a file with n channels besides time."""
 
     kind: int
     steps: int
-    clock: tuple[float, float]
-    scale: Array
+    clock: tuple[float, float]  # of kind 1 scale and offset of time; else first time and step, s
+    scale: Array  # (n,): a value is (packed - offset) / scale
     offset: Array
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    first: int
+    names: tuple[str, ...]  # of time and the channels
+    units: tuple[str, ...]  # "" where the file states none
+    first: int  # the byte at which the numbers begin
 
 
 def open_fast_binary(path: Path) -> ChannelTable:
@@ -147,10 +130,7 @@ def _load(
 
 
 def _decode(raw: bytes) -> str:
-    """Return a name or a unit as text: decoded from UTF-8 if possible, else from Latin-1.
-
-    Versions of FAST differ in how they encode the point in N·m.
-    """
+    """Decode UTF-8, else Latin-1: versions of FAST differ in the point of N·m."""
     try:
         return raw.decode("utf-8").strip("\0 ")
     except UnicodeDecodeError:

@@ -20,12 +20,12 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.table import (
-    MOST_CHANNELS,
     MOST_VALUES,
     ChannelTable,
     number_repeats,
     refuse,
     refuse_damaged,
+    require_channels,
 )
 
 if TYPE_CHECKING:
@@ -62,8 +62,7 @@ def open_gtsdf(path: Path) -> ChannelTable:
         count = shapes[0][1]
         if any(shape[1] != count for shape in shapes):
             raise refuse(path, "is HDF5 but not gtsdf (its blocks differ in their channels)")
-        if count > MOST_CHANNELS:
-            raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
+        require_channels(path, count)
         names = _read_words(path, file, "attribute_names", count)
         units = _read_words(path, file, "attribute_units", count)
     names = list(number_repeats([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
@@ -78,13 +77,6 @@ def open_gtsdf(path: Path) -> ChannelTable:
 
 
 def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
-    """Return the HDF5 dataset `data` of a group: one row per time step, one column per channel.
-
-    Raises
-    ------
-    InputError
-        If the group `block` of the opened file holds no table of numbers.
-    """
     import h5py
 
     group = _follow(path, file, block)
@@ -95,13 +87,9 @@ def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
 
 
 def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
-    """Return the member `name` of an HDF5 group; None if the group has no such member.
+    """Return a member of a group, None if there is none.
 
-    Raises
-    ------
-    InputError
-        If the member is a link, if its data may lie in another file, or if it is stored in HDF5
-        chunks that would need too much memory.
+    A link, data in another file and a chunk that needs too much memory are refused.
     """
     import h5py
 
@@ -124,12 +112,7 @@ def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Datas
 
 
 def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
-    """Return the names or the units of `count` channels, stripped of blanks.
-
-    `file` is the opened file; `key` is the name of the dataset that holds these texts. If there is
-    no such dataset, if it does not hold `count` texts, or if they may be longer than
-    `LONGEST_WORD`, each name or unit is "".
-    """
+    """Return names or units of channels; "" each without `count` texts of little length."""
     words = _follow(path, file, key)
     if words is None or words.shape != (count,) or words.dtype.itemsize > LONGEST_WORD:
         return [""] * count
@@ -138,15 +121,7 @@ def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
 
 
 def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array | None:
-    """Return the first `count` numbers of the vector `name` in an HDF5 group.
-
-    Return None if the group has no member of this name.
-
-    Raises
-    ------
-    InputError
-        If the member is not a vector of at least `count` numbers.
-    """
+    """Return the first `count` numbers of a vector; None if there is no such member."""
     vector = _follow(path, group, name)
     if vector is None:
         return None

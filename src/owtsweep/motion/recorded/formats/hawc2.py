@@ -18,10 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import require
 from owtsweep.io.reading import read_bytes, require_regular
-from owtsweep.motion.recorded.formats.streams import TextStream
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
+from owtsweep.motion.recorded.formats.text import load_columns
+from owtsweep.motion.recorded.formats.text_layout import Layout
 
 SUMMARY_LINE = 8
 FIRST_CHANNEL = 12
@@ -32,33 +33,17 @@ NAME, UNIT = slice(12, 43), slice(43, 54)
 
 @dataclass(frozen=True)
 class Selection:
-    """The content of a .sel file with n channels.
-
-    Attributes
-    ----------
-    scans
-        The number of scans, i.e. of time steps.
-    names, units
-        The name and the unit of each channel; a unit is "" if the file states none.
-    factors
-        Shape (n,), the factor by which the stored numbers of each channel are to be multiplied;
-        None if the .dat file holds text, whose numbers need no factor.
-    duration
-        The duration of all scans, in s.
-    """
+    """The content of a .sel file with n channels."""
 
     scans: int
     names: tuple[str, ...]
-    units: tuple[str, ...]
-    factors: Array | None
-    duration: float
+    units: tuple[str, ...]  # "" where the file states none
+    factors: Array | None  # (n,), of stored numbers; None if the .dat file is text
+    duration: float  # of all scans, s
 
 
 def find_companion(path: Path, suffix: str) -> Path | None:
-    """Return `path` with its extension replaced by `suffix`, in lower or upper case.
-
-    Return the first of these two paths that exists, or None if neither does.
-    """
+    """Return the path with another extension, in lower or upper case, that exists; else None."""
     candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
     return next((candidate for candidate in candidates if candidate.exists()), None)
 
@@ -80,10 +65,11 @@ def open_hawc2(path: Path) -> ChannelTable:
     sel, dat = (path, other) if wanted == ".dat" else (other, path)
     selection = _read_selection(sel)
     _check_length(dat, selection)
-    load = partial(_load, dat, selection)
+    notes: list[str] = []
+    load = partial(_load, dat, selection, notes)
     kind = "ASCII" if selection.factors is None else "binary"
     names, units = selection.names, selection.units
-    return ChannelTable(path, f"HAWC2, {kind}", names, units, load, selection.scans)
+    return ChannelTable(path, f"HAWC2, {kind}", names, units, load, selection.scans, notes)
 
 
 def _read_selection(sel: Path) -> Selection:
@@ -117,61 +103,41 @@ def _read_selection(sel: Path) -> Selection:
 
 
 def _check_length(dat: Path, selection: Selection) -> None:
-    there = dat.stat().st_size
-    needed = 2 * selection.scans * len(selection.names)
-    if there == 0:
-        raise refuse(dat, "is empty")
-    if selection.factors is not None and there < needed:
-        raise refuse(
-            dat,
-            f"is cut short: {selection.scans} scans of {len(selection.names)} channels need "
-            f"{needed} bytes, {there} are there",
-        )
+    there, channels = dat.stat().st_size, len(selection.names)
+    needed = 2 * selection.scans * channels
+    require(there > 0, f"{dat}: is empty")
+    require(
+        selection.factors is None or there >= needed,
+        f"{dat}: is cut short: {selection.scans} scans of {channels} channels need {needed} bytes, "
+        f"{there} are there",
+    )
 
 
 def _load(
-    dat: Path, selection: Selection, names: Sequence[str], rows: int | None
+    dat: Path, selection: Selection, notes: list[str], names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    places = {name: selection.names.index(name) for name in names}
+    scans = selection.scans if rows is None else min(rows, selection.scans)
     if selection.factors is not None:
-        shape = len(selection.names), selection.scans
-        packed = np.memmap(dat, dtype="<i2", mode="r", shape=shape)
-        columns = {k: packed[k, :rows] * selection.factors[k] for k in places.values()}
+        packed = np.memmap(dat, "<i2", "r", shape=(len(selection.names), selection.scans))
+        places = {name: selection.names.index(name) for name in names}
+        found = {n: packed[k, :scans] * selection.factors[k] for n, k in places.items()}
     else:
-        columns = _load_text(dat, selection, sorted(set(places.values())), rows)
-    return {name: _restore_time(columns[k], k, selection) for name, k in places.items()}
+        layout = Layout(" ", 0, selection.names, selection.units, ".", {})
+        found = dict(load_columns(dat, layout, notes, names, scans))
+        there = min(map(len, found.values()), default=scans)
+        if there < scans:
+            raise refuse(dat, f"is cut short: {selection.scans} scans announced, {there} there")
+    return {name: _restore_time(values, name, selection) for name, values in found.items()}
 
 
-def _load_text(
-    dat: Path, selection: Selection, places: list[int], rows: int | None
-) -> dict[int, Array]:
-    import pandas as pd
-
-    try:
-        with TextStream(dat) as stream:
-            frame = pd.read_csv(
-                stream, sep=r"\s+", header=None, names=range(len(selection.names)),
-                usecols=places, nrows=rows, dtype="float64", encoding_errors="replace",
-            )  # fmt: skip
-    except InputError:
-        raise
-    except (ValueError, pd.errors.ParserError) as error:
-        raise refuse(dat, f"cannot be read as numbers ({shorten(error, 160)})") from None
-    wanted = selection.scans if rows is None else min(rows, selection.scans)
-    if len(frame) < wanted:
-        raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
-    return {k: frame[k].to_numpy(dtype=float) for k in places}
-
-
-def _restore_time(values: Array, place: int, selection: Selection) -> Array:
+def _restore_time(values: Array, name: str, selection: Selection) -> Array:
     """Return a channel's values, and those of the time channel at full resolution.
 
-    `values` are the values of the channel with the number `place`, from 0. Only values of the time
-    channel are changed. HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file.
-    Uniform times, with a step of duration / scans, replace the stored times if the two differ only
-    by rounding.
+    HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file. Uniform times, with a
+    step of duration / scans, replace stored ones that differ only by rounding.
     """
-    if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
+    first = name == selection.names[0] and name.lower().startswith("time")
+    if not first or not len(values):
         return values
     step = selection.duration / selection.scans
     comb = step * np.arange(len(values))

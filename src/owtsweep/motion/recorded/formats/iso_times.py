@@ -34,7 +34,7 @@ def is_iso_time(field: str) -> bool:
 
 
 def is_date_or_clock(field: str) -> bool:
-    """Return whether a field is a date or a time of day in any form, ISO 8601 or not."""
+    """Return whether a field is a date or a time of day, in ISO 8601 or not."""
     return is_iso_time(field) or _UNCLEAR.match(field) is not None
 
 
@@ -46,17 +46,8 @@ def is_split_time(fields: list[str]) -> bool:
 class IsoTimes:
     """Converts a column of times in ISO 8601, piece by piece, to seconds from the first time.
 
-    Parameters
-    ----------
-    path, name
-        The file and the column, for messages.
-    example
-        The first field of the column.
-
-    Raises
-    ------
-    InputError
-        If the first field is a date or a time of day in another form, whose meaning is not clear.
+    `example` is the first field of the column `name`. `InputError` is raised if it is in another
+    form, whose meaning is not clear.
     """
 
     def __init__(self, path: Path, name: str, example: str) -> None:
@@ -71,15 +62,12 @@ class IsoTimes:
             )
 
     def convert(self, texts: pa.StringArray) -> Array:
-        """Return the times in s from the first time of the column; NaN where a text is missing.
-
-        `texts` is the next piece of the column, a pyarrow array of strings.
+        """Return the next times in s from the column's first; NaN where a text is missing.
 
         Raises
         ------
         InputError
-            If a text is not in ISO 8601, or if some times have an offset from UTC and others have
-            none.
+            If a text is not in ISO 8601, or only some times have an offset from UTC.
         """
         import pandas as pd
         import pyarrow.compute as pc

@@ -1,11 +1,9 @@
 """Read MATLAB files (.mat) of versions 4 to 7: arrays of real numbers alone.
 
-Structures, cells, objects and functions are never loaded, so nothing in a file can run code.
-
-The layout of a file is after the MathWorks' publication "MAT-File Format": where variables stand,
-and their real numbers. SciPy reads these files as well, but a damaged one ends the process (1.17: a
-segmentation fault where numbers are of an unknown type). So what a stranger sends is read here, and
-all that is wrong with it is `Damaged`.
+Structures, cells, objects and functions are never loaded, so nothing in a file can run code. The
+layout is after the MathWorks' "MAT-File Format". SciPy reads these files as well, but a damaged one
+ends the process (1.17: a segmentation fault where numbers are of an unknown type). So what a
+stranger sends is read here, and all that is wrong with it is `Damaged`.
 """
 
 from __future__ import annotations
@@ -50,34 +48,16 @@ class Damaged(Exception):
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of a file.
-
-    Attributes
-    ----------
-    name
-        Its name.
-    shape
-        Its numbers of rows, columns, ...
-    real
-        Whether it is an array of real numbers.
-    begin, size
-        Where its element begins in the file, and its bytes; of version 4, where its numbers begin.
-    packed
-        Whether the element is compressed.
-    order
-        "<" or ">".
-    kind
-        Type of the numbers of version 4; "" of later ones, which say it at the numbers.
-    """
+    """A variable of a file."""
 
     name: str
     shape: tuple[int, ...]
-    real: bool
-    begin: int
-    size: int
+    real: bool  # whether it is an array of real numbers
+    begin: int  # where its element begins in the file; of version 4, where its numbers begin
+    size: int  # bytes there
     packed: bool
-    order: str
-    kind: str = ""
+    order: str  # "<" or ">"
+    kind: str = ""  # type of the numbers of version 4; later ones say it at the numbers
 
 
 def list_variables(path: Path) -> list[Variable]:
@@ -132,7 +112,6 @@ def load_variable(path: Path, variable: Variable) -> Array:
 
 
 def _list_old(path: Path) -> list[Variable]:
-    """Return the variables of a file of version 4."""
     size, place = path.stat().st_size, 0
     found = []
     with path.open("rb") as file:
@@ -184,7 +163,6 @@ def _read_tag(raw: bytes, place: int, order: str) -> tuple[int, int, int, int]:
 
 
 def _inflate(raw: bytes, most: int) -> bytes:
-    """Return at most so many bytes that compressed ones stand for."""
     try:
         return zlib.decompressobj().decompress(raw, most)
     except zlib.error as error:
@@ -202,15 +180,15 @@ def open_mat(path: Path) -> ChannelTable:
     """Open a MATLAB file.
 
     A vector `a` becomes the channel a, whether it lies or stands. The longer side of a matrix is
-    taken for its rows in time; its columns become channels as in `arrays.open_npz`: a_x, a_y, a_z,
-    or a_1, a_2, ... Variables may differ in their length; only those that are loaded together may
-    not. All that is no array of real numbers, and numbers that stand alone, are left out.
+    taken for its rows in time; its columns become channels as in `arrays.open_npz`. Variables that
+    are loaded together must be equally long. What is no array of real numbers, or stands alone, is
+    left out.
 
     Raises
     ------
     InputError
-        If the file is damaged, of version 7.3, or has no array of numbers. When numbers are loaded,
-        `InputError` is raised if channels differ in length.
+        If the file is damaged, of version 7.3, or has no array of numbers; when numbers are loaded,
+        if channels differ in length.
     """
     _refuse_hdf5(path)
     places: dict[str, tuple[Variable, int]] = {}  # channel -> variable, column
@@ -248,8 +226,7 @@ def open_mat(path: Path) -> ChannelTable:
         return result
 
     longest = max(max(variable.shape) for variable, _ in places.values())
-    units = ("",) * len(places)
-    notes = [listed] if listed else []
+    units, notes = ("",) * len(places), [listed] if listed else []
     return ChannelTable(path, "MATLAB", tuple(places), units, load, longest, notes)
 
 

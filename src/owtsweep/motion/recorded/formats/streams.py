@@ -37,10 +37,8 @@ IsValue = Callable[[str], bool]
 class TextStream(io.RawIOBase):
     """The bytes of a text file, unpacked if the file's name ends in .gz.
 
-    Reading raises `InputError` if the file is damaged. The same error is raised for a line of more
-    than `BLOCK` bytes, for which a parser might need any amount of memory. It is also raised if a
-    compressed file unpacks to more than `MOST_UNPACKED` bytes and to more than `MOST_TIMES` times
-    the size of the file.
+    Reading raises `InputError` if the file is damaged, has a line of more than `BLOCK` bytes (for
+    which a parser might need any amount of memory), or unpacks to too many bytes.
     """
 
     def __init__(self, path: Path) -> None:
@@ -54,17 +52,11 @@ class TextStream(io.RawIOBase):
         self._line = 0
 
     def readable(self) -> bool:
-        """Return True: the stream can be read. pandas calls this method."""
+        """Return True; pandas asks."""
         return True
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
-        """Write the next bytes into a buffer; return their number, 0 at the end of the file.
-
-        Raises
-        ------
-        InputError
-            If the file is damaged, unpacks to too many bytes, or has too long a line.
-        """
+        """Write the next bytes into a buffer; return their number, 0 at the end of the file."""
         try:
             chunk = self._source.read(len(buffer))
         except (OSError, EOFError, zlib.error) as error:
@@ -115,18 +107,8 @@ def read_rows(
 ) -> Iterator[bytes]:
     """Yield a text file in blocks of whole lines, without what follows the table at its end.
 
-    What follows the table is looked for in the last block alone.
-
-    Parameters
-    ----------
-    path
-        The file.
-    count
-        Number of columns.
-    split, is_value
-        Functions: the fields of a line; whether a field is a number, a missing value or a time.
-    notes
-        For each loss a sentence for the user is added to this list.
+    `count` is its number of columns; `split` and `is_value` tell the fields of a line, and whether
+    a field is a number, a missing value or a time. `notes` gets a sentence for each loss.
     """
     for block, is_last in read_blocks(path):
         yield _without_ending(block, count, split, is_value, notes) if is_last else block
@@ -153,10 +135,7 @@ def _without_ending(
 
 
 def _is_row(text: str, count: int, split: Split, is_value: IsValue) -> bool:
-    """Return False for a blank line and for text, but True for numbers, even if some are missing.
-
-    A line with as many fields as columns is a row if any of them is a value.
-    """
+    """Return whether a line has a value in as many fields as columns, or only values."""
     fields = split(text) if text.strip() else []
     values = [is_value(field) for field in fields]
     return any(values) if len(fields) == count else bool(values) and all(values)

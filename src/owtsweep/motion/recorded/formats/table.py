@@ -25,34 +25,15 @@ Load = Callable[[Sequence[str], int | None], Mapping[str, Array]]
 
 @dataclass(frozen=True)
 class ChannelTable:
-    """The channels of one opened file.
-
-    Attributes
-    ----------
-    path
-        The file.
-    format
-        The format of the file in words.
-    names
-        Channel names as in the file, without units; time is one of them.
-    units
-        Unit of each channel as in the file; "" if the file states none.
-    load
-        A function. load(names, rows) returns name -> values of the named channels, in the file's
-        units: the first `rows` values, or all if `rows` is None. Missing values are NaN.
-    rows
-        The number of rows that the file announces; None if it announces none, as text does.
-    notes
-        Sentences for the user on what was left out. `load` adds to this list.
-    """
+    """The channels of one opened file."""
 
     path: Path
-    format: str
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    load: Load
-    rows: int | None = None
-    notes: list[str] = field(default_factory=list)
+    format: str  # in words
+    names: tuple[str, ...]  # without units; time is one of them
+    units: tuple[str, ...]  # "" where the file states none
+    load: Load  # numbers in the file's units, NaN where missing
+    rows: int | None = None  # as the file announces; text announces none
+    notes: list[str] = field(default_factory=list)  # what `load` left out
 
     def unit(self, name: str) -> str:
         """Return the unit that the file states for a channel; "" if the file states none."""
@@ -70,18 +51,11 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def make_safe(table: ChannelTable) -> ChannelTable:
-    """Return a copy of a table with printable names and units, and with limits to its size.
+    """Return a copy with printable names and units, at most `MOST_CHANNELS`.
 
-    The copy's `load` raises `InputError` if it would load more than `MOST_VALUES` numbers.
-
-    Raises
-    ------
-    InputError
-        If the table has more than `MOST_CHANNELS` channels.
+    Its `load` raises `InputError` for more than `MOST_VALUES` numbers.
     """
-    if len(table.names) > MOST_CHANNELS:
-        many = len(table.names)
-        raise refuse(table.path, f"has {many} channels; at most {MOST_CHANNELS} are read")
+    require_channels(table.path, len(table.names))
     names = number_repeats([tidy(name) for name in table.names])
     raw = dict(zip(names, table.names, strict=True))
 
@@ -98,11 +72,16 @@ def make_safe(table: ChannelTable) -> ChannelTable:
     return replace(table, names=names, units=tuple(map(tidy, table.units)), load=load)
 
 
-def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
-    """Raise `InputError` if `rows` times `channels` numbers are more than `MOST_VALUES`.
+def require_channels(path: Path, count: int) -> None:
+    """Raise `InputError` if a file announces more than `MOST_CHANNELS` channels."""
+    if count > MOST_CHANNELS:
+        raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
 
-    The message names the file `path` and `whole`, the number of all rows of the file. If `whole` is
-    None, this number is not known.
+
+def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
+    """Raise `InputError` if rows times channels are more than `MOST_VALUES` numbers.
+
+    `whole` is the number of all rows of the file, if known.
     """
     if rows * channels <= MOST_VALUES:
         return
@@ -116,10 +95,7 @@ def require_room(path: Path, rows: int, channels: int, whole: int | None = None)
 
 
 def tidy(text: str) -> str:
-    """Return a name or a unit as printable text.
-
-    If the text is longer than `LONGEST_NAME` characters, it is cut there and "..." is added.
-    """
+    """Return a name or a unit as printable text of at most `LONGEST_NAME` characters."""
     text = printable(text)
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
 
@@ -131,10 +107,7 @@ def shorten(error: Exception, length: int = 120) -> str:
 
 @contextmanager
 def refuse_damaged(path: Path, what: str, *errors: type[Exception]) -> Iterator[None]:
-    """Turn errors about a damaged file, raised inside a `with` block, into an `InputError`.
-
-    Its message says of the file `what`, e.g. "is damaged", and the error's own message.
-    """
+    """Turn errors inside a `with` block into an `InputError`: the file, `what`, the error."""
     try:
         yield
     except InputError:
@@ -144,5 +117,5 @@ def refuse_damaged(path: Path, what: str, *errors: type[Exception]) -> Iterator[
 
 
 def refuse(path: Path, reason: str) -> InputError:
-    """Return (not raise) the error for a file; its message is the file's path, then the reason."""
+    """Return (not raise) the error for a file."""
     return InputError(f"{path}: {reason}")

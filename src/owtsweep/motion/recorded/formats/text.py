@@ -45,7 +45,7 @@ def open_text(path: Path) -> ChannelTable:
     """
     layout = find_layout(path, _read_head(path))
     notes: list[str] = []
-    load = partial(_load_columns, path, layout, notes)
+    load = partial(load_columns, path, layout, notes)
     word = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}[layout.delimiter]
     if layout.decimal == ",":
         word += ", decimal commas"
@@ -54,15 +54,7 @@ def open_text(path: Path) -> ChannelTable:
 
 
 def _read_head(path: Path) -> list[str]:
-    """Return the first lines of a text file, which have at most `HEAD` bytes.
-
-    If this limit cuts a line, the line is left out.
-
-    Raises
-    ------
-    InputError
-        If the file is empty, is UTF-16, or holds binary data.
-    """
+    """Return the first lines, of at most `HEAD` bytes; a line that this cuts is left out."""
     with TextStream(path) as stream:
         raw = stream.read(HEAD)
     if not raw.strip():
@@ -79,14 +71,10 @@ def _read_head(path: Path) -> list[str]:
     return lines[:-1] if len(raw) == HEAD and len(lines) > 1 else lines
 
 
-def _load_columns(
+def load_columns(
     path: Path, layout: Layout, notes: list[str], names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load the named columns: return name -> values.
-
-    Only the first `rows` rows are loaded; None loads all rows. The file is read block by block, so
-    that only the wanted columns use memory. Sentences on what was left out are added to `notes`.
-    """
+    """Load the first `rows` values of columns, block by block; `notes` gets what is left out."""
     times = {n: IsoTimes(path, n, layout.times[n]) for n in names if n in layout.times}
     parse = _parse_blanks if layout.delimiter == " " else _parse_delimited
     columns: dict[str, Array] = {name: np.empty(0) for name in names}
@@ -101,7 +89,9 @@ def _load_columns(
         for name in names:
             values = parsed[name]
             if stop > len(columns[name]):
-                columns[name] = _lengthen(columns[name], count, stop)
+                longer = np.empty(max(2 * len(columns[name]), stop))  # takes memory when written to
+                longer[:count] = columns[name][:count]
+                columns[name] = longer
             columns[name][count:stop] = times[name].convert(values) if name in times else values
         count = stop
         if rows is not None and count >= rows:
@@ -142,10 +132,7 @@ def _parse_delimited(
 def _parse_blanks(
     path: Path, layout: Layout, block: bytes, skipped: int, names: Sequence[str]
 ) -> Parsed:
-    """Parse a block with pandas, without its first `skipped` lines.
-
-    pandas is used because pyarrow cannot split a line at runs of blanks.
-    """
+    """Parse a block with pandas, because pyarrow cannot split a line at runs of blanks."""
     import pandas as pd
     import pyarrow as pa
 
@@ -176,14 +163,3 @@ def _parse_blanks(
 
 def _not_numbers(path: Path, error: Exception) -> InputError:
     return refuse(path, f"cannot be read as a table of numbers ({shorten(error, 160)})")
-
-
-def _lengthen(column: Array, count: int, least: int) -> Array:
-    """Return a longer array that begins with the first `count` values of `column`.
-
-    The array is twice as long as `column`, or has `least` values if that is more. The rest of the
-    array takes no memory until values are written to it.
-    """
-    result = np.empty(max(2 * len(column), least))
-    result[:count] = column[:count]
-    return result

@@ -35,35 +35,18 @@ _BRACKETED = re.compile(r"^[\[(].*[\])]$")
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of a text table.
+    """The layout of a text table."""
 
-    Attributes
-    ----------
-    delimiter
-        The character between fields; " " stands for any run of blanks.
-    first
-        Number of lines above the data.
-    names, units
-        The name and the unit of each column; a unit is "" if the file states none.
-    decimal
-        "." or ",": the character between the whole part of a number and the rest.
-    times
-        Name of a column of dates or times of day -> its first field.
-    """
-
-    delimiter: str
-    first: int
+    delimiter: str  # " " stands for any run of blanks
+    first: int  # lines above the data
     names: tuple[str, ...]
-    units: tuple[str, ...]
-    decimal: str
-    times: Mapping[str, str]
+    units: tuple[str, ...]  # "" where the file states none
+    decimal: str  # "." or ","
+    times: Mapping[str, str]  # column of dates or times of day -> its first field
 
 
 def split_fields(line: str, delimiter: str) -> list[str]:
-    """Return the fields of a line, without blanks and quotes around a field.
-
-    `delimiter` is the character between fields; " " stands for any run of blanks.
-    """
+    """Return the fields of a line, without blanks and quotes around a field."""
     if delimiter == " ":
         return [field.strip('"') for field in line.split()]
     if '"' in line and len(line) < 100_000:  # the module csv limits the length of a field
@@ -73,9 +56,7 @@ def split_fields(line: str, delimiter: str) -> list[str]:
 
 
 def find_layout(path: Path, lines: list[str]) -> Layout:
-    """Find the delimiter, names, units, decimal character and first line of data of a text table.
-
-    `lines` are the first lines of the file.
+    """Find the layout of a text table from the first lines of the file.
 
     Raises
     ------
@@ -114,17 +95,10 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
 
 
 def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
-    """Return the decimal character of the numbers at the beginning of the data: "." or ",".
+    """Return "." or ",", the decimal character of the fields of some lines of data.
 
-    `data` holds the fields of each line; `first` is the number of the first of these lines, from 0.
-    If some numbers have a point, and commas appear only below the first line, the commas are taken
-    for text, and "." is returned.
-
-    Raises
-    ------
-    InputError
-        If the first line has numbers with a comma, but some numbers have a point; or if every comma
-        may separate thousands.
+    Commas below the first line, in a file with points, are taken for text. `first` is the number of
+    the first of these lines, from 0.
     """
     commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
     if not commas:
@@ -144,11 +118,9 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
 
 
 def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: str) -> None:
-    """Raise `InputError` if commas between columns may also be decimal commas, as in `0,05,1,25`.
+    """Refuse commas between columns that may also be decimal commas, as in `0,05,1,25`.
 
-    `fields` are the fields of the first line of data, which has the number `first`, from 0;
-    `header` is the line above the data. The error is raised if all fields are integers, and the
-    header names a time but has fewer names than there are fields, though at least half as many.
+    All fields are integers then, and fewer names, one of them a time, stand above.
     """
     names = split_fields(header.lstrip("#!%").strip(), ",")
     parts = len(fields)
@@ -186,12 +158,7 @@ def is_value(field: str) -> bool:
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Return the names and the units of `count` columns, read from the lines above the data.
-
-    `above` holds these lines, and `delimiter` is the character between fields (" " for any run of
-    blanks). If no line holds names, the columns are called 1, 2, 3, ... A unit is "" if the lines
-    state none.
-    """
+    """Return names (1, 2, ... without any) and units from the lines above the data."""
     rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
     units = [""] * count
     if rows and len(rows[-1]) == count and _holds_units(rows):
@@ -212,9 +179,8 @@ def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[st
 def _holds_units(rows: list[list[str]]) -> bool:
     """Return whether the last row holds units.
 
-    `rows` are the fields of the one or two lines above the data. The last row holds units if all
-    its fields are in brackets. It also holds units if all its fields are known units and the row
-    above it has equally many fields. Fields that are empty or "-" are not looked at.
+    All its fields are in brackets, or are known units below a row of equally many fields. Fields
+    that are empty or "-" are not looked at.
     """
     last = [field for field in rows[-1] if field not in ("", "-")]
     if all(_BRACKETED.match(field) for field in last):
