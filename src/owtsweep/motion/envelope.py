@@ -43,10 +43,7 @@ POOLED = 0.15
 
 
 def list_seas() -> list[Sea]:
-    """Return the sea states of `HEIGHTS` and `PERIODS` that are found at sea (`Sea.is_found`).
-
-    The limit is lower than that of a single wave that breaks (`Sea.breaks`).
-    """
+    """Return the sea states of `HEIGHTS` and `PERIODS` that are found at sea (`Sea.is_found`)."""
     seas = [Sea(hs, tp) for hs in HEIGHTS for tp in PERIODS]
     return [sea for sea in seas if sea.is_found]
 
@@ -66,8 +63,6 @@ def compute_points(
     ----------
     structure
         The structure, which stands in water.
-    seas
-        The sea states.
     stream
         Function that returns a new random generator, given a name; it is called with "phase". All
         sea states have the same phases.
@@ -151,14 +146,7 @@ def find_region(points: pd.DataFrame, share: float = SHARE) -> tuple[Array, Arra
     At each natural period the region reaches from the (1 - share)/2 to the (1 + share)/2 quantile
     of the amplitudes of the points with about this natural period (`POOLED`); all points count
     alike. Points with the same blades and soil have the same natural period. Between these periods
-    the edges are straight lines.
-
-    Parameters
-    ----------
-    points
-        What `compute_points` returns.
-    share
-        Share of the points, 0 to 1.
+    the edges are straight lines. `points` are those of `compute_points`.
 
     Returns
     -------

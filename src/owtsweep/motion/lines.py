@@ -35,9 +35,9 @@ def find_frequencies(steps: int, step: float) -> Array:
 
 
 def respond(frequency: Array, period: float, damping: float, highest: float) -> Array:
-    """Return the power response of an oscillator to white noise, up to a factor.
+    """Return an oscillator's power response to white noise, up to a factor.
 
-    Zero at a frequency of 0 and above `highest` natural frequencies.
+    It is zero at a frequency of 0 and above `highest` natural frequencies.
     """
     ratio = frequency * period
     response = 1.0 / ((1.0 - ratio**2) ** 2 + (2.0 * damping * ratio) ** 2)
@@ -53,21 +53,10 @@ def scale_to_one(
 
 
 def sample(lines: NDArray[np.complex128], steps: int, step: float, lead: int) -> Series:
-    """Sample lines and their derivatives, with a lead before the record.
+    """Sample lines and their exact derivatives, at `steps` samples of `step` s after `lead` more.
 
-    Parameters
-    ----------
-    lines
-        Complex amplitudes at `find_frequencies`, shape (steps + 1, columns).
-    steps, step
-        Number of samples and sampling interval (s).
-    lead
-        Number of samples before the record, at most `steps`.
-
-    Returns
-    -------
-    Series
-        lead + steps samples; derivatives are exact.
+    `lines` are complex amplitudes at `find_frequencies`, shape (steps + 1, columns); `lead` is at
+    most `steps`.
     """
     rate = 2j * np.pi * find_frequencies(steps, step)[:, None]
     return Series(*(_sum_up(part, steps, lead) for part in (lines, rate * lines, rate**2 * lines)))

@@ -35,13 +35,12 @@ class Mode:
     Attributes
     ----------
     frequency
-        The frequency of the peak in Hz: the mean over the part that is at least half as high as the
-        top, weighted with the height.
+        In Hz: the mean over the part that is at least half as high as the top, weighted with the
+        height.
     share
         The share (0 to 1) of the record's variance between the valleys on either side of the peak.
     p
-        The probability that scatter makes such a peak anywhere in a spectrum without one, at
-        most 1.
+        The probability that scatter makes such a peak anywhere in a spectrum without one.
     """
 
     frequency: float
@@ -77,21 +76,10 @@ class Modes:
 def find_modes(position: Array, step: float) -> Modes:
     """Find the peaks of a record's spectrum that are more than scatter.
 
-    Parameters
-    ----------
-    position
-        Positions in m, shape (n, axes); the spectra of the axes are added.
-    step
-        Sampling interval in s.
+    `position`, in m, has the shape (n, axes); the spectra of the axes are added. `step` is in s.
+    The peaks have at least `LEAST_SHARE` of the variance. There are none without motion, or with
+    fewer than 16 samples.
 
-    Returns
-    -------
-    Modes
-        The peaks with at least `LEAST_SHARE` of the variance. Empty for a record without motion, or
-        with fewer than 16 samples.
-
-    Notes
-    -----
     A smoothed spectrum at a frequency is chi-squared with nu = 2 * tapers * segments degrees of
     freedom. (The axes count once, because the motion may be along a line.) The ratio of two heights
     at different frequencies therefore follows an F distribution with (nu, nu) degrees of freedom.
@@ -137,10 +125,9 @@ def find_modes(position: Array, step: float) -> Modes:
 
 
 def _locate(frequency: Array, power: Array, top: int) -> float:
-    """Return the frequency of a peak, which lies in the middle of a flat top, in Hz.
+    """Return the frequency (Hz) of the peak at the index `top`.
 
-    A line spectrum's peak is as wide as the tapers make it, and flat. `top` is the place of the
-    peak in `power`.
+    A line spectrum's peak is as wide as the tapers make it, and flat: its middle counts.
     """
     low = np.flatnonzero(power < 0.5 * power[top])
     begin = int(np.max(low[low < top], initial=-1)) + 1
@@ -151,9 +138,8 @@ def _locate(frequency: Array, power: Array, top: int) -> float:
 def smooth_spectrum(position: Array, step: float, tapers: int) -> tuple[Array, Array, int]:
     """Return the frequencies (Hz) and heights of a smoothed spectrum, and the number of segments.
 
-    `tapers` is the number of tapers of each segment. Mean and linear trend of each segment are
-    removed. The heights have no unit of their own: only their ratios have a meaning. `position` has
-    the shape (n, axes); `step` is in s.
+    `position` has the shape (n, axes); `step` is in s. Mean and linear trend of each segment are
+    removed. Only ratios of heights have a meaning.
     """
     from scipy.signal import detrend
 

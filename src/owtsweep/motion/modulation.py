@@ -56,14 +56,12 @@ class Modulation:
         self._rates = (self._log.derivative(1), self._log.derivative(2))
 
     def factor(self, time: Array) -> Array:
-        """Return the factor at some times (s), in the shape of `time`."""
         return np.asarray(np.exp(self._log(np.clip(time, *self._ends))))
 
     def rates(self, time: Array) -> tuple[Array, Array]:
         """Return the factor's first (1/s) and second (1/s^2) derivative at some times (s).
 
-        Each has the shape of `time`. At a point itself the second derivative is that of the time
-        after it.
+        At a point itself the second derivative is that of the time after it.
         """
         at = np.clip(time, *self._ends)
         factor, first, second = self.factor(time), self._rates[0](at), self._rates[1](at)
@@ -71,7 +69,6 @@ class Modulation:
 
 
 def _check(points: Sequence[Sequence[float]], name: str) -> None:
-    """Raise `InputError` unless `points` can be the points of a modulation; see `Modulation`."""
     example = "give pairs of time (s) and factor, e.g. [[0,0.1],[500,10],[1000,0.1]]"
     require(len(points) > 0, f"{name}: there is no point; {example}")
     for point in points:
@@ -114,27 +111,17 @@ def modulate(motion: Motion, modulation: Modulation) -> Motion:
 
 @dataclass(frozen=True)
 class ModulatedSource:
-    """A source of motion whose amplitude grows and falls.
-
-    Attributes
-    ----------
-    source
-        The source of the motion along one direction without the modulation.
-    modulation
-        The factor on the displacement, over time.
-    """
+    """A source of motion along one direction, whose amplitude grows and falls."""
 
     source: Source
     modulation: Modulation
 
     @property
     def streams(self) -> tuple[str, ...]:
-        """Names of the random streams that the source draws from."""
         return self.source.streams
 
     @property
     def duration(self) -> float | None:
-        """Duration in s of the longest record that the source can give; None if unbounded."""
         return self.source.duration
 
     def realise(

@@ -35,13 +35,9 @@ DRAG_RATE = 5.0
 
 @dataclass(frozen=True)
 class PlantMotion(Motion):
-    """A motion of the hub, with the tower's rotation there.
+    """A motion of the hub, with its rotation `slope` in rad from t = 0 on, shape (steps,).
 
-    Attributes
-    ----------
-    slope
-        Rotation of the hub in rad from t = 0 on, shape (steps,). Positive: it leans the way that
-        positions count.
+    The slope is positive if the hub leans the way that positions count.
     """
 
     slope: Array
@@ -55,8 +51,6 @@ class Plant:
     ----------
     structure
         The structure; it must stand in water.
-    sea
-        The sea state.
     blades
         Number of mounted blades.
     modes
@@ -95,16 +89,7 @@ class Plant:
         step: float,
         history: int = 0,
     ) -> PlantMotion:
-        """Draw one record of the hub's motion, of any length.
-
-        Parameters
-        ----------
-        stream
-            Function that returns a new random generator, given a name; it is called with "phase".
-        steps, step
-            Number of samples and sampling interval (s).
-        history
-            Number of steps before t = 0 whose positions are kept.
+        """Draw one record of any length, as `Source.realise`, from the stream "phase".
 
         Raises
         ------
@@ -150,18 +135,11 @@ def compute_forces(structure: Structure, waves: Waves) -> tuple[Array, NDArray[n
 
     The forces depend on tubes and water alone: soil and blades change none of them.
 
-    Parameters
-    ----------
-    structure
-        The structure, which stands in water.
-    waves
-        A realisation of a sea.
-
     Returns
     -------
     heights, forces
-        Heights in m, shape (heights,), and complex amplitudes of the forces in N, shape
-        (heights, lines from 0 on), line m at the frequency m / waves.period.
+        Heights in m, shape (heights,), and complex amplitudes of the forces in N, shape (heights,
+        lines from 0 on), line m at the frequency m / waves.period.
     """
     water = structure.water
     assert water is not None  # a Plant has checked it
@@ -186,22 +164,9 @@ def compute_forces(structure: Structure, waves: Waves) -> tuple[Array, NDArray[n
 def respond(
     modes: Modes, heights: Array, forces: NDArray[np.complex128], period: float
 ) -> NDArray[np.complex128]:
-    """Compute how the modes move the hub under forces, as the steady answer.
+    """Compute the hub's steady displacement in each mode under the forces of `compute_forces`.
 
-    Parameters
-    ----------
-    modes
-        The modes of the structure.
-    heights, forces
-        Heights in m, shape (heights,), and complex amplitudes of the forces in N there, shape
-        (heights, lines from 0 on).
-    period
-        Time in s after which the forces repeat.
-
-    Returns
-    -------
-    array
-        Complex amplitudes of the hub's displacement in each mode, m, shape (modes, lines).
+    The forces repeat after `period`, s. Return complex amplitudes in m, shape (modes, lines).
     """
     loads = np.zeros((len(modes.frequency), forces.shape[1]), dtype=complex)
     for shape, force in zip(modes.at(heights), forces, strict=True):

@@ -2,10 +2,10 @@
 
 A Kalman filter can hold the states of such a system, and so know the spectrum. The fit minimises
 the Itakura-Saito divergence of the fitted spectrum plus a floor from the given spectrum plus that
-floor. The floor is the density below which the sensors see nothing of the motion. An estimator
-that believes in a spectrum that is slightly wrong has an excess error in proportion to this
-divergence: Weissman (2010), "The relationship between causal and noncausal mismatched estimation
-in continuous-time AWGN channels", IEEE Trans. Inf. Theory 56(9), for white noise on a signal.
+floor. The floor is the density below which the sensors see nothing of the motion. An estimator that
+assumes a slightly wrong spectrum has an excess error in proportion to this divergence: Weissman
+(2010), "The relationship between causal and noncausal mismatched estimation in continuous-time AWGN
+channels", IEEE Trans. Inf. Theory 56(9), for white noise on a signal.
 
 Spectral densities are computed from the roots of second-order sections. A section is (s + d)^2 +
 w^2, which has the roots -d + i w and -d - i w. The denominator of a filter is a product of
@@ -44,10 +44,9 @@ class Sections:
 
     Attributes
     ----------
-    frequency
-        Frequencies in Hz, increasing, shape (m,).
-    width
-        Width of the interval that each frequency stands for in integrals, Hz, shape (m,).
+    frequency, width
+        Frequencies, increasing, and the width of the interval that each stands for in integrals,
+        Hz, shape (m,) each.
     states
         Number of poles: even, four or more.
     """
@@ -62,10 +61,7 @@ class Sections:
         return self.states // 2
 
     def bounds(self) -> tuple[Array, Array]:
-        """Return the least and the greatest values of the free numbers.
-
-        Resonances are wide enough for the frequencies to show them.
-        """
+        """Return bounds of the free numbers: frequencies show the resonances between them."""
         slowest, fastest = 2.0 * np.pi * self.frequency[[0, -1]]
         least, greatest = np.empty((2, 2 * self.poles - 2, 2))
         least[:, 0], greatest[:, :] = slowest, fastest
@@ -83,10 +79,7 @@ class Sections:
         return np.asarray(density / np.sum(density * self.width))
 
     def slopes(self, free: Array, density: Array) -> Array:
-        """Compute the derivatives of the density by the free numbers, shape (free numbers, m).
-
-        `density` is what the method of this name returns for the free numbers.
-        """
+        """Compute the derivatives of `density` by the free numbers, shape (free numbers, m)."""
         omega2 = (2.0 * np.pi * self.frequency) ** 2
         rows = []
         for sign, w, d in self._factors(free):
@@ -110,9 +103,9 @@ class Sections:
     def list_starts(self, density: Array, floor: Array) -> list[Array]:
         """Return values of the free numbers to start a search from: two ways to spread the poles.
 
-        `density` is what is searched for and `floor` what hides the rest of it, shape (m,) each. A
-        resonance stands at the density's peak. The others are spread over the band in which the
-        density is not far below the floor, with zeros at the band's edges and between the poles.
+        A resonance stands at the peak of `density` (m,). The others are spread over the band in
+        which it is not far below `floor` (m,), with zeros at the band's edges and between the
+        poles.
         """
         seen = self.frequency[density > np.minimum(0.1 * floor, 1e-4 * density.max())]
         first, last = seen[0], max(seen[-1], 1.2 * seen[0])
@@ -147,8 +140,8 @@ class ShapingFilter:
     The noise w has unit intensity: the mean of w(t) w(s) is the delta function of t - s, so the
     covariance of the noise over a step T is about B B' T. Multiply B by a standard deviation in m
     for motion of this standard deviation. A is stable. Velocity and acceleration are the exact
-    derivatives of the position, and linear in the states: neither the position nor the velocity
-    contains the noise w directly, and nor does the acceleration.
+    derivatives of the position, and linear in the states: none of the three contains the noise w
+    directly.
 
     Attributes
     ----------
@@ -192,8 +185,7 @@ def fit_shaping_filter(
         Frequencies in Hz, above zero and increasing, shape (m,). They should reach well beyond the
         band of the motion, and be closer to each other than the width of the spectrum's peak.
     density
-        Density at these frequencies, shape (m,). Its scale does not matter: it is divided by its
-        integral. It may be zero outside a band.
+        Density at these frequencies, shape (m,), of any scale. It may be zero outside a band.
     states
         Number of states, even.
     floor

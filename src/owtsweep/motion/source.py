@@ -1,7 +1,4 @@
-"""The interface of sources of motion, such as spectra and recorded files.
-
-A source is anything that gives a `Motion`.
-"""
+"""The interface of sources of motion, such as spectra and recorded files."""
 
 from __future__ import annotations
 
@@ -28,8 +25,8 @@ class Motion:
     before
         Positions before t = 0, oldest first, m; shape (history,) or (history, axes).
     felt
-        What an accelerometer on the structure feels of this motion, m/s^2, if that is more than
-        the acceleration, because the structure leans; shape as `acceleration`, or None.
+        What an accelerometer on the structure feels of this motion, m/s^2, if that is more than the
+        acceleration, because the structure leans; shape as `acceleration`, or None.
     """
 
     step: float

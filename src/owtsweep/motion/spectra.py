@@ -33,15 +33,9 @@ TABLE_4 = {
 
 @dataclass(frozen=True)
 class Spectrum:
-    """The one-sided spectrum S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
+    """The one-sided spectrum S(f) = a f / (f^2 + b f + c), Eq. (1), for f in Hz and S in m^2/Hz.
 
-    A record that is scaled to a given peak or rms depends on the shape of the spectrum, but not on
-    the coefficient a.
-
-    Attributes
-    ----------
-    a, b, c
-        Coefficients, for frequencies f in Hz and S in m^2/Hz.
+    A record that is scaled to a given peak or rms does not depend on the coefficient a.
     """
 
     a: float
@@ -50,7 +44,7 @@ class Spectrum:
 
     @property
     def peak_frequency(self) -> float:
-        """The frequency of the peak, f* = sqrt(c), in Hz; Eq. (2) of Ren et al. (2019)."""
+        """The frequency of the peak, f* = sqrt(c), in Hz; Eq. (2)."""
         return float(np.sqrt(self.c))
 
     @property
@@ -71,17 +65,10 @@ def translated(natural_period: float, bandwidth: float = TABLE_4_BANDWIDTH) -> S
     """Return a spectrum of fixed half-bandwidth with its peak at 1 / natural_period.
 
     Section 2.2 of Ren et al. (2019) describes the spectra of Table 4 in this way: as one peak that
-    is shifted along the frequency axis. With the natural period T, a constant k, a = 0.4611e-6 T, b
-    = -2/T + k T and c = 1/T^2, the denominator of Eq. (1) is (f - 1/T)^2 + k T f. The peak is at
-    1/T, and its half-bandwidth is sqrt(k) for every T.
-
-    Parameters
-    ----------
-    natural_period
-        The natural period T in s.
-    bandwidth
-        The squared half-bandwidth k in s^-2. The default, 2.4e-4, gives the printed digits of Table
-        4; 6.7e-6 corresponds to 1 % damping.
+    is shifted along the frequency axis. With the natural period T (s), a constant k, a = 0.4611e-6
+    T, b = -2/T + k T and c = 1/T^2, the denominator of Eq. (1) is (f - 1/T)^2 + k T f. The peak is
+    at 1/T, and its half-bandwidth is sqrt(k) for every T. `bandwidth` is k in s^-2; 6.7e-6
+    corresponds to 1 % damping.
     """
     T = natural_period
     return Spectrum(a=AMPLITUDE_PER_PERIOD * T, b=-2.0 / T + bandwidth * T, c=1.0 / T**2)
@@ -119,14 +106,10 @@ KINDS = ("translated", "printed")
 def spectrum(kind: str, natural_period: float, bandwidth: float) -> Spectrum:
     """Return the spectrum of a kind: "translated" or "printed", as the functions of these names do.
 
-    `natural_period` is in s. `bandwidth` is the squared half-bandwidth in s^-2; "printed" does not
-    use it.
-
     Raises
     ------
     InputError
-        If `kind` is neither "translated" nor "printed", or if the printed spectrum does not exist
-        for the natural period.
+        If `kind` is neither, or if the printed spectrum does not exist for the natural period.
     """
     if kind == "translated":
         return translated(natural_period, bandwidth)

@@ -40,17 +40,9 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
     and Burrus (1993), "Efficient computation of the DFT with only a subset of input or output
     points", IEEE Trans. Signal Process. 41(3).
 
-    Parameters
-    ----------
-    bins
-        Complex amplitudes, shape (last + 1,), with bins[0] = 0 and 2 last < samples.
-    samples
-        Number of samples, even.
-
-    Returns
-    -------
-    array
-        Shape (L, samples / L), where samples / L is even. Sample L j + r is in row r, column j.
+    `bins` has the shape (last + 1,), with bins[0] = 0 and 2 last < samples; `samples` is even. The
+    result has the shape (L, samples / L), where samples / L is even: sample L j + r is in row r,
+    column j.
     """
     from scipy.fft import irfft
 
@@ -71,11 +63,10 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
 
 @lru_cache
 def _short_length(last: int, samples: int) -> int:
-    """Choose the length of the short transforms into which a long transform is split.
+    """Choose the length of the short transforms into which one of `samples` samples is split.
 
-    The long transform has `samples` samples. The length is the least even divisor of `samples` that
-    is at least `LEAST` and at least `SHORT` times `last`, the number of the last spectral line.
-    Without such a divisor, the length is `samples`.
+    It is the least even divisor of `samples` that is at least `LEAST` and at least `SHORT` times
+    the number of the last line, or else `samples`.
     """
     for count in range(samples // max(SHORT * last, LEAST), 1, -1):
         if samples % (2 * count) == 0:
@@ -85,11 +76,9 @@ def _short_length(last: int, samples: int) -> int:
 
 @lru_cache(maxsize=2)
 def _turns(bins: int, samples: int, length: int) -> NDArray[np.complex128]:
-    """Compute the factor of each bin in each short transform, shape (samples / length, bins).
+    """Compute exp(2 pi i m r / samples) length / 2 of bin m in short transform r.
 
-    A transform of `samples` samples is split into short ones of the length `length`. The factor for
-    bin m and short transform r is exp(2 pi i m r / samples) times length / 2. `bins` is the number
-    of bins.
+    The shape is (samples / length, bins).
     """
     numbers, first = np.arange(bins), np.arange(samples // length)
     # the exact product modulo a whole turn: a large angle would lose its last digits
@@ -104,9 +93,9 @@ NORMALISATIONS = ("peak", "rms")
 
 
 def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:
-    """Return the numbers m and the frequencies m / period (Hz) of the spectral lines inside a band.
+    """Return the numbers m and the frequencies m / period (Hz) of the lines inside a band.
 
-    `band` is the lower and the upper edge, Hz; lines at the edges are inside. `period` is in s.
+    The edges of the band, which are inside, are in Hz; `period` is in s.
 
     Raises
     ------
@@ -119,10 +108,7 @@ def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], 
 
 
 def line_numbers(band: tuple[float, float], period: float) -> range:
-    """Return the numbers m of the spectral lines m / period (Hz) inside a band, as a range.
-
-    `band` is the lower and the upper edge, Hz; lines at the edges are inside. `period` is in s. A
-    range takes no memory, however many numbers it has.
+    """Return the numbers that `lines` returns as a range, which takes no memory.
 
     Raises
     ------
@@ -154,14 +140,13 @@ def synthesise(
 
     Spectral lines at f_m = m df, df = 1 / (2 duration), inside the band have the amplitude sqrt(2
     S(f_m) df) and a uniform random phase. Position, velocity and acceleration are one inverse
-    Fourier transform each (`transform.interleaved`). The first half of the transform's period is
-    the record, so nothing repeats inside the record. The positions before t = 0 are the end of the
-    second half.
+    Fourier transform each (`interleaved`). The first half of the transform's period is the record,
+    so nothing repeats inside the record. The positions before t = 0 are the end of the second half.
 
     Parameters
     ----------
     spectrum
-        The spectrum. Only its shape matters, because the record is normalised.
+        Only its shape matters, because the record is normalised.
     phase
         Random generator of the phases. Line m always takes the random number of index m. So moving
         an edge of the band does not change the phases of lines that stay inside.
@@ -211,19 +196,7 @@ def displacement(
 ) -> Array:
     """Draw one record of displacement along one direction, not normalised; shape (steps,), in m.
 
-    `synthesise` with the same spectrum, phases, steps and band draws the same displacement,
-    multiplied by a factor.
-
-    Parameters
-    ----------
-    spectrum
-        The spectrum of the displacement.
-    phase
-        Random generator of the phases.
-    steps, step
-        Number of samples and sampling interval (s).
-    band
-        Lower and upper edge of the band in which spectral lines are drawn, Hz.
+    `synthesise` with the same arguments draws the same displacement, multiplied by a factor.
 
     Raises
     ------
@@ -241,12 +214,7 @@ def _drawn_lines(
     step: float,
     band: tuple[float, float],
 ) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
-    """Draw the spectral lines of a record: numbers, frequencies (Hz) and complex amplitudes (m).
-
-    All three have shape (lines,). The record has `steps` samples at the interval `step` (s); line m
-    has the frequency m / (2 steps step). Only lines inside `band` (lower and upper edge, Hz) are
-    drawn. `phase` is the random generator of the phases.
-    """
+    """Draw the lines of a record: numbers, frequencies (Hz), complex amplitudes (m)."""
     period = 2 * steps * step
     numbers, frequency = lines(band, period)
     amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
@@ -255,43 +223,26 @@ def _drawn_lines(
 
 
 def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: int) -> Array:
-    """Compute the 2 * steps samples of a whole period from its spectral lines.
-
-    `numbers` and `line` hold the number and the complex amplitude of each line, shape (lines,). The
-    result has shape (L, 2 * steps / L): successive samples are in a column, as
-    `transform.interleaved` arranges them.
-    """
+    """Compute the 2 * steps samples of a whole period, arranged as by `interleaved`."""
     bins = np.zeros(numbers[-1] + 1, dtype=complex)
     bins[numbers] = line
     return interleaved(bins, 2 * steps)
 
 
 def _first_half(whole: Array) -> Array:
-    """Return the first half of the samples of a period, shape (L, samples / L / 2).
-
-    `whole` holds all samples, shape (L, samples / L): successive samples are in a column, as
-    `transform.interleaved` arranges them.
-    """
+    """Return the first half of the samples of a period, arranged as by `interleaved`."""
     return whole[:, : whole.shape[1] // 2]
 
 
 def _newest(whole: Array, count: int) -> Array:
-    """Return the last `count` samples of a period, in order of time.
-
-    `whole` holds all samples, shape (L, samples / L): successive samples are in a column, as
-    `transform.interleaved` arranges them.
-    """
+    """Return the last `count` samples of a period, in order of time."""
     columns = -(-count // len(whole))
     some = whole[:, whole.shape[1] - columns :].T.reshape(-1)
     return some[len(some) - count :]
 
 
 def _put(rows: Array, scale: float, out: Array) -> None:
-    """Write samples times `scale` to `out`, in order of time.
-
-    `rows` holds the samples, shape (L, samples / L): successive samples are in a column, as
-    `transform.interleaved` arranges them. `out` has shape (samples,).
-    """
+    """Write samples, arranged as by `interleaved`, times `scale` to `out`, in order of time."""
     np.multiply(rows.T, scale, out=out.reshape(rows.T.shape))
 
 
@@ -299,15 +250,7 @@ def _put(rows: Array, scale: float, out: Array) -> None:
 class SpectralSource:
     """A source of motion along one direction: records of a spectrum with random phases.
 
-    Attributes
-    ----------
-    spectrum
-        The spectrum. Only its shape matters, because records are normalised.
-    band
-        Lower and upper edge of the band in which spectral lines are drawn, Hz.
-    normalise
-        "peak": the largest displacement of a record is 1 m, up to its sign. "rms": the standard
-        deviation of the displacement is 1 m.
+    Attributes are as the arguments of `synthesise`.
     """
 
     spectrum: Spectrum
@@ -324,16 +267,7 @@ class SpectralSource:
         step: float,
         history: int = 0,
     ) -> Motion:
-        """Draw one record of the motion, of any length.
-
-        Parameters
-        ----------
-        stream
-            Function that returns a new random generator, given a name; it is called with "phase".
-        steps, step
-            Number of samples and sampling interval (s).
-        history
-            Number of steps before t = 0 whose positions are kept.
+        """Draw one record of any length, as `Source.realise`, from the stream "phase".
 
         Raises
         ------

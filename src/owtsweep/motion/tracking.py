@@ -114,11 +114,10 @@ class SpectrumTracker:
         return self.chosen
 
     def measure_above(self, force: Array) -> Motion:
-        """Estimate the motion above the band, where no candidate has any.
+        """Estimate the motion above the band, where no candidate has any; `force` is as for `look`.
 
-        `force` is as for `look`. The estimate begins at `ABOVE` times the band's upper edge, which
-        a Hann window keeps free of what is inside the band. A variance may be slightly below zero,
-        by chance.
+        The estimate begins at `ABOVE` times the band's upper edge, which a Hann window keeps free
+        of what is inside the band. A variance may be slightly below zero, by chance.
         """
         step, noise, _, band = self._given
         above, second, fourth = _list_above(len(force), step, band[1])
@@ -138,7 +137,6 @@ def compute_periodogram(force: Array, step: float, ordinates: slice[int]) -> Arr
 
 @lru_cache(64)
 def _make_window(length: int) -> tuple[Array, float]:
-    """Return the Hann window (length,) and the sum of its squares."""
     window = np.hanning(length)
     return window, float(np.sum(window**2))
 
@@ -161,10 +159,8 @@ def compute_log_likelihood(
         Sampling interval, s.
     noise
         One-sided density of the white noise, (m/s^2)^2/Hz.
-    lean
-        Specific force by leaning, s^-2.
-    band
-        Edges of the band of the motion, Hz.
+    lean, band
+        Specific force by leaning, s^-2, and edges of the band of the motion, Hz.
     shape
         Indices of the period and the bandwidth of the candidates; () for those of all shapes.
 
@@ -185,7 +181,6 @@ def _make_models(
     """Return 1 / density of all candidates, the sum of log densities, and the ordinates they use.
 
     The shapes are (periods, bandwidths, variances, ordinates) and (periods, bandwidths, variances).
-    The ordinates are those of a record of `length` samples.
     """
     frequency = np.fft.rfftfreq(length, step)
     inside = _find_ordinates(frequency, *band)
@@ -203,10 +198,7 @@ def _make_models(
 
 @lru_cache(64)
 def _list_above(length: int, step: float, edge: float) -> tuple[slice[int], Array, Array]:
-    """Return where the ordinates above a band with an upper edge (Hz) are, and powers 2 and 4.
-
-    The powers are those of the angular frequencies, rad/s, of these ordinates.
-    """
+    """Return where the ordinates above an edge (Hz) are, and powers 2 and 4 of their rad/s."""
     frequency = np.fft.rfftfreq(length, step)
     above = _find_ordinates(frequency, ABOVE * edge, 0.4 / step)
     omega = 2.0 * np.pi * frequency[above]
@@ -221,8 +213,5 @@ def _find_ordinates(frequency: Array, low: float, high: float) -> slice[int]:
 
 
 def _list_lengths(step: float) -> list[int]:
-    """Return the numbers of samples, rising, of which periodograms are made.
-
-    They are few, because the models of a length are kept.
-    """
+    """Return the few numbers of samples of which periodograms are made: models are kept."""
     return [round(seconds / step) for seconds in (LEAST, OF_VARIANCE, 90.0, 120.0, 180.0, OF_SHAPE)]

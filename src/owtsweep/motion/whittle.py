@@ -31,37 +31,32 @@ LONG = 1 << 22
 
 @dataclass(frozen=True)
 class Fit:
-    """A spectrum fitted to a record, and measures of how well the spectrum fits.
-
-    The spectrum S(f) is Eq. (1) of Ren et al. (2019). Lines are the frequencies f_j of the record's
-    periodogram; I_j is the periodogram's value at f_j.
+    """A spectrum S(f), Eq. (1), fitted to a record, and measures of how well the spectrum fits.
 
     Attributes
     ----------
     spectrum
         The fitted coefficients a, b, c of the one-sided density, m^2/Hz.
     natural_period
-        Natural period, 1 divided by the frequency of the peak, s.
+        1 divided by the frequency of the peak, s.
     bandwidth
         Square of the half-bandwidth, s^-2.
     errors
         Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the expected
-        Hessian of the likelihood (the Fisher information); these are valid if the shape of Eq. (1)
-        is right.
+        Hessian of the likelihood (the Fisher information); valid if the shape of Eq. (1) is right.
     band, lines
         Lower and upper edge of the fitted band, Hz, and the number of lines inside the band.
     band_share
         Share of the record's variance (mean and trend removed) that lies inside the band.
     explained
-        Share of the band's variance that the fitted curve accounts for. Periodogram and curve are
-        smoothed over 9 lines. The share is the area that lies under both smoothed curves, divided
-        by the area under the smoothed periodogram. A curve of the right shape reaches about 0.87,
-        because the periodogram scatters.
+        Share of the band's variance that the fitted curve accounts for: the area that lies under
+        both curves, smoothed over 9 lines, divided by that under the periodogram. A curve of the
+        right shape reaches about 0.87, because the periodogram scatters.
     probability
-        The p-value of Bartlett's test that the shape of Eq. (1) is right. If the shape is right,
-        the accumulated I_j / S(f_j) are a straight line up to scatter. The p-value is the
-        probability of a departure from a straight line at least as large as observed. The value
-        tends to be too large, because the shape was fitted to the record itself.
+        The p-value of Bartlett's test that the shape of Eq. (1) is right. If it is, the accumulated
+        I_j / S(f_j) are a straight line up to scatter, and this is the probability of a departure
+        at least as large as observed. The value tends to be too large, because the shape was fitted
+        to the record itself.
     warnings
         What is wrong with the fit, in words; empty for a good fit.
     """
@@ -86,12 +81,7 @@ class Fit:
 def periodogram(position: Array, step: float) -> tuple[Array, Array]:
     """Compute the one-sided periodogram of a record; mean and linear trend are removed first.
 
-    Parameters
-    ----------
-    position
-        Positions in m, shape (n,), or (axes, n): the periodograms of the axes are added.
-    step
-        Sampling interval, s.
+    `position` is in m, shape (n,), or (axes, n): the periodograms of the axes are added.
 
     Returns
     -------
@@ -113,12 +103,10 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
 
 
 def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
-    """Compute the one-sided periodogram of a long record, in little memory.
+    """Compute the one-sided periodogram of a long record, shape (axes, n), in little memory.
 
-    `series` are positions in m, shape (axes, n); `step` is the sampling interval, s. Return
-    frequencies (Hz) and the sum of the axes' spectral densities (m^2/Hz), without the frequency
-    zero. The last samples, at most 4 in 1000, are left out. Mean and trend are removed one after
-    the other, since a straight line over [-1, 1] has the mean zero.
+    The last samples, at most 4 in 1000, are left out. Mean and trend are removed one after the
+    other, since a straight line over [-1, 1] has the mean zero.
     """
     from scipy.fft import next_fast_len, rfft
 
@@ -141,11 +129,9 @@ def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
 
 
 def _make_one_sided(power: Array, n: int, step: float) -> tuple[Array, Array]:
-    """Scale squared Fourier coefficients to a one-sided density, in place.
+    """Scale squared Fourier coefficients of n samples to a one-sided density, in place.
 
-    `power` holds the squared magnitudes of the coefficients of n samples at the interval `step`
-    (s), shape (n // 2 + 1,). Return frequencies (Hz) and density (m^2/Hz), without the frequency
-    zero.
+    Return frequencies (Hz) and density (m^2/Hz), without the frequency zero.
     """
     power *= 2.0 * step / n
     if n % 2 == 0:
@@ -157,14 +143,8 @@ def _make_one_sided(power: Array, n: int, step: float) -> tuple[Array, Array]:
 def fit(position: Array, step: float, *, band: tuple[float, float] = BAND) -> Fit:
     """Fit the spectrum of Eq. (1) of Ren et al. (2019) to a record.
 
-    Parameters
-    ----------
-    position
-        Positions in m, shape (n,), or (axes, n): the sum of the axes' spectra is fitted.
-    step
-        Sampling interval, s.
-    band
-        Lower and upper edge of the band to fit, Hz; lines at the edges are inside.
+    `position` is in m, shape (n,), or (axes, n): the sum of the axes' spectra is fitted. The edges
+    of the band are in Hz, inclusive.
 
     Raises
     ------
@@ -176,21 +156,9 @@ def fit(position: Array, step: float, *, band: tuple[float, float] = BAND) -> Fi
 
 
 def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAND) -> Fit:
-    """Fit the spectrum of Eq. (1) of Ren et al. (2019) to a periodogram.
+    """Fit the spectrum of Eq. (1) of Ren et al. (2019) to what `periodogram` returns.
 
-    Parameters
-    ----------
-    frequency, power
-        Frequencies (Hz) and spectral densities (m^2/Hz) of the lines, as `periodogram` returns
-        them.
-    band
-        Lower and upper edge of the band to fit, Hz; lines at the edges are inside.
-
-    Raises
-    ------
-    InputError
-        If fewer than `FEWEST_LINES` lines lie in the band, if the record has no motion in the band,
-        or if positions are missing.
+    Arguments and errors are those of `fit`.
     """
     df = float(frequency[0])
     inside = (frequency >= band[0] * (1 - 1e-9)) & (frequency <= band[1] * (1 + 1e-9))
@@ -233,8 +201,7 @@ def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> 
     """Find the peak frequency (Hz) and squared half-bandwidth (s^-2) of greatest likelihood.
 
     The search begins on a coarse grid and ends with Nelder and Mead's simplex method. `f` (Hz) and
-    `observed` (m^2/Hz) are the frequencies and densities of the periodogram's lines inside `band`
-    (lower and upper edge, Hz). `df` is the distance between two neighbouring lines, Hz.
+    `observed` (m^2/Hz) are the lines inside `band`; `df` is the distance between two lines, Hz.
     """
     from scipy.optimize import minimize
 
@@ -258,12 +225,10 @@ def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> 
 
 
 def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
-    """Return the standard errors of a fit: name -> standard error.
+    """Return the standard errors of a fit: name, as in `Fit.errors`, -> standard error.
 
-    The names are a, b, c, natural_period, bandwidth and half_bandwidth. `f` are the frequencies of
-    the lines, Hz; `a`, `peak` (Hz) and `k` (squared half-bandwidth, s^-2) are the fitted parameters
-    of the spectrum S. Standard errors are computed from the Fisher information: the sum, over the
-    lines, of the outer products of the derivatives of log S with respect to the parameters.
+    They come from the Fisher information: the sum, over the lines `f` (Hz), of the outer products
+    of the derivatives of log S with respect to a, the peak (Hz) and k (s^-2).
     """
     below = (f - peak) ** 2 + (k / peak) * f
     slopes = np.array(
@@ -290,11 +255,7 @@ def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, flo
 
 
 def _measure_overlap(observed: Array, fitted: Array, lines: int = 9) -> float:
-    """Return the area that lies under both curves, divided by the area under the observed curve.
-
-    `observed` and `fitted` are the heights of the curves at the same frequencies. Both curves are
-    first smoothed: each point becomes the mean of `lines` neighbouring points.
-    """
+    """Return the area under both smoothed curves, divided by that under the observed one."""
     window = np.ones(lines) / lines
     smooth, curve = (np.convolve(series, window, "valid") for series in (observed, fitted))
     return float(np.minimum(smooth, curve).sum() / smooth.sum())
@@ -304,9 +265,7 @@ def _test_shape(ratio: Array) -> float:
     """Return the p-value of Bartlett's test that a fitted spectrum has the right shape.
 
     `ratio` is the periodogram divided by the fitted spectrum, in order of frequency, shape
-    (lines,). If the shape is right, the running sum of the ratios is a straight line up to scatter.
-    The p-value is the probability that the sum departs from the straight line at least as far as
-    observed.
+    (lines,). If the shape is right, its running sum is a straight line up to scatter.
     """
     from scipy.special import kolmogorov
 

@@ -32,10 +32,9 @@ _SPARSEST, _ORDINARY = 1000, 10_000_000
 class Cube:
     """The values of a run as arrays, with one axis each for scheme, conditions, measure and so on.
 
-    An element is NaN where there is no value. Below, "outer conditions" are all conditions but the
-    last; each outer condition has an axis. A superposed row serves all values of the last
-    condition, the amplitude. The values at each amplitude are computed on request from the products
-    in superposed rows, because they would not fit into memory.
+    An element is NaN where there is no value. "Outer conditions" are all but the last; each has an
+    axis. The values at each amplitude, the last condition, are computed on request from the
+    products in superposed rows, because they would not fit into memory.
 
     Attributes
     ----------
@@ -44,14 +43,14 @@ class Cube:
     conditions, levels
         The study's conditions, and the values of each condition.
     products
-        The columns `PRODUCTS` (motion, cross, noise) of superposed rows, shape (3, scheme, *outer,
-        measure, window, replicate); None without superposed rows.
+        The columns `PRODUCTS` of superposed rows, shape (3, scheme, *outer, measure, window,
+        replicate); None without superposed rows.
     direct
         Values of rows that have a value of the last condition, shape (scheme, *conditions, measure,
         window, replicate); None without such rows.
     unable
-        Table of schemes that were unable to work under some conditions. One line per scheme and
-        combination of conditions; columns scheme, conditions, reason.
+        Schemes that were unable to work under some conditions. One line per scheme and combination
+        of conditions; columns scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -66,7 +65,7 @@ class Cube:
 
     @property
     def empty(self) -> bool:
-        """True if the cube has no value at all, else False."""
+        """Whether the cube has no value at all."""
         return self.products is None and self.direct is None
 
     @property
@@ -75,41 +74,22 @@ class Cube:
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
-        """Yield every combination of the outer conditions as a tuple of indices.
-
-        The outer conditions are all conditions but the last. The last index of a tuple changes
-        fastest. Nothing is yielded if the cube is empty.
-        """
+        """Yield the combinations of the outer conditions as indices, the last one fastest."""
         if not self.empty:
             yield from np.ndindex(*(len(levels) for levels in self.levels[:-1]))
 
     def name_outer(self, place: tuple[int, ...]) -> dict[str, Value]:
-        """Return condition -> value for all conditions but the last.
-
-        `place` holds the index of each condition's value.
-        """
+        """Return condition -> value for the outer conditions; `place` holds their indices."""
         outer = zip(self.names, self.levels, place, strict=False)  # the last condition has no index
         return {name: levels[index] for name, levels, index in outer}
 
     def values(
         self, scheme: int, place: tuple[int, ...], measures: Sequence[int] | None = None
     ) -> Array:
-        """Return the values of one scheme under one combination of all conditions but the last.
+        """Return the values of one scheme at one `place` (indices of the outer conditions).
 
-        Parameters
-        ----------
-        scheme
-            Index of the scheme.
-        place
-            Indices of the values of all conditions but the last.
-        measures
-            Indices of the measures to return; by default all measures.
-
-        Returns
-        -------
-        array
-            Axes: value of the last condition, measure, window, replicate. An element is NaN where
-            there is no value.
+        Axes: value of the last condition, measure (all, or those with the indices `measures`),
+        window, replicate.
 
         Raises
         ------
@@ -134,10 +114,9 @@ class Cube:
     ) -> dict[str, object]:
         """Return the labels of some elements of `values(scheme, place)` as columns: name -> labels.
 
-        `scheme` and `place` are indices, as for `values`. The columns are scheme and conditions,
-        then measure, window and replicate. `indices` has one array of indices for each axis of
-        `values`: last condition, measure, window, replicate. If the array for the replicates is
-        left out, so is the column replicate.
+        The columns are scheme and conditions, then measure, window and replicate. `indices` has one
+        array of indices for each axis of `values`; without that of the replicates, there is no such
+        column.
         """
         import pandas as pd
 
@@ -150,7 +129,7 @@ class Cube:
         return columns
 
     def to_table(self) -> pd.DataFrame:
-        """Make a table of one line per value; elements that are NaN have no line.
+        """Make a table of one line per value that is not NaN.
 
         Columns: scheme, conditions, measure, window, replicate, value.
         """
@@ -176,9 +155,7 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """Make the cube from a run's rows.
-
-        The cube takes a tenth of the memory of the table that `to_table` makes.
+        """Make the cube from a run's rows; it takes a tenth of the memory of `to_table`.
 
         Parameters
         ----------
@@ -186,15 +163,11 @@ class Cube:
             The rows of a run's cases. A row that failed, lacks a label (such as its window), or has
             no number up to `LARGEST` is left out. If a scheme was unable to work under a
             combination of conditions, all rows of that scheme and combination are left out.
-        schemes
-            The schemes that take part.
-        conditions
-            The study's conditions.
         grid
-            Condition -> values. If the last condition expands (one computed result serves all its
-            values), rows at values of this condition that `grid` does not have are left out.
+            If the last condition expands, rows at values of it that `grid` does not have are left
+            out.
         measures
-            The order of measures in tables. Measures that are not named here follow alphabetically.
+            The order of measures in tables. Others follow alphabetically.
 
         Raises
         ------
@@ -238,10 +211,7 @@ class Cube:
 
 
 def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.DataFrame:
-    """Return one table with the lines of all tables in `parts`, in this order.
-
-    If no table has a line, return an empty table with the columns `columns`.
-    """
+    """Return one table with the lines of all tables; without any, an empty one with `columns`."""
     import pandas as pd
 
     filled = [part for part in parts if len(part)]
@@ -251,11 +221,7 @@ def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.Data
 def _choose(
     rows: pd.DataFrame, schemes: Sequence[str], conditions: Sequence[Condition], grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Choose the rows to use; return two masks of the rows.
-
-    The first mask marks superposed rows, which serve all values of the last condition. The second
-    mask marks rows that have one value of the last condition.
-    """
+    """Return masks of superposed rows to use, and of rows with one value of the last condition."""
     *outer, last = conditions
     finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
     for name in ("measure", "window", "replicate", *(c.name for c in outer)):
@@ -289,20 +255,10 @@ def _arrange(
     axes: Sequence[str],
     columns: Sequence[str],
 ) -> Array:
-    """Arrange numbers of the chosen rows as an array with the axes (columns, *axes).
+    """Arrange numbers of the chosen rows as an array with the axes (columns, *axes), or NaN.
 
-    An element is NaN where there is no row.
-
-    Parameters
-    ----------
-    rows, chosen
-        The rows of a run, and a mask of those to use.
-    labels
-        Name of an axis -> its labels, in the order of the axis.
-    axes
-        Names of the axes. The column of the same name says where on the axis a row belongs.
-    columns
-        Names of the columns whose numbers are arranged.
+    `labels` maps each of `axes` to its labels in order; the column of the same name says where on
+    the axis a row belongs.
 
     Raises
     ------
@@ -336,10 +292,7 @@ def _arrange(
 
 
 def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> ExtensionArray:
-    """Return the values of the column `name` in the chosen rows; no copy if all rows are chosen.
-
-    `chosen` is a mask of the rows.
-    """
+    """Return the column `name` in the chosen rows; no copy if all rows are chosen."""
     column: ExtensionArray = rows[name].array
     return column if chosen.all() else column[chosen]
 

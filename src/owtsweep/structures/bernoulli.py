@@ -102,18 +102,8 @@ def assemble_cut(
 ) -> PlaneBeam:
     """Assemble the free beam between two cuts, without soil and bodies at its ends.
 
-    Each tube (divided at the mudline and at the sea level) is one element.
-
-    Parameters
-    ----------
-    structure
-        The structure, checked.
-    low, high
-        Heights of the cuts above mean sea level in m, at ends of tubes.
-    gravity
-        Whether the weight above softens the beam.
-    subdivision
-        Into how many elements each tube is divided.
+    Each tube (divided at the mudline and at the sea level) is `subdivision` elements. The cuts are
+    in m above mean sea level. With `gravity` the weight above softens the beam.
 
     Raises
     ------
@@ -130,9 +120,7 @@ def assemble_cut(
 
 
 def list_nodes(structure: Structure, low: float, high: float) -> Array:
-    """Return the heights (m above mean sea level) of the nodes between two cuts, upwards.
-
-    `low` and `high` are the heights of the cuts, which are nodes too.
+    """Return the heights (m above mean sea level) of the nodes from one cut to another.
 
     Raises
     ------
@@ -168,8 +156,6 @@ def assemble_whole(
 
     Parameters
     ----------
-    structure
-        The structure, checked.
     side
         Whether motion is across the wind, where bodies have another inertia.
     gravity
@@ -190,7 +176,6 @@ def assemble_whole(
 
 
 def _ends(structure: Structure) -> Array:
-    """Return the heights (m) of the ends of all spans, upwards."""
     spans = list(structure.spans())
     return np.array([spans[0][1], *(high for _, _, high in spans)])
 
@@ -240,8 +225,7 @@ def _add_bodies(
 def moment_matrix(structure: Structure, beam: PlaneBeam) -> Array:
     """Return B with M = B u, the bending moments E I w'' at the nodes in N m, (nodes, 2 nodes).
 
-    At a node between two elements the mean of their moments counts: they differ by inertia loads
-    inside the elements only.
+    Between two elements the mean of their moments counts: they differ by inertia loads only.
     """
     nodes = len(beam.heights)
     below, above = np.zeros((2, nodes, 2 * nodes))
@@ -259,10 +243,10 @@ def moment_matrix(structure: Structure, beam: PlaneBeam) -> Array:
 
 
 def stress_matrix(structure: Structure, beam: PlaneBeam) -> Array:
-    """Return S with stress = S u: bending stress (Pa) at the outer fibre of each node.
+    """Return S with stress = S u: bending stress (Pa) at the outer fibre, (nodes, 2 nodes).
 
-    The shape is (nodes, 2 nodes). Positive is tension where w is negative (upwind, for a load along
-    w). Where the wall changes at a node, the weaker section counts.
+    Positive is tension where w is negative (upwind, for a load along w). Where the wall changes at
+    a node, the weaker section counts.
     """
     return _fibre(structure, beam)[:, None] * moment_matrix(structure, beam)
 

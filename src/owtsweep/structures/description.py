@@ -49,10 +49,7 @@ MOST_MASS, MOST_INERTIA, MOST_DENSITY, MOST_OFFSET = 1e9, 1e14, 1e5, 1e3
 
 
 class Tube(Section):
-    """A tube between two heights; diameter and wall thickness may change linearly.
-
-    `diameter` and `thickness` hold the values at the bottom and at the top.
-    """
+    """A tube between two heights; diameter and thickness are those at bottom and top."""
 
     name: str = key("name of the tube, for messages")
     bottom: Finite = key("height of the lower end above mean sea level", unit="m")
@@ -64,11 +61,9 @@ class Tube(Section):
     poissons_ratio: float = key("Poisson's ratio", default=0.3, ge=0.0, lt=0.5)
 
     def outer(self, height: Array) -> Array:
-        """Compute the outer diameter, m, at heights in m."""
         return np.interp(height, [self.bottom, self.top], self.diameter)
 
     def inner(self, height: Array) -> Array:
-        """Compute the inner diameter, m, at heights in m."""
         wall = np.interp(height, [self.bottom, self.top], self.thickness)
         return np.asarray(self.outer(height) - 2.0 * wall)
 
@@ -81,7 +76,6 @@ class Tube(Section):
         return np.asarray(np.pi / 64.0 * (self.outer(height) ** 4 - self.inner(height) ** 4))
 
     def check(self) -> None:
-        """Raise `InputError` if the tube's numbers do not fit together."""
         where = f"structure.tubes.{self.name}"
         require(
             self.top > self.bottom,
@@ -188,7 +182,6 @@ class Foundation(Section):
     rotation: Positive = key("moment per rotation", unit="N m")
 
     def matrix(self) -> Array:
-        """Return K0, shape (2, 2)."""
         return np.array([[self.lateral, self.coupling], [self.coupling, self.rotation]])
 
 
@@ -242,9 +235,9 @@ class Structure(Section):
     def spans(self) -> Iterator[tuple[Tube, float, float]]:
         """Yield pieces of tubes that neither the mudline nor the sea level divides.
 
-        Each is the tube and the heights of the piece's lower and upper end, m. A piece begins where
-        the piece below ends; so a gap of rounding between two tubes is closed. No piece is shorter
-        than `SHORTEST`: a cut that is nearer to the last one, or to the tube's top, is left out.
+        Each is the tube and the heights of the piece's ends, m. A piece begins where the piece
+        below ends; so a gap of rounding between two tubes is closed. No piece is shorter than
+        `SHORTEST`: a cut that is nearer to the last one, or to the tube's top, is left out.
         """
         cuts = sorted((self.mudline, 0.0, *(p.height for p in self.points)))
         low = self.bottom

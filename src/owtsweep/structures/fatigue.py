@@ -21,10 +21,9 @@ class Cycles:
 
     Attributes
     ----------
-    ranges
-        Largest less smallest value of each cycle, in the history's unit; above zero.
-    means
-        Middle between both values.
+    ranges, means
+        Largest less smallest value of each cycle, above zero, and the middle between both, in the
+        history's unit.
     counts
         1 for a closed cycle, 0.5 for one of the residue.
     """
@@ -35,15 +34,10 @@ class Cycles:
 
 
 def count_cycles(history: Array) -> Cycles:
-    """Count the cycles of a history by rainflow (ASTM E1049, section 5.4.4).
+    """Count the cycles of a history, shape (steps,), by rainflow (ASTM E1049, section 5.4.4).
 
     Closed cycles are counted by the four-point method, and each range of the residue as half a
     cycle. The first and the last sample count as turning points. Nothing is binned or filtered.
-
-    Parameters
-    ----------
-    history
-        Stress, or any load, shape (steps,).
 
     Raises
     ------
@@ -73,17 +67,10 @@ def count_cycles(history: Array) -> Cycles:
 def correct_means(cycles: Cycles, ultimate_strength: float = ULTIMATE_STRENGTH) -> Array:
     """Return stress ranges of the same damage about a mean of zero, by Goodman (Eq. 32).
 
-    S_0 = S / (1 - mean / ultimate strength); a mean in compression shortens the range, as printed.
-    Where the mean is at or above the ultimate strength, the corrected range is infinite: the weld
-    breaks. That is no error, because the stress may be the estimate of a scheme that drifts away,
-    and a damage without bound is then the right answer.
-
-    Parameters
-    ----------
-    cycles
-        Cycles of stress in Pa, tension positive.
-    ultimate_strength
-        In Pa.
+    S_0 = S / (1 - mean / ultimate strength), all in Pa, tension positive; a mean in compression
+    shortens the range, as printed. Where the mean is at or above the ultimate strength, the
+    corrected range is infinite: the weld breaks. That is no error, because the stress may be the
+    estimate of a scheme that drifts away, and a damage without bound is then the right answer.
     """
     left = 1.0 - cycles.means / ultimate_strength
     ranges = np.full(len(left), np.inf)
@@ -96,14 +83,7 @@ def sum_damage(
 ) -> float:
     """Return Miner's damage of counted stress cycles (Eqs. 30-31); a weld fails at 1.
 
-    Parameters
-    ----------
-    cycles
-        Cycles of stress in Pa.
-    curve
-        S-N curve of the weld.
-    ultimate_strength
-        For Goodman's correction, in Pa; infinite for none.
+    Cycles are in Pa; so is `ultimate_strength`, which is infinite for no correction of means.
     """
     ranges = correct_means(cycles, ultimate_strength)
     return float(cycles.counts @ curve.spend(ranges))
@@ -114,9 +94,11 @@ def compute_damage(
     curves: SNCurve | Sequence[SNCurve],
     ultimate_strength: float = ULTIMATE_STRENGTH,
 ) -> Array:
-    """Compute the fatigue damage of welds from their stress histories, without unit.
+    """Compute the fatigue damage of welds from their stress histories, without unit, (welds,).
 
-    The damage is that of the histories' length: of 10 minutes for histories of 10 minutes.
+    The damage is that of the histories' length: of 10 minutes for histories of 10 minutes. It is
+    infinite for a weld whose mean stress in some cycle is at or above the ultimate strength (see
+    `correct_means`).
 
     Parameters
     ----------
@@ -126,12 +108,6 @@ def compute_damage(
         One S-N curve for all welds, or one for each.
     ultimate_strength
         For Goodman's correction, in Pa; infinite for none.
-
-    Returns
-    -------
-    array
-        Shape (welds,). Infinite for a weld whose mean stress in some cycle is at or above the
-        ultimate strength (see `correct_means`).
 
     Raises
     ------
@@ -154,23 +130,10 @@ def compute_damage(
 def find_equivalent_range(cycles: Cycles, m: float, reference_cycles: float) -> float:
     """Return the damage-equivalent range: (sum of count range^m / reference cycles)^(1/m).
 
-    On an S-N curve of one branch with the exponent m, `reference_cycles` cycles of this range do
-    the same damage as the history. Means are left out. For a load, the result is called
+    On an S-N curve of one branch with the exponent m, `reference_cycles` cycles of this range, e.g.
+    600 for ten minutes at 1 Hz, do the same damage as the history. Means are left out. The result
+    is in the unit of the ranges, and 0 for a constant history. For a load, it is called
     damage-equivalent load.
-
-    Parameters
-    ----------
-    cycles
-        Counted cycles, of stress or of a load.
-    m
-        Exponent of the S-N curve.
-    reference_cycles
-        E.g. 600 for ten minutes at 1 Hz.
-
-    Returns
-    -------
-    float
-        In the unit of the ranges; 0 for a constant history.
     """
     require(m > 0.0, f"m: the exponent must be above 0, not {m:g}")
     require(

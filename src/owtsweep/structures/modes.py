@@ -67,15 +67,7 @@ class Beam:
 
 
 def assemble(structure: Structure, blades: int = 0) -> Beam:
-    """Assemble the matrices of a structure with some blades mounted.
-
-    Parameters
-    ----------
-    structure
-        The structure, checked.
-    blades
-        Number of blades on the hub.
-    """
+    """Assemble the matrices of a structure with some blades mounted."""
     from scipy.sparse import bmat, lil_matrix
     from skfem import Basis, BilinearForm, ElementLineP1, ElementLineP2, MeshLine
 
@@ -178,16 +170,7 @@ class Modes:
 
 
 def compute_modes(structure: Structure, count: int = 4, blades: int = 0) -> Modes:
-    """Compute the lowest modes of a structure with some blades mounted.
-
-    Parameters
-    ----------
-    structure
-        The structure, checked.
-    count
-        Number of modes.
-    blades
-        Number of blades on the hub, 0 to 3.
+    """Compute the `count` lowest modes of a structure with 0 to 3 blades mounted.
 
     Raises
     ------

@@ -55,8 +55,6 @@ def reduce_free(
 
     Parameters
     ----------
-    beam
-        A beam without supports.
     interfaces
         Degrees of freedom on which unknown forces and moments act.
     normal
@@ -69,7 +67,7 @@ def reduce_free(
     Raises
     ------
     InputError
-        If the beam has fewer modes than asked for.
+        If the beam has fewer modes.
     """
     from scipy.linalg import eigh
 
@@ -107,14 +105,7 @@ def reduce_free(
 
 
 def reduce_held(beam: PlaneBeam, count: int) -> Reduced:
-    """Reduce a beam that stands to its lowest modes.
-
-    Parameters
-    ----------
-    beam
-        A beam that soil, a foundation or a clamp holds.
-    count
-        Number of modes.
+    """Reduce a beam that soil, a foundation or a clamp holds to its `count` lowest modes.
 
     Raises
     ------

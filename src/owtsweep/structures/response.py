@@ -43,10 +43,9 @@ def respond(
     wanted: Outputs,
     lead: int = 0,
 ) -> Array:
-    """Compute outputs of a structure under loads, at every sample.
+    """Compute outputs of a structure under loads at every sample, shape (steps - lead, outputs).
 
-    At the first sample the structure rests as the loads of that sample bend it, so nothing jumps
-    there.
+    At the first sample the structure rests as the loads of that sample bend it, so nothing jumps.
 
     Parameters
     ----------
@@ -55,18 +54,9 @@ def respond(
     loads
         Loads on the degrees of freedom for unit series, shape (dof, series).
     series
-        The series f, shape (steps, series), linear between samples.
-    step
-        Sampling interval in s.
-    wanted
-        The outputs.
+        The series f, shape (steps, series), linear between samples, which are `step` (s) apart.
     lead
         Number of samples at the beginning that are left out of the result.
-
-    Returns
-    -------
-    array
-        Shape (steps - lead, outputs).
 
     Raises
     ------

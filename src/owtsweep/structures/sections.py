@@ -95,8 +95,7 @@ def list_bodies(
 ) -> list[tuple[float, float, float, float]]:
     """Return height (m), mass (kg), offset (m) and inertia (kg m^2) of the rigid bodies.
 
-    `blades` is the number of blades on the hub. With `side`, the inertia is that of motion across
-    the wind.
+    `blades` is the number of blades on the hub; `side` means motion across the wind.
     """
     bodies = [
         (p.height, p.mass, p.offset, p.inertia_side if side and p.inertia_side else p.inertia)
@@ -110,9 +109,9 @@ def list_bodies(
 
 
 def initial_modulus(friction_angle: float, fit: str) -> float:
-    """Compute the initial modulus of subgrade reaction k of sand, N/m^3.
+    """Compute the initial modulus of subgrade reaction k of sand (N/m^3) at an angle in degrees.
 
-    `friction_angle` is in degrees; `fit` names a reading of the API's diagram (see the module).
+    `fit` names a reading of the API's diagram (see the module).
     """
     if fit == "power":
         return 8085.0 * float(friction_angle**2.45) - 26.09e6
@@ -122,7 +121,7 @@ def initial_modulus(friction_angle: float, fit: str) -> float:
 def stiffness(soil: Soil, depth: Array) -> Array:
     """Compute the stiffness of the soil's springs, N/m per m of pile, at depths in m.
 
-    Depths are below the mudline; above the mudline, where they are negative, there is no soil.
+    Above the mudline, at negative depths, there is no soil.
     """
     moduli = np.array([initial_modulus(layer.friction_angle, soil.fit) for layer in soil.layers])
     which = np.searchsorted([layer.bottom for layer in soil.layers], depth)

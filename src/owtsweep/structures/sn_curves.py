@@ -36,10 +36,8 @@ class SNCurve:
     ----------
     name
         Name of the curve, for legends and messages.
-    m
-        Exponent of each branch.
-    log_a
-        log10 of the cycles to failure at a stress range of 1 MPa, of each branch.
+    m, log_a
+        Exponent of each branch, and log10 of the cycles to failure at a stress range of 1 MPa.
     knee
         Number of cycles up to which the first branch holds; infinite for a single branch.
     """
@@ -56,10 +54,7 @@ class SNCurve:
         return float(MPA * 10.0**exponent)
 
     def spend(self, ranges: Array) -> Array:
-        """Return the share 1/N of a weld's life that one cycle spends, for stress ranges in Pa.
-
-        An infinite stress range spends an infinite share.
-        """
+        """Return the share 1/N of a weld's life that one cycle spends, for stress ranges in Pa."""
         stress = ranges / MPA
         with np.errstate(over="ignore"):  # to infinity, if a scheme's estimate runs away
             first = 10.0 ** -self.log_a[0] * stress ** self.m[0]
@@ -96,7 +91,6 @@ class Fatigue(Section):
     ultimate_strength: Positive = key("for Goodman's correction", unit="Pa", default=5e8)
 
     def check(self) -> None:
-        """Raise `InputError` if the keys do not make an S-N curve."""
         own = self.curve == "own"
         require(
             own or not self.branches,
@@ -131,15 +125,10 @@ class Fatigue(Section):
 
 
 def find_curve(name: str, environment: str = "air") -> SNCurve:
-    """Return an S-N curve of DNV-RP-C203 by its class, or the curve `paper`.
+    """Return an S-N curve of DNV-RP-C203 by its class, "B1" to "W3".
 
-    Parameters
-    ----------
-    name
-        A class, "B1" to "W3", or "paper": the single branch printed by Simpson et al. (2025), in
-        every environment.
-    environment
-        "air", or "seawater" (with cathodic protection).
+    "paper" is the single branch printed by Simpson et al. (2025), in every environment.
+    `environment` is "air", or "seawater" (with cathodic protection).
 
     Raises
     ------
@@ -159,14 +148,7 @@ def find_curve(name: str, environment: str = "air") -> SNCurve:
 
 
 def make_curve(m: Sequence[float], log_a: Sequence[float], knee: float | None = None) -> SNCurve:
-    """Make an S-N curve of one's own, of one branch or two.
-
-    Parameters
-    ----------
-    m, log_a
-        Exponents and intercepts as in `SNCurve`.
-    knee
-        Cycles up to which the first branch holds; None for a single branch.
+    """Make an S-N curve of one's own, of one branch or two, as in `SNCurve`.
 
     Raises
     ------

@@ -18,24 +18,16 @@ from owtsweep.studies.hub.public import HubConfig, Known, Scheme, Sensors, traje
 STEPS = 64
 #: Largest allowed difference of values that must be equal, relative to the largest magnitude.
 TOLERANCE = 1e-9
-#: Natural period (s) and amplitude (m) of the motion that a scheme is told if it must be.
+#: Natural period (s) and amplitude (m) of the motion that a scheme knows if it must.
 MOTION = (4.0, 1.0)
 
 
 def check_hub_scheme(
     scheme: Scheme, config: HubConfig, sensors: Iterable[Sensors] | None = None
 ) -> None:
-    """Run all checks on a scheme with several sets of sensors.
+    """Run all checks on a scheme with each of `sensors`, by default `example_sensors()`.
 
-    Parameters
-    ----------
-    scheme
-        The scheme.
-    config
-        The configuration of one tuning.
-    sensors
-        The sensors with which the scheme is checked, one after the other. If None,
-        `example_sensors()` is taken.
+    `config` has one tuning.
 
     Raises
     ------
@@ -56,8 +48,8 @@ def check_hub_scheme(
 def example_sensors() -> list[Sensors]:
     """Return three sets of sensor parameters, which differ in GNSS delay, yaw and gravity.
 
-    The GNSS delay is shorter than the interval between position fixes in the first set, zero in the
-    second, and longer than this interval in the third. The IMU rate is 20, 20 and 50 Hz.
+    The delay is shorter than the interval between fixes in the first set, zero in the second, and
+    longer than this interval in the third. The IMU rate is 20, 20 and 50 Hz.
     """
 
     def sensors(
@@ -114,12 +106,11 @@ def check_estimates(scheme: Scheme, known: Known) -> None:
 def check_starts(scheme: Scheme, known: Known) -> None:
     """Check that each call of a scheme's `start` returns a new, independent estimator.
 
-    An estimator must give equal estimates whether it runs alone or in turn with another estimator.
-
     Raises
     ------
     AssertionError
-        If `start` returns the same estimator twice, or if another estimator changes the estimates.
+        If `start` returns the same estimator twice, or if another estimator, run in turn with it,
+        changes the estimates.
     """
     force, fixes = _data(known.sensors)
     alone = _states(_run(scheme, known, force, fixes))
@@ -172,7 +163,7 @@ def check_superposition(scheme: Scheme, known: Known) -> None:
     Raises
     ------
     AssertionError
-        If the estimate for the sum differs from the sum of the estimates, or is always zero.
+        If it is not, or is always zero.
     """
     force_a, fixes_a = _data(known.sensors, seed=1)
     force_b, fixes_b = _data(known.sensors, seed=2)
@@ -193,7 +184,7 @@ def check_kernel(scheme: Scheme, known: Known) -> None:
     Raises
     ------
     AssertionError
-        If the estimates of the kernel differ from those of `update`.
+        If it does not.
     """
 
     force, fixes = _data(known.sensors)
@@ -208,21 +199,14 @@ def check_kernel(scheme: Scheme, known: Known) -> None:
 
 
 def _data(sensors: Sensors, size: float = 1.0, seed: int = 0) -> tuple[Array, Array]:
-    """Draw normally distributed measurements with mean 0 and standard deviation `size`.
-
-    Returns the specific forces in the IMU's frame, shape (STEPS, 2), and the position fixes, shape
-    (number of fixes, 2).
-    """
+    """Draw specific forces in the IMU's frame, shape (STEPS, 2), and fixes, shape (fixes, 2)."""
     random = np.random.default_rng(seed)
     fixes = -(-STEPS // sensors.fix_interval)
     return size * random.normal(size=(STEPS, 2)), size * random.normal(size=(fixes, 2))
 
 
 def _fix(sensors: Sensors, fixes: Array, step: int) -> Array | None:
-    """Return the position fix, shape (2,), that arrives at a step; None if no fix arrives then.
-
-    `fixes` holds all position fixes, one per row.
-    """
+    """Return the fix, shape (2,), that arrives at a step, if any."""
     number, since = divmod(step, sensors.fix_interval)
     return None if since else fixes[number]
 
@@ -240,7 +224,7 @@ def _state(estimate: Estimate) -> Array:
 
 
 def _states(estimates: list[Estimate]) -> Array:
-    """Return position (2 columns) and velocity (2 columns) of all estimates, shape (steps, 4).
+    """Return position and velocity of all estimates, shape (steps, 4).
 
     Call this after all updates: an estimator that writes every estimate into the same array is then
     detected.

@@ -34,9 +34,8 @@ def check_source(
     source
         An object that follows the protocol `owtsweep.motion.source.Source`.
     steps, step, history
-        The arguments of `Source.realise` for a record that the source can give: number of steps,
-        length of a step in s, and number of steps before t = 0. The step must be short compared
-        with the periods of the motion, and `history` at least 1.
+        The arguments of `Source.realise` for a record that the source can give. The step must be
+        short compared with the periods of the motion, and `history` at least 1.
     tolerance
         Largest allowed difference between velocity and the slope of position, relative to the
         largest velocity; also between acceleration and the slope of velocity, relative to the
@@ -65,19 +64,11 @@ def check_source(
 def check_streams(source: Source, *, steps: int, step: float, history: int) -> None:
     """Check that a source draws only from the random streams that it names.
 
-    Parameters
-    ----------
-    source
-        The source of motion.
-    steps, step, history
-        The arguments of `Source.realise`: number of steps, length of a step in s, and number of
-        steps before t = 0.
-
     Raises
     ------
     AssertionError
-        If the streams that the source asks for are not exactly those in `source.streams`. Also if
-        equal streams give motions that differ in any bit, or different streams give equal motions.
+        If the streams that the source uses are not exactly those in `source.streams`. Also if equal
+        streams give motions that differ in any bit, or different streams give equal motions.
     """
     name = type(source).__name__
     asked: set[str] = set()
@@ -104,17 +95,8 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
     """Check that velocity is the slope of position, and acceleration the slope of velocity.
 
     A slope is a central difference of a series. For a motion of the angular frequency omega
-    (rad/s), the slope's relative error is about (omega step)^2 / 6.
-
-    Parameters
-    ----------
-    name
-        The name of the source in messages.
-    motion
-        A motion that the source has given.
-    tolerance
-        Largest allowed difference between velocity (or acceleration) and the slope, relative to the
-        largest velocity (or acceleration).
+    (rad/s), the slope's relative error is about (omega step)^2 / 6. `tolerance` is relative to the
+    largest velocity or acceleration.
 
     Raises
     ------
@@ -139,13 +121,6 @@ def check_delayed_positions(name: str, motion: Motion) -> None:
 
     A delayed sensor reports positions from before t = 0 at the beginning of the record.
 
-    Parameters
-    ----------
-    name
-        The name of the source in messages.
-    motion
-        A motion that the source has given.
-
     Raises
     ------
     AssertionError
@@ -168,11 +143,7 @@ def check_delayed_positions(name: str, motion: Motion) -> None:
 
 
 def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: int) -> None:
-    """Raise `AssertionError` if a series of a motion has not the requested length, or other axes.
-
-    The series are position, velocity and acceleration of `steps` samples, and `before` of `history`
-    samples. `name` is the name of the source in messages; `step` is the requested step in s.
-    """
+    """Raise `AssertionError` if a series has another length than requested, or other axes."""
     assert motion.step == step, f"{name}: the step is {motion.step:g} s, not {step:g} s"
     axes = motion.position.shape[1:]
     lengths = {"position": steps, "velocity": steps, "acceleration": steps, "before": history}
@@ -184,14 +155,10 @@ def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: i
 
 
 def _is_same(one: Motion, other: Motion) -> bool:
-    """Return whether two motions have equal positions, velocities, accelerations and history."""
     names = ("position", "velocity", "acceleration", "before")
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
 
 
 def _streams(replicate: int) -> Callable[[str], np.random.Generator]:
-    """Return a function that takes the name of a stream and returns a new random generator.
-
-    Within a replicate, equal names give generators with equal random numbers.
-    """
+    """Return a function from a stream's name to a new generator, equal for equal names."""
     return lambda name: np.random.default_rng([replicate, *name.encode()])

@@ -51,8 +51,6 @@ def check_study(
 
     Parameters
     ----------
-    study
-        The study.
     config
         A small configuration of the study. It is run several times, and the runs are stored in the
         folder that its key `results` names. If None, the study's default configuration is run, and
@@ -85,14 +83,11 @@ def check_study(
 def check_plan(study: Study, config: Config) -> None:
     """Check that planning a configuration twice gives equal blocks, whatever the order of the grid.
 
-    A block is a part of the plan. A block's key is a hash of everything on which its results
-    depend.
-
     Raises
     ------
     AssertionError
-        If two plans of the configuration differ in the blocks' keys, or if reversing an axis of the
-        grid changes the set of these keys.
+        If two plans differ in the blocks' keys, or if reversing an axis of the grid changes the set
+        of these keys.
     """
     keys = _keys(study, config)
     assert keys == _keys(study, config), f"{study.name}: two plans of one configuration differ"
@@ -106,20 +101,12 @@ def check_plan(study: Study, config: Config) -> None:
 def check_keys(study: Study, config: Config) -> list[str]:
     """Check that each configuration key changes blocks of the plan, unless the key is inert.
 
-    A configuration key is inert if the configuration's type declares that it changes no number. A
-    block of the plan has changed if its hash has changed.
-
-    Returns
-    -------
-    list of str
-        The configuration keys that were not checked, because the study accepted none of the values
-        that were tried.
+    Return the keys that were not checked, because the study accepted none of the values tried.
 
     Raises
     ------
     AssertionError
-        If changing an inert configuration key changes the blocks' hashes, or changing another
-        configuration key does not.
+        If changing an inert key changes the blocks' hashes, or changing another does not.
     """
     keys = set(_keys(study, config))
     untried = []
@@ -140,8 +127,6 @@ def check_keys(study: Study, config: Config) -> list[str]:
 
 def check_run(study: Study, config: Config) -> Run:
     """Run a study twice; check that the second run computes nothing, and that results can be shown.
-
-    Returns the run.
 
     Raises
     ------
@@ -171,8 +156,6 @@ def check_run(study: Study, config: Config) -> Run:
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     """Check that rows have the required columns and a valid status, and that no row appears twice.
 
-    `rows` are the results of a run of the study with the configuration.
-
     Raises
     ------
     AssertionError
@@ -198,12 +181,10 @@ def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
 def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) -> None:
     """Check that a run has tables, and that `summary` and `best_scheme` have the required columns.
 
-    Either of these two tables may be absent. `tables` holds all tables of the run by name.
-
     Raises
     ------
     AssertionError
-        If the run has no table, or if `summary` or `best_scheme` has other columns.
+        If the run has no table, or if one of these two, which may be absent, has other columns.
     """
     assert tables, f"{study.name}: a run has no table"
     conditions = [condition.name for condition in study.conditions(config)]
@@ -220,8 +201,7 @@ def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) 
 def check_blocks_alone(study: Study, config: Config) -> None:
     """Check that each block gives the same rows whether it runs alone or together with its group.
 
-    A block is a part of the plan; blocks of a group run together. The first block of each group is
-    not run alone.
+    The first block of each group is not run alone.
 
     Raises
     ------
@@ -242,8 +222,6 @@ def check_blocks_alone(study: Study, config: Config) -> None:
 def check_failures(study: Study, config: Config) -> None:
     """Check that a failed case has a reason, and that other cases succeed in spite of it.
 
-    `config` is a configuration with which some cases fail.
-
     Raises
     ------
     AssertionError
@@ -262,15 +240,10 @@ def _keys(study: Study, config: Config) -> list[str]:
 
 
 def variations(study: Study, config: Config) -> Iterator[tuple[str, bool, Config | None]]:
-    """Yield the configuration with one key changed, for each key in turn.
+    """Yield the configuration with one key changed, for each key in turn but `NOT_VARIED`.
 
-    Keys in `NOT_VARIED` are left out.
-
-    Yields
-    ------
-    tuple
-        Three items: the dotted key; False if the key is declared to change no number (inert), else
-        True; the changed configuration, or None if the study accepts none of the values tried.
+    Yield the dotted key, whether it may change numbers (is not inert), and the changed
+    configuration, or None if the study accepts none of the values tried.
     """
     for name, field, value in _leaves(config):
         sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
@@ -287,7 +260,7 @@ def reversed_grids(config: Config) -> Iterator[tuple[str, Config]]:
 
 
 def one_case(config: Config) -> Config:
-    """Return the configuration of a run with a single case; the run is named "one-case".
+    """Return the configuration of a run of one case, named "one-case".
 
     The case has the first value of each axis of the grid, one replicate and the first scheme.
     """
@@ -302,10 +275,7 @@ def one_case(config: Config) -> Config:
 
 
 def _leaves(section: Section, prefix: str = "") -> Iterator[tuple[str, FieldInfo, object]]:
-    """Yield the dotted key, pydantic field and value of each key in a section and its subsections.
-
-    `prefix` is the text before each key, e.g. "grid.". Keys whose value is a section are left out.
-    """
+    """Yield dotted key, pydantic field and value of each key that is no section."""
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
@@ -317,17 +287,7 @@ def _leaves(section: Section, prefix: str = "") -> Iterator[tuple[str, FieldInfo
 def _vary(
     study: Study, config: Config, name: str, field: FieldInfo, value: object
 ) -> Config | None:
-    """Return the configuration with another value of the key `name`: the first that is accepted.
-
-    Returns None if no tried value is accepted.
-
-    Parameters
-    ----------
-    study, config
-        The study, and the configuration, which is not changed.
-    name, field, value
-        Dotted key, its pydantic field and its value in `config`.
-    """
+    """Return the configuration with the first accepted other value of the key, or None."""
     for candidate in _candidates(field.annotation, value):
         if candidate == value:
             continue
@@ -343,15 +303,7 @@ def _vary(
 
 
 def _candidates(annotation: object, value: object) -> list[object]:
-    """Return values to try for a key; an empty list if none are known for its type.
-
-    Parameters
-    ----------
-    annotation
-        The type annotation of the key.
-    value
-        The present value of the key, which may be among the values returned.
-    """
+    """Return values to try for a key, perhaps also the present one; none if its type is unknown."""
     kind = bare_type(annotation)
     if get_origin(kind) is Literal:
         return list(get_args(kind))

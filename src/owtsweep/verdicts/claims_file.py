@@ -151,8 +151,6 @@ class Statement:
         The test in words.
     decided
         What was decided after data had been seen; "" if nothing was.
-    claims
-        The claims that it makes.
     """
 
     name: str

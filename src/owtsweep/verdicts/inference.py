@@ -37,8 +37,7 @@ class Decision:
     label
         What was compared and where, e.g. "4 s, 0.2 m, position".
     value, low, high
-        The quantity and the ends of its 95 % interval; NaN where the quantity or interval is
-        unknown.
+        The quantity and the ends of its 95 % interval; NaN where unknown.
     threshold, side
         The claim: the quantity lies below (or above) the threshold.
     t
@@ -73,15 +72,8 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     or above. Its ends are NaN for a single replicate, or if `b` scatters too much for a bounded
     interval. If the mean of `b` is 0, the ratio is infinite, or NaN if that of `a` is 0 too.
 
-    Parameters
-    ----------
-    label
-        Where the ratio is compared, for the reader.
-    a, b
-        Values of shape (replicates,) each, in the same order, not negative. `b` may be a number
-        that is known exactly.
-    threshold, side
-        The claim: the ratio lies below (above) the threshold.
+    `a` and `b` have the shape (replicates,), in the same order, and are not negative; `b` may be a
+    number that is known exactly.
     """
     n = len(a)
     b = np.broadcast_to(np.asarray(b, dtype=float), (n,))
@@ -102,15 +94,7 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
 
 @dataclass(frozen=True)
 class Estimate:
-    """A quantity with its 95 % interval, e.g. from a bootstrap.
-
-    Attributes
-    ----------
-    label
-        What was estimated, for the reader.
-    value, low, high
-        The quantity and the ends of the interval; the ends are NaN if the interval is unknown.
-    """
+    """A quantity with its 95 % interval, e.g. from a bootstrap; the ends are NaN if unknown."""
 
     label: str
     value: float
@@ -169,10 +153,7 @@ class JudgedClaim:
 
     @property
     def deciding(self) -> Decision:
-        """The decision that supports the claim least: the one with the smallest `t`.
-
-        `NOTHING` if the claim has no decisions.
-        """
+        """The decision that supports the claim least (smallest `t`), or else `NOTHING`."""
         return min(self.decisions, key=lambda c: c.t, default=NOTHING)
 
     @property
@@ -187,8 +168,8 @@ class JudgedClaim:
 def all_of(claims: Sequence[JudgedClaim]) -> str:
     """Return the verdict on a statement that makes several claims: the worst verdict of the claims.
 
-    The verdicts from worst to best are "not reproduced", "missing", "undecided" and "reproduced".
-    Without claims, "reproduced" is returned.
+    From worst to best: "not reproduced", "missing", "undecided", "reproduced" (also without
+    claims).
     """
     worst_first = (NOT_REPRODUCED, MISSING, UNDECIDED, REPRODUCED)
     return min((claim.verdict for claim in claims), key=worst_first.index, default=REPRODUCED)
@@ -200,14 +181,10 @@ class JudgedStatement:
 
     Attributes
     ----------
-    name
-        Short name of the statement, e.g. "F1".
-    text
-        What the paper says.
+    name, text
+        E.g. "F1", and what the paper says.
     definition
         The test of the statement in words, written before any run was judged.
-    claims
-        The claims that the statement makes.
     """
 
     name: str
@@ -217,10 +194,7 @@ class JudgedStatement:
 
     @property
     def verdict(self) -> str:
-        """The verdict on the statement, which is the worst verdict of its claims.
-
-        From worst to best: "not reproduced", "missing", "undecided", "reproduced".
-        """
+        """The worst verdict of the statement's claims (`all_of`)."""
         return all_of(self.claims)
 
     @property
@@ -258,10 +232,7 @@ def describe(decision: Decision) -> str:
 
 
 def name_missing(missing: tuple[str, ...]) -> str:
-    """List missing items in words.
-
-    If there are more than four items, the first four are listed and the others are counted.
-    """
+    """List missing items in words: the first four, and the number of the others."""
     named = [f"({item})" if "," in item else item for item in missing[:4]]
     return ", ".join(named) + (f" and {len(missing) - 4} more" if len(missing) > 4 else "")
 

@@ -43,8 +43,8 @@ def judge(
 ) -> list[JudgedStatement]:
     """Judge statements, each claim by the first table that has its columns.
 
-    `file` is where they come from: it has words for values, and names the script that makes scores
-    which no table has.
+    `file`, where they come from, has words for values, and names the script that makes scores which
+    no table has.
 
     Raises
     ------
@@ -299,7 +299,7 @@ def _compare_boundaries(task: Task, *, grows: bool) -> Iterator[Compared]:
 
 
 def find_best(values: Sequence[Array], *, other_than: int | None = None) -> int | None:
-    """Return which has the least mean, of arrays of shape (records,).
+    """Return which array, shape (records,), has the least mean.
 
     Two coincide if they agree in every record. If the best coincide, it is the last of them. None
     if `other_than`, which is left out with all that coincide with it, leaves none.

@@ -71,11 +71,7 @@ Block = Heading | Paragraph | Bullets | TextTable | Picture
 
 
 def to_markdown(blocks: Sequence[Block], folder: Path) -> str:
-    """Return a document as Markdown text.
-
-    `blocks` are the document's headings, paragraphs, lists, tables and pictures. Links to pictures
-    are relative to `folder`, in which the pictures must lie.
-    """
+    """Return a document as Markdown; links are relative to `folder`, in which the pictures lie."""
     return "\n\n".join(_markdown(block, folder) for block in blocks) + "\n"
 
 
@@ -94,10 +90,7 @@ def _markdown(block: Block, folder: Path) -> str:
 
 
 def to_html(blocks: Sequence[Block], title: str) -> str:
-    """Return a document as the text of one HTML file, in which all pictures are embedded.
-
-    `blocks` are the document's headings, paragraphs, lists, tables and pictures.
-    """
+    """Return a document as the text of one HTML file, in which all pictures are embedded."""
     body = "\n".join(_html(block) for block in blocks)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'

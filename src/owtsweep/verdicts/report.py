@@ -49,29 +49,22 @@ def write_report(
     contents: Callable[[Mapping[str, Path]], Sequence[Block]],
     metadata: Mapping[str, str],
 ) -> list[Path]:
-    """Write all files of the report that compares a run with published results.
+    """Write all files of the report that compares a run with published results; return them.
 
     Parameters
     ----------
     folder
-        Where to write; made if it does not exist. The tables, fidelity.md and fidelity.html go
-        into this folder, the figures into its subfolder `figures`.
+        Made if it does not exist. The tables, fidelity.md and fidelity.html go into this folder,
+        the figures into its subfolder `figures`.
     title
         Title of the HTML file.
-    tables
-        File name without suffix -> table.
-    figures
-        File name without suffix -> function that draws the figure.
+    tables, figures
+        File name without suffix -> table, or function that draws the figure.
     contents
-        Function that makes the page's headings, paragraphs, tables and pictures. Its argument is a
-        mapping from the name of a figure to the PNG file of this figure.
+        Makes the page's headings, paragraphs, tables and pictures, from the name of each figure and
+        its PNG file.
     metadata
         Name -> text to store inside each file of a figure.
-
-    Returns
-    -------
-    list of Path
-        All files written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = [write_table(folder, stem, table) for stem, table in tables.items()]
@@ -117,11 +110,6 @@ def write_verdicts(
         Further tables to write: file name without suffix -> table.
     middle, end
         Further blocks of the page: between statements and goals, and at the end.
-
-    Returns
-    -------
-    list of Path
-        All files written.
     """
     statements, goals = judge(file.statements, scores, file), judge(file.goals, scores, file)
     claims = tabulate_claims([*statements, *goals])
@@ -144,10 +132,7 @@ def write_verdicts(
 
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
-    """Count the statements by verdict, in words, e.g. "9 reproduced, 2 undecided".
-
-    Verdicts that no statement has are left out.
-    """
+    """Count the statements by verdict, in words, e.g. "9 reproduced, 2 undecided"."""
     verdicts = [statement.verdict for statement in judged]
     return ", ".join(
         f"{verdicts.count(verdict)} {verdict}"
@@ -191,12 +176,7 @@ def goal_section(goals: Sequence[JudgedStatement]) -> list[Block]:
 def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Block]:
     """Make the section on statements: a table of all, then each statement's test and claims.
 
-    Parameters
-    ----------
-    judged
-        The statements with their claims and verdicts.
-    note
-        A sentence that tells where the definitions of the tests come from.
+    `note` tells where the definitions of the tests come from.
     """
     rows = [
         [s.name, s.text, s.verdict, " / ".join(claim.text for claim in s.claims)] for s in judged

@@ -56,14 +56,10 @@ class Boundary(Estimate):
 
 @dataclass(frozen=True)
 class RunRows:
-    """The rows of a run, of which boundaries are found.
+    """The rows of a run, of which boundaries are found, in one window.
 
-    Attributes
-    ----------
-    rows, conditions
-        As `Run.cases` and `Study.conditions` return them. The last condition expands.
-    window
-        The part of each record over which errors are averaged.
+    `rows` and `conditions` are as `Run.cases` and `Study.conditions` return them. The last
+    condition expands.
     """
 
     rows: pd.DataFrame
@@ -138,18 +134,9 @@ class ScoreTable:
     def of_rows(
         cls, rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid, window: str
     ) -> ScoreTable:
-        """Make the scores of a run.
+        """Make the scores of a run: columns scheme, the conditions, measure, replicate, value.
 
-        Columns: scheme, the conditions, measure, replicate, value.
-
-        Parameters
-        ----------
-        rows, conditions
-            The run's rows, and the conditions of its study.
-        grid
-            Condition -> the run's values; only those of a last condition that expands are needed.
-        window
-            The part of each record over which errors are averaged.
+        Of `grid` only the values of a last condition that expands are needed.
         """
         inside = rows[rows["window"] == window]
         cube = Cube.of_rows(inside, list(inside["scheme"].unique()), conditions, grid)
@@ -158,7 +145,6 @@ class ScoreTable:
 
     @property
     def records(self) -> int:
-        """The number of records."""
         return int(self.table["replicate"].nunique())
 
     @cached_property
