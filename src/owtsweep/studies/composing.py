@@ -17,8 +17,7 @@ class Located(NamedTuple):
     Attributes
     ----------
     study
-        Name of the study that an override `study=NAME` names. None without such an override; the
-        YAML files then name the study.
+        Name that an override `study=NAME` gives. None: the YAML files name the study.
     tree
         The study's folder of YAML files.
     overrides
@@ -34,14 +33,7 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     """Find the study and its YAML files; separate `study=NAME` from the overrides for Hydra.
 
     If no override is `study=NAME`, the result names no study. It then has the YAML files of the
-    first built-in study whose main file is `primary`.
-
-    Parameters
-    ----------
-    overrides
-        Hydra overrides, e.g. `["study=hub", "grid.replicates=2"]`.
-    primary
-        Name of the main YAML file, which depends on the command: "sweep" or "replay".
+    first built-in study whose main file is `primary`: "sweep" or "replay", by the command.
 
     Raises
     ------
@@ -70,9 +62,9 @@ def compose(
     Parameters
     ----------
     overrides
-        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. The override `study=NAME`
-        selects the study. Without it, the first built-in study whose main YAML file is `primary`
-        is taken ("hub" for "sweep").
+        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. `study=NAME` selects the
+        study. Without it, the first built-in study whose main YAML file is `primary` is taken
+        ("hub" for "sweep").
     config_dir
         A folder with further config groups for Hydra (`--config-dir`).
     primary
@@ -98,13 +90,7 @@ def compose(
 def from_mapping(mapping: Any, study: str | None = None) -> Config:
     """Return a composed or stored configuration with its types converted and its values checked.
 
-    Parameters
-    ----------
-    mapping
-        The configuration as an OmegaConf object.
-    study
-        Name of the study whose model of the configuration is used. None takes the value of the
-        mapping's key `study`, or "hub" if the mapping has no such key.
+    The model is that of `study`, or else of the mapping's key `study`, or of "hub".
 
     Raises
     ------
@@ -125,10 +111,7 @@ def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
 
 
 def _check_command(study: str, primary: str) -> None:
-    """Raise `InputError` if the study's main YAML file is not `primary`.
-
-    Another command runs such a study. `study` is the name of the study.
-    """
+    """Raise `InputError` if another command runs the study: its main YAML file is not `primary`."""
     needed = registry.find_entry(study).primary
     if needed == primary:
         return
@@ -154,9 +137,7 @@ def _key(override: str) -> str:
 
 
 def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
-    """Split the overrides: return the name of the study, and the overrides without `study=NAME`.
-
-    The name is None if no override is `study=NAME`.
+    """Return the name of the study, if any, and the overrides without `study=NAME`.
 
     Raises
     ------

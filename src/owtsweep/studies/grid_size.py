@@ -9,7 +9,7 @@ MOST_BLOCKS = 100_000
 
 
 def check_blocks(blocks: int) -> None:
-    """Raise `InputError` if a sweep would have more than `MOST_BLOCKS` blocks, its units of work.
+    """Raise `InputError` if a sweep would have more than `MOST_BLOCKS` blocks.
 
     A study calls it when its configuration is checked. (The hub has bounds of its own.)
     """

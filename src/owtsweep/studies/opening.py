@@ -22,7 +22,7 @@ from owtsweep.sweep.study import Study
 
 
 def open_run(folder: Path) -> Run:
-    """Open the run that is stored in a folder, or one of its questions, `<run>/asked/<hash>`.
+    """Open the run that is stored in a folder, or one of its queries, `<run>/asked/<hash>`.
 
     Raises
     ------

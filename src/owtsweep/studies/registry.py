@@ -38,10 +38,9 @@ class Entry:
     Attributes
     ----------
     target
-        The study's class as "module:Class". The class is called without arguments.
+        The study's class as "module:Class", which is called without arguments.
     primary
-        Name of the study's main YAML file, without suffix. It is also the name of the subcommand
-        that runs the study.
+        Name of the study's main YAML file, without suffix, and of the subcommand that runs it.
     implied
         Overrides that select this study where several studies share a folder of YAML files.
     package
@@ -72,7 +71,7 @@ def names() -> list[str]:
 
 
 def find_entry(name: str) -> Entry:
-    """Return the entry of the study called `name`, which tells how to find and run the study.
+    """Return the entry of the study called `name`.
 
     Raises
     ------
@@ -118,7 +117,7 @@ def list_schemes(name: str) -> Mapping[str, str]:
 
 
 def list_serving(command: str) -> str:
-    """Return the names of the studies for which a command of `Study.commands` works, in words.
+    """Return the studies for which a command of `Study.commands` works, in words.
 
     A study of another package that does not work is left out.
     """
@@ -134,14 +133,14 @@ def list_serving(command: str) -> str:
 
 @contextmanager
 def blame_package(name: str) -> Iterator[None]:
-    """Turn any error inside a `with` block into one line that names the package of a study.
+    """Turn any error inside the context into one line that names the package of a study.
 
-    `name` is the name of the study. Errors of a built-in study are raised unchanged.
+    Errors of a built-in study are raised unchanged.
 
     Raises
     ------
     InputError
-        If an error is raised inside the block and the study is of another package.
+        If an error is raised inside the context and the study is of another package.
     """
     try:
         yield
@@ -154,10 +153,7 @@ def blame_package(name: str) -> Iterator[None]:
 
 
 def _of_others() -> list[tuple[str, Entry]]:
-    """Return a pair (name, entry) for each study of another package.
-
-    A study that has the name of a built-in study is left out.
-    """
+    """Return each study of another package, but not one with the name of a built-in study."""
     return [
         (point.name, Entry(point.value, package=point.dist.name if point.dist else point.value))
         for point in entry_points(group=GROUP)
@@ -166,7 +162,7 @@ def _of_others() -> list[tuple[str, Entry]]:
 
 
 def find_tree(name: str) -> Tree:
-    """Return the folder of YAML files, as a `Tree`, of the study called `name`.
+    """Return the folder of YAML files of the study called `name`.
 
     Raises
     ------

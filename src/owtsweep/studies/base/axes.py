@@ -41,12 +41,11 @@ class Axes(Generic[C]):
     conditions
         All axes that the grid may have, with the names of its keys.
     find_axes
-        Function that returns the names of the axes of a configuration's map, the horizontal one
-        first.
+        Returns the axes of a configuration's map, the horizontal one first.
     section
         The section of the configuration that has a key for each axis.
     find_values
-        Function that returns the values of all axes; None: those of the section.
+        Returns the values of all axes; None: those of the section.
     """
 
     conditions: tuple[Condition, ...]
@@ -56,7 +55,6 @@ class Axes(Generic[C]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of all axes."""
         return tuple(condition.name for condition in self.conditions)
 
     def find_conditions(self, config: C) -> tuple[Condition, ...]:
@@ -105,17 +103,6 @@ def key_of_records(drawn: str) -> Any:
 
 def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schemes: int) -> None:
     """Check that the map has two axes with values, that others have one value each, and its size.
-
-    Parameters
-    ----------
-    chosen
-        The key `axes`.
-    grid
-        The section `grid`.
-    all_axes
-        The names of all axes.
-    schemes
-        Number of schemes.
 
     Raises
     ------

@@ -29,14 +29,12 @@ class Planned(NamedTuple):
 
     Attributes
     ----------
-    name
-        The scheme's name.
     ignored
         The axes whose values one run of the scheme serves.
     content
         What its rows depend on, besides what the rows of all schemes do.
     anew
-        Why stored rows must be computed anew; "" if they can be used.
+        Why stored rows must be recomputed; "" if they can be used.
     alone
         Whether its blocks form groups of their own, one per cell: its gains are dearer than the
         records.
@@ -56,13 +54,6 @@ def plan(
     replicates: int | None = None,
 ) -> list[Block]:
     """Return all blocks of a configuration, or of some cells with another number of records.
-
-    Parameters
-    ----------
-    cells
-        Cells of the grid; None: all.
-    replicates
-        Number of records of each of these cells; None: that of the grid.
 
     Raises
     ------
@@ -104,25 +95,19 @@ def plan_blocks(
     cells: Sequence[Cell] | None = None,
     replicates: int | None = None,
 ) -> list[Block]:
-    """Return all blocks of a configuration: one per cell, scheme, and some records.
+    """Return all blocks of a configuration, or of some cells with another number of records.
 
     A scheme has one block for all values of the axes that it ignores. Blocks begin at the multiples
     of `most`, so more records of a cell add blocks, and leave the full ones as they are.
 
     Parameters
     ----------
-    axes
-        The axes.
-    config, schemes
-        The configuration and its schemes.
     shared
         What the rows of every block depend on.
     most
         Most records of a block.
     grouping
         The axes that tell groups apart: on these depends what is made once for a group.
-    cells, replicates
-        Cells, and the number of records of each; None: those of the grid.
     """
     values, named = axes.get_values(config), axes.find_axes(config)
     cells = axes.list_cells(config) if cells is None else cells
@@ -154,7 +139,7 @@ def plan_blocks(
 
 
 def find_ignored(declaration: AnyDeclaration, scheme: AnyScheme) -> list[str]:
-    """Return the axes of what schemes are told on which the estimates of this one do not depend."""
+    """Return the axes of knowledge on which the estimates of a scheme do not depend."""
     told = declaration.axes.find_entering("knowledge")
     return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in told]
 
@@ -188,8 +173,7 @@ def _run_one_tuning(
 ) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of some records and one tuning; yield each with its rows.
 
-    Schemes that have kernels run together on the records of a cell: with the first block of a cell
-    all others of this kind.
+    Schemes that have kernels run together, with the first of their blocks of a cell.
     """
     config, axes = blocks[0].choose(config), declaration.axes
     schemes = {scheme.name: scheme for scheme in declaration.schemes.choose(config)}
@@ -230,20 +214,14 @@ def _find_cell(axes: Axes[Any], block: Block) -> Cell:
 
 
 class Readied:
-    """A scheme that is prepared once for all records about which it is told the same."""
+    """A scheme that is prepared once for all records with the same knowledge."""
 
     def __init__(self, declaration: AnyDeclaration, scheme: AnyScheme) -> None:
         self.declaration, self.scheme = declaration, scheme
         self._made: dict[Hashable, Ready[object, object] | Unable] = {}
 
     def run(self, part: AnyPart) -> object:
-        """Estimate from one part of a record.
-
-        Raises
-        ------
-        Unable
-            If the scheme cannot work with what it is told.
-        """
+        """Estimate from one part of a record; raise `Unable` if the scheme cannot work with it."""
         known = self.declaration.tell(self.scheme, part.known)
         made = self._made.get(known)
         if made is None:
@@ -302,13 +280,7 @@ class Records:
 
 
 def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int) -> None:
-    """Check that estimates have the fields that the study declares, of the declared shapes.
-
-    Raises
-    ------
-    NotFinite
-        If they do not; the message names the field.
-    """
+    """Raise `NotFinite`, naming the field, unless estimates have the declared shapes."""
     try:
         values = {name: getattr(estimates, name) for name in declaration.estimates}
     except AttributeError as error:

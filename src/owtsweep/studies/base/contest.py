@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from owtsweep.config.common import Record
 
 
-#: The measure of how long a user waits for an estimate, s; only of schemes that look ahead.
+#: The measure of latency, s; only of schemes that look ahead.
 WAIT = "wait"
 #: The only window: after the settling time.
 WINDOW = "settled"
@@ -47,13 +47,13 @@ class Contest(Axes[C]):
     criteria
         Measures by which schemes are judged -> what the title of a map says.
     list_measures
-        Function that puts names of measures in the order of tables.
+        Puts names of measures in the order of tables.
     describe_truth, describe_sensors
-        Functions that say in words what a configuration's motion and sensors are.
+        Say in words what a configuration's motion and sensors are.
     pairing
         The keys on which the motion of a record depends, besides its conditions and number.
     tell_more
-        Function that returns further lines for the terminal, of a configuration and its tables.
+        Returns further lines for the terminal, of a configuration and its tables.
     """
 
     criteria: Mapping[str, str]

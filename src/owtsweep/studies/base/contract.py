@@ -14,18 +14,16 @@ from owtsweep.errors import InputError, require
 
 
 class Knowledge:
-    """The base class of what a study tells its schemes: a frozen dataclass with `eq=False`.
+    """The base class of the knowledge of a study's schemes: a frozen dataclass with `eq=False`.
 
     Two are equal if all their numbers are, those of arrays bit for bit. So a scheme is prepared
-    once for all records about which it is told the same.
+    once for all records with the same knowledge.
     """
 
     def __eq__(self, other: object) -> bool:
-        """Return whether both are of one class and hold the same numbers."""
         return identify(self) == identify(other)
 
     def __hash__(self) -> int:
-        """Return a hash of all numbers."""
         return hash(identify(self))
 
 
@@ -77,13 +75,13 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
     study
         The name of the study whose scheme it is.
     ignores
-        Names of axes of what schemes are told on which the scheme's estimates do not depend. One
-        record serves all values of these axes.
+        Names of axes of the knowledge on which the scheme's estimates do not depend. One record
+        serves all values of these axes.
     sections
         The keys of the configuration on which the scheme's estimates depend, e.g. ("mkf",
         "hme.mhe"), besides those on which the rows of all schemes do.
     told_motion
-        Whether the scheme is told the motion of a case, where a study tells it.
+        Whether the scheme knows the motion of a case, where a study tells it.
     version
         Stands for the scheme's code where that cannot be read; None: nothing does.
     """
@@ -97,7 +95,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
 
     @abstractmethod
     def prepare(self, known: Known, /) -> Ready[Measured, Estimates]:
-        """Make the scheme ready for what it is told.
+        """Make the scheme ready for what it knows.
 
         Raises
         ------
@@ -136,15 +134,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
 
 @dataclass(frozen=True)
 class Part(Generic[K, M]):
-    """One part of a record, e.g. one direction of motion.
-
-    Attributes
-    ----------
-    known
-        What schemes are told beforehand.
-    measured
-        What sensors say.
-    """
+    """One part of a record, e.g. one direction of motion: knowledge, and what sensors say."""
 
     known: K
     measured: M
@@ -156,8 +146,8 @@ def check_name(name: object) -> str:
     Raises
     ------
     InputError
-        If the name is not a text, is empty, has more than `LONGEST_NAME` characters, or contains a
-        character that cannot be printed.
+        If it is no text, is empty, has more than `LONGEST_NAME` characters, or one that cannot be
+        printed.
     """
     if isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable():
         return name

@@ -28,14 +28,9 @@ TheScheme = Any
 
 
 class Quantity(NamedTuple):
-    """A field of a study's estimates.
+    """A field of a study's estimates, which may be None if `optional`.
 
-    Attributes
-    ----------
-    shape
-        The shape of the value at one sample, e.g. (3,), whose sizes may be -1: any.
-    optional
-        Whether the field may be None.
+    `shape` is that of the value at one sample, e.g. (3,), whose sizes may be -1: any.
     """
 
     shape: tuple[int, ...]
@@ -54,7 +49,7 @@ class Shown(NamedTuple):
 
 
 class Stated(NamedTuple):
-    """What `owtsweep.estimate` shows of a scheme: quantities, covariances, wait."""
+    """What `owtsweep.estimate` shows of a scheme: quantities, covariances, latency."""
 
     estimates: Mapping[str, Array]
     covariances: Mapping[str, Array]
@@ -88,10 +83,6 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
 
     Attributes
     ----------
-    axes
-        The axes that the study is swept over.
-    schemes
-        The study's schemes.
     list_content
         What the rows of every block depend on, as plain data: of a configuration.
     most_records
@@ -103,10 +94,10 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     measure
         The record with what its sensors say: of a configuration, a cell, and the truth.
     inform
-        The parts of a record with what schemes are told of each: of the configuration of one
-        tuning, a cell, and a record. The cell lacks the axes that a scheme ignores.
+        The parts of a record with the knowledge of each: of the configuration of one tuning, a
+        cell, and a record. The cell lacks the axes that a scheme ignores.
     tell
-        What of its knowledge a scheme is told: of the scheme, and what `inform` says.
+        The knowledge that a scheme gets: of the scheme, and what `inform` says.
     score
         Measure -> value, or `Means`: of the configuration of one tuning, a cell, a record, its
         parts, and the estimates of each.
@@ -119,9 +110,9 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     state
         What it shows of a scheme: of a record, and the estimates of its parts.
     warn
-        Function that warns of what a configuration makes doubtful, once before the first block.
+        Warns of what a configuration makes doubtful, once before the first block.
     require
-        Function that refuses, before anything is planned, a configuration that no scheme can serve.
+        Refuses, before anything is planned, a configuration that no scheme can serve.
     superposes
         Whether one run of a scheme serves all values of the axis that scales the motion: of the
         configuration of one tuning, and the scheme. Such a run has a cell without this axis. None:

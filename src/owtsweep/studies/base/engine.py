@@ -34,7 +34,6 @@ class ContestEngine(Engine, Generic[C]):
         }
 
     def tables(self, config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables "summary" and "best_scheme"."""
         return tables.make_tables(self.contest, config, rows)
 
     def drawings(
@@ -52,11 +51,9 @@ class ContestEngine(Engine, Generic[C]):
         return maps.show(self.contest, config, tables)
 
     def backend(self, config: C) -> str:
-        """Return "loky", joblib's backend for processes."""
         return "loky"
 
     def sort_columns(self) -> list[str]:
-        """Return the columns that identify a row."""
         return [*self.contest.names, "scheme", "measure", "window", "replicate"]
 
     def overview(self, config: C) -> str:

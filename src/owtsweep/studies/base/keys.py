@@ -36,7 +36,6 @@ def key_of_tunings() -> Any:
 
 
 def key_of_schemes() -> Any:
-    """Declare the key `schemes`."""
     return key(
         "names (`owtsweep list` says what each is), or {_target_: package.Class, ...} for a scheme "
         "of your own",

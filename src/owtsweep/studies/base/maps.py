@@ -41,7 +41,7 @@ def list_maps(
 ) -> dict[str, Drawing]:
     """Return name -> function that draws: "map_<criterion>" of each criterion, "distributions".
 
-    The latter shows the errors of single records by the key `criterion`, if there are several.
+    The latter shows single records, if there are several, by the key `criterion`.
     """
     from owtsweep.figures import distributions
 
@@ -106,7 +106,7 @@ def tell_unable(unable: pd.DataFrame) -> list[str]:
 
 
 def tell_waiting(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
-    """Return a sentence on schemes that wait for later measurements, if others do not."""
+    """Return a sentence on schemes with a latency, if others have none."""
     waits = find_waits(rows)
     if not waits or list_competing(config, rows) == list_names(config.schemes):
         return []
@@ -160,7 +160,6 @@ def _draw_distributions(contest: Contest[C], config: C, cube: Cube) -> Figure:
 
 
 def _add_origin(figure: Figure, contest: Contest[C], config: C) -> None:
-    """Write truth and sensors below a figure's title."""
     from owtsweep.figures import style
 
     lines = [

@@ -23,7 +23,7 @@ class Means(NamedTuple):
     Attributes
     ----------
     measures, windows
-        Name of the measure, and of the part of the record, n entries each.
+        Names, n entries each.
     products
         Means of motion x motion, motion x noise, noise x noise, shape (n, 3). The last is the mean
         square itself if motion and noise were run as one series.
@@ -43,12 +43,8 @@ F = TypeVar("F")
 class Judgement(NamedTuple, Generic[F]):
     """What a scheme's estimates of a record are worth, or why there are none.
 
-    Attributes
-    ----------
-    found
-        Measure -> value, or `Means`; None if there are no estimates.
-    status, reason
-        As in rows (`owtsweep.results.status`).
+    `found` has measure -> value, or `Means`; `status` and `reason` are as in rows
+    (`owtsweep.results.status`).
     """
 
     found: F | None
@@ -65,14 +61,7 @@ def make_rows(
 ) -> pd.DataFrame:
     """Return the rows of a block, one per record and measure; an axis that is not set is NaN.
 
-    Parameters
-    ----------
-    scheme, cell
-        The block's scheme, and the values of axes on which its rows depend.
-    axes
-        The names of all axes.
-    replicates, judged
-        The numbers of the records, and what the scheme's estimates of each are worth.
+    `cell` has the values of axes on which the rows depend; `axes` are the names of all.
     """
     found = [part.found or {"": np.nan} for part in judged]
     windows = [WINDOW if part.status == OK else "" for part in judged]

@@ -33,9 +33,9 @@ class Listed(NamedTuple):
     Attributes
     ----------
     sentence, look
-        What it is, in words, and how it is drawn; None: as a user's.
+        What it is, in words, and its style; None: as a user's.
     ignores
-        The axes of what schemes are told on which its estimates do not depend.
+        The axes of knowledge on which its estimates do not depend.
     module
         The module in which it stands under its name, beside its base; "": a module of its own.
     """
@@ -93,13 +93,11 @@ class SchemeTable:
 
     Attributes
     ----------
-    study
-        The study's name.
     package
         The package with a module for each scheme: the scheme KF is `SCHEME` in its module `kf`. A
-        variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module that
-        its line in `listed` names. Beside the package stands the module `contract`, whose
-        `Scheme` is the class of the study's schemes.
+        variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module that its
+        line in `listed` names. Beside the package stands the module `contract`, whose `Scheme` is
+        the class of the study's schemes.
     listed
         Name -> what is known of the scheme, in the order of tables and figures.
     stored
@@ -112,7 +110,7 @@ class SchemeTable:
     stored: type[StoredScheme] = StoredScheme
 
     def __post_init__(self) -> None:
-        """Reserve the looks of the schemes, so that they are the same in all figures."""
+        """Reserve the styles of the schemes, so that they are the same in all figures."""
         looks = {name: listed.look for name, listed in self.listed.items()}
         reserve({name: look for name, look in looks.items() if look is not None})
 
@@ -130,11 +128,8 @@ class SchemeTable:
     def resolve(self, entry: Entry) -> AnyScheme:
         """Return the scheme for which an entry of the key `schemes` stands.
 
-        Parameters
-        ----------
-        entry
-            A name of the study's schemes, or of a scheme of another package; or a mapping
-            `{_target_: package.Class, ...}`, whose other keys are the arguments of the class.
+        That is a name of the study's schemes, or of a scheme of another package; or a mapping
+        `{_target_: package.Class, ...}`, whose other keys are the arguments of the class.
 
         Raises
         ------
@@ -218,7 +213,7 @@ class SchemeTable:
         return {"entry": plain} | describe_source(type(scheme), scheme.version)
 
     def explain_anew(self, scheme: AnyScheme) -> str:
-        """Return why stored rows of a scheme must be computed anew; "" if they can be used."""
+        """Return why stored rows of a scheme must be recomputed; "" if they can be used."""
         ours = scheme.name in self.listed
         return "" if ours else explain_doubt(type(scheme), scheme.version)
 
@@ -235,12 +230,8 @@ class SchemeTable:
     def stand_in(self, entries: object, described: object) -> object:
         """Replace users' schemes in the key `schemes` of a stored run by stand-ins.
 
-        Parameters
-        ----------
-        entries
-            The value of the key. If it is no list, it is returned as it is.
-        described
-            What `describe_stored` made of these entries, as the run stores it.
+        `described` is what `describe_stored` made of these entries. What is no list is returned as
+        it is.
 
         Raises
         ------
@@ -309,16 +300,9 @@ def list_names(entries: Sequence[Entry]) -> list[str]:
 def make_scheme(
     entry: Mapping[str, object], kind: type = Scheme, study: str = "<study>"
 ) -> AnyScheme:
-    """Make a user's scheme of its entry, whose other keys are the arguments of the class.
+    """Make a user's scheme, of a class that derives from `kind`, of its entry.
 
-    Parameters
-    ----------
-    entry
-        The mapping `{_target_: package.Class, ...}`.
-    kind
-        The class of the study's schemes, from which the user's must derive.
-    study
-        The study's name.
+    The entry is `{_target_: package.Class, ...}`, whose other keys are the arguments of the class.
 
     Raises
     ------
@@ -352,14 +336,9 @@ def make_scheme(
 
 @contextmanager
 def blame_code(target: str, advice: str) -> Iterator[None]:
-    """Turn every exception of a scheme's code into an InputError of one line.
+    """Turn every exception of a scheme's code but KeyboardInterrupt into an InputError of one line.
 
-    Raises
-    ------
-    InputError
-        Instead of any exception inside the context, except KeyboardInterrupt, which is not changed.
-        The message names the scheme by `target` and ends with `advice`. But if the exception was an
-        InputError, the message ends with the text of that InputError.
+    It names the scheme by `target` and ends with `advice`, or with the text of an InputError.
     """
     try:
         yield

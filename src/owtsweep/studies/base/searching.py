@@ -1,4 +1,4 @@
-"""Searches the best values of parameters with Optuna: asks for values, and tells their score."""
+"""Searches the best values of parameters with Optuna: queries values, and tells their score."""
 
 from __future__ import annotations
 
@@ -33,8 +33,6 @@ class Trial:
 
     Attributes
     ----------
-    values
-        Parameter -> value.
     score
         The score, less is better; infinite if there is none.
     details
@@ -74,14 +72,8 @@ def search(
 
     Parameters
     ----------
-    space
-        What to search.
-    objective
-        What to minimise.
-    trials
-        Number of trials.
-    seed
-        Seed of the sampler.
+    trials, seed
+        Number of trials, and seed of the sampler.
     starts
         Values of the first trials. A value that is missing or out of bounds is sampled.
     near_start

@@ -39,7 +39,6 @@ class ContestStudy(Study):
         return self.contest().find_conditions(config)
 
     def contest(self) -> AnyContest:
-        """Return the study's axes, criteria and words."""
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
 
     def check(self, config: ContestConfig) -> None:
@@ -65,10 +64,7 @@ class ContestStudy(Study):
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """Compare runs over the same axes: how best scheme and errors change between them.
-
-        Parameters and errors are those of `Study.compare`.
-        """
+        """Compare runs over the same axes, as `Study.compare` says."""
         from functools import partial
 
         from owtsweep.comparing.compare import compare
@@ -101,7 +97,6 @@ class DeclaredStudy(ContestStudy):
         return {**plain, "schemes": table.stand_in(plain.get("schemes"), described)}
 
     def declaration(self) -> AnyDeclaration:
-        """Return what is the study's own."""
         return self._find("declaration", "DECLARATION")  # type: ignore[no-any-return]
 
     def engine(self, config: ContestConfig) -> Engine:

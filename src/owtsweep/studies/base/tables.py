@@ -57,7 +57,7 @@ def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFra
 
 
 def find_waits(rows: pd.DataFrame) -> dict[str, float]:
-    """Return the schemes that wait for later measurements, each with how long it does, s."""
+    """Return the schemes with a latency, each with its latency, s."""
     waiting = rows[rows["measure"] == WAIT]
     return {
         str(name): float(of_scheme.max())
@@ -66,7 +66,7 @@ def find_waits(rows: pd.DataFrame) -> dict[str, float]:
 
 
 def list_competing(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
-    """Return the schemes that do not wait; all of them if every one does."""
+    """Return the schemes without a latency; all of them if every one has one."""
     waits = find_waits(rows)
     names = list_names(config.schemes)
     return [name for name in names if name not in waits] or names

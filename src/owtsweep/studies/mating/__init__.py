@@ -24,7 +24,6 @@ class MatingStudy(ContestStudy):
     numerics_version = 1 + get_study("blade").numerics_version + get_study("hub").numerics_version
 
     def schemes(self) -> dict[str, str]:
-        """Return name -> description of each scheme: those of the blade study."""
         return dict(list_schemes("blade"))
 
     def engine(self, config: MatingConfig) -> Engine:

@@ -23,13 +23,7 @@ OURS = (
 
 
 def check(config: MatingConfig) -> None:
-    """Check what can be known without the other studies.
-
-    Raises
-    ------
-    InputError
-        If two values cannot work together; the message says what would work.
-    """
+    """Raise `InputError` if what can be known without the other studies does not fit together."""
     check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
     judged = config.record.duration - config.record.settling
@@ -41,13 +35,7 @@ def check(config: MatingConfig) -> None:
 
 
 def check_outside(config: MatingConfig) -> None:
-    """Check the configurations of the other studies.
-
-    Raises
-    ------
-    InputError
-        If one is refused, or does not fit the other.
-    """
+    """Raise `InputError` if a configuration of another study is refused, or they do not fit."""
     for name in ("blade", "hub"):
         for override in getattr(config, name):
             key = override.lstrip("+~").partition("=")[0]

@@ -44,8 +44,6 @@ class Limits(Section):
 
 
 class MatingConfig(ContestConfig):
-    """The configuration of the mating study, with all its keys."""
-
     inert = Config.inert | {"axes", "criterion"}
 
     grid: Grid = key("what is swept over")
@@ -63,7 +61,6 @@ class MatingConfig(ContestConfig):
 
     @property
     def tuning_name(self) -> str:
-        """The name of the tuning."""
         return self.tuning
 
 

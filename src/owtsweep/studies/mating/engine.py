@@ -1,7 +1,4 @@
-"""The engine of the mating study: plans and runs blocks of records, and draws what comes of them.
-
-A block is some records of one cell and scheme.
-"""
+"""The engine of the mating study: plans and runs blocks of records, draws what comes of it."""
 
 from __future__ import annotations
 
@@ -44,7 +41,6 @@ class MatingEngine(ContestEngine["MatingConfig"]):
         super().__init__(CONTEST)
 
     def plan(self, config: MatingConfig) -> list[Block]:
-        """Return all blocks of a configuration: one per cell, scheme, and some records."""
         schemes = [Planned(name) for name in config.schemes]
         content = _describe_content(config)
         return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, CONTEST.names)

@@ -93,7 +93,6 @@ def _compose(study: str, overrides: tuple[str, ...]) -> Config:
 
 
 def estimate(config: Config, replicate: int) -> EstimatedRecord:
-    """Return a record of another study."""
     return get_study(config.study).estimate(config, replicate)
 
 

@@ -77,16 +77,9 @@ def _rms(errors: Array) -> float:
 
 
 class Limits(NamedTuple):
-    """What a mating allows.
+    """What a mating allows: distance from its place (m), relative speed (m/s), and for how long.
 
-    Attributes
-    ----------
-    distance
-        Largest distance from the place of mating, m.
-    speed
-        Largest relative speed, m/s.
-    hold
-        Number of samples for which both must hold, the first among them.
+    `hold` is the number of samples for which both must hold, the first among them.
     """
 
     distance: float
@@ -99,10 +92,8 @@ class Chances(NamedTuple):
 
     Attributes
     ----------
-    true
-        At which the bodies can be joined.
-    told
-        At which the estimates say so.
+    true, told
+        At which the bodies can be joined, and at which the estimates say so.
     wrong
         At which the estimates are wrong about it, in either way.
     missed
@@ -122,15 +113,8 @@ def find_chances(apart: Array, velocity: Array, limits: Limits) -> NDArray[np.bo
     """Return at which moments a mating may begin, shape (steps - hold + 1,).
 
     It may if the bodies keep within the limits from the moment on, for `limits.hold` samples.
-
-    Parameters
-    ----------
-    apart
-        Distance of the bodies from the place of mating in m, shape (steps, axes).
-    velocity
-        Their relative velocity in m/s, shape (steps, axes).
-    limits
-        What the mating allows.
+    `apart`, their distance from the place of mating (m), and `velocity`, that relative to each
+    other (m/s), have the shape (steps, axes).
 
     Raises
     ------

@@ -23,8 +23,7 @@ __all__ = ["ReadingsStudy"]
 class ReadingsStudy(HubKeys):
     """The study that searches with Optuna for readings of the paper.
 
-    A reading is a choice of the values that the paper leaves open. A block of the plan is one
-    search with one seed.
+    A block of its plan is one search with one seed.
     """
 
     name = "readings"
@@ -38,13 +37,7 @@ class ReadingsStudy(HubKeys):
         return ReadingsConfig
 
     def check(self, config: HubConfig) -> None:
-        """Check that values can work together, and that the motion has a spectrum.
-
-        Raises
-        ------
-        InputError
-            If that is not so.
-        """
+        """Raise `InputError` unless values can work together and the motion has a spectrum."""
         from owtsweep.studies.hub.public import find_world
 
         require(

@@ -26,10 +26,7 @@ KEPT = 5
 
 
 class SearchEngine(Engine):
-    """The engine of the study `readings`.
-
-    A row of its results is one trial of a search: values of the parameters, and their score.
-    """
+    """The engine of the study `readings`; a row of its results is one trial of a search."""
 
     samples = True
     #: Columns without which no table can be made.
@@ -76,11 +73,7 @@ class SearchEngine(Engine):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """Return the name "score_over_parameters" with a function that draws one figure per target.
-
-        Each figure shows the scores of all successful trials against each parameter. The function
-        takes a folder and a name, and returns the files that it wrote.
-        """
+        """Return "score_over_parameters": the scores of each target against each parameter."""
 
         def draw(folder: Path, name: str) -> list[Path]:
             from owtsweep.figures import style
@@ -101,11 +94,7 @@ class SearchEngine(Engine):
 
 
 def rank_trials(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the `KEPT` best trials of each search, without failed trials.
-
-    The trials are sorted by target, and within a target from best to worst. `rows` holds one trial
-    per row.
-    """
+    """Return the `KEPT` best successful trials of each search, best first, sorted by target."""
     done = rows[rows.status == OK]
     ranked = done.sort_values(["target", "score", "search", "trial"], kind="stable")
     return ranked.groupby("search", sort=False).head(KEPT).reset_index(drop=True)

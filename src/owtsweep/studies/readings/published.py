@@ -19,12 +19,8 @@ BOUNDARIES = {4.0: 0.3, 6.0: 1.0}
 def mse_tables() -> pd.DataFrame:
     """Read Tables 6 to 9 of Ren et al. (2019): the MSE of four schemes at four conditions.
 
-    Returns
-    -------
-    DataFrame
-        One row per number, in the order of the print. Columns: table, natural_period (s), amplitude
-        (m), scheme, measure (x, y, vx or vy), published (m^2 for x and y, m^2/s^2 for vx and vy),
-        note.
+    One row per number, in the order of the print. Columns: table, natural_period (s), amplitude
+    (m), scheme, measure (x, y, vx or vy), published (m^2 for x and y, m^2/s^2 for vx and vy), note.
     """
     wide = pd.read_csv(Path(__file__).parent / "data" / "ren2019_tables6to9_mse.csv")
     wide["note"] = wide["note"].fillna("").astype(str)
@@ -44,8 +40,7 @@ def mse_tables() -> pd.DataFrame:
 def published_numbers() -> pd.DataFrame:
     """Return the 64 numbers of tables 6-9 of Ren et al. (2019), with Table 7's misprint corrected.
 
-    The columns are those of `mse_tables`, and after `published` the column `printed`, which holds
-    the misprint.
+    Columns are those of `mse_tables` and, after `published`, `printed`, which holds the misprint.
     """
     table = mse_tables()
     table.insert(list(table).index("note"), "printed", table["published"])

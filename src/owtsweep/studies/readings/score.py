@@ -42,14 +42,10 @@ def scheme_products(
 ) -> dict[float, Array]:
     """Run one scheme; average the products of its errors from motion and noise over the records.
 
-    The error of a scheme is the amplitude times an error from motion, plus an error from noise.
-    There are three products: the mean square of the error from motion, the mean product of both
-    errors, and the mean square of the error from noise.
-
     Parameters
     ----------
     config
-        The configuration; `measures.window` selects the part of each record that counts.
+        `measures.window` selects the part of each record that counts.
     scheme
         Name of a scheme with a batch kernel.
     lanes
@@ -79,34 +75,21 @@ def scheme_products(
 def make_lanes(
     config: HubConfig, replicates: Sequence[int], periods: Sequence[float] = PERIODS
 ) -> dict[float, Lanes]:
-    """Return natural period (s) -> the records from which a score is computed.
-
-    `replicates` are the numbers of the records, and `periods` the natural periods in s.
-    """
+    """Return natural period (s) -> the records from which a score is computed."""
     return {period: Lanes(make_records(config, period, replicates)) for period in periods}
 
 
 def at_amplitude(products: Array, amplitude: float) -> Array:
-    """Compute the MSE at an amplitude (m) by superposition.
-
-    `products` is the result of `scheme_products`. Its last axis holds the mean square of the error
-    due to motion of 1 m, the mean product of this error and the error due to noise, and the mean
-    square of the error due to noise. The result has the shape of `products` without the last axis.
-    """
+    """Compute the MSE at an amplitude (m) from `scheme_products`, by superposition, shape (4,)."""
     return np.asarray(superpose(products[..., 0], products[..., 1], products[..., 2], amplitude))
 
 
 def boundary(lower: Array, upper: Array) -> float:
     """Compute the amplitude (m) below which one scheme has the smaller MSE, and above it another.
 
-    The MSE is that of position, x + y. Return NaN if there is no such amplitude: one scheme is
+    The MSE is that of position, x + y. `lower` and `upper` are products, shape (4, 3), of the
+    scheme that is better below and of that above. NaN if there is no such amplitude: one scheme is
     better at every amplitude, or `upper` is better at small amplitudes.
-
-    Parameters
-    ----------
-    lower, upper
-        Products of the scheme that is better below the amplitude, and of the scheme that is better
-        above; shape (4, 3) each, as `scheme_products` returns them.
     """
     a, c, f = np.sum(lower[:2] - upper[:2], axis=0)  # lower minus upper: < 0 below the boundary
     if f >= 0.0 or a <= 0.0:
@@ -117,16 +100,8 @@ def boundary(lower: Array, upper: Array) -> float:
 def compare(products: Products) -> pd.DataFrame:
     """Compare the published numbers of some schemes with the numbers that a run reproduces.
 
-    Parameters
-    ----------
-    products
-        Scheme -> what `scheme_products` returns. The MSE at any amplitude follows from it.
-
-    Returns
-    -------
-    DataFrame
-        The rows of `published_numbers` for these schemes, with the further columns `reproduced` and
-        `log2`, the base-2 logarithm of reproduced / published.
+    Return the rows of `published_numbers` for these schemes, with the further columns `reproduced`
+    and `log2`, the base-2 logarithm of reproduced / published.
     """
     table = published_numbers()
     table = table[table.scheme.isin(list(products))].copy()
@@ -140,18 +115,12 @@ def compare(products: Products) -> pd.DataFrame:
 
 
 def score(products: Products) -> tuple[float, Plain]:
-    """Compute the score of a reading from the products of its schemes; return it and its details.
+    """Compute the score of a reading, less is better, from the products of its schemes.
 
-    Without HME1 and HME2, the score is its first part alone.
-
-    Returns
-    -------
-    score
-        The score, less is better.
-    details
-        `median_log2` and `p80_log2`, quantiles of |log2(reproduced / published)|. With HME1 and
-        HME2 also `winners`, the schemes of least position MSE in the tables 6, 7, 8 and 9, and
-        `boundary_4s`, `boundary_6s` and `boundary_8s`, m (NaN if there is none).
+    Without HME1 and HME2, the score is its first part alone. The details are `median_log2` and
+    `p80_log2`, quantiles of |log2(reproduced / published)|. With HME1 and HME2 also `winners`, the
+    schemes of least position MSE in the tables 6, 7, 8 and 9, and `boundary_4s`, `boundary_6s` and
+    `boundary_8s`, m (NaN if there is none).
     """
     table = compare(products)
     logs = table.log2.abs()

@@ -88,8 +88,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
 def _choose_truths(name: str, target: Plain, truths: Mapping[str, Plain]) -> Mapping[str, Plain]:
     """Return a target's truths: name -> overrides under which the target is searched.
 
-    A target of kind "settled" has a single truth, called "own". Another target may list names of
-    `truths`; without such a list it has all of them.
+    A target of kind "settled" has one truth, "own". Another may list names of `truths`, or has all.
 
     Raises
     ------
@@ -125,22 +124,10 @@ def read_tuning(name: str) -> dict[str, object]:
 
 
 def take_fixed_values(target: Plain, default: str) -> dict[str, object]:
-    """Return the values of a target's schemes that are not searched, from the target's tuning file.
+    """Return dotted key -> value of a target's tuning file (else `default`) that is not searched.
 
     The searched keys are left out, so that a search stays valid after its result has been written
     into the tuning file.
-
-    Parameters
-    ----------
-    target
-        An entry of the key `calibration.targets`.
-    default
-        Name of the tuning file for a target that names none.
-
-    Returns
-    -------
-    dict
-        Dotted key -> value.
     """
     searched = {key for keys in target["parameters"] for key in keys.split("+")}
     sections = {name.lower() for name in target["schemes"]} | {"hme"}
@@ -150,7 +137,7 @@ def take_fixed_values(target: Plain, default: str) -> dict[str, object]:
         for key, value in values.items()
         if key.split(".")[0] in sections
         and key not in searched
-        # a filter that believes in no tilt is one of the time before filters had the key
+        # a filter that assumes no tilt is one of the time before filters had the key
         and not (key.endswith(".tilt") and value == 0.0)
     }
 
@@ -162,7 +149,6 @@ def run(config: ReadingsConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block
 
 
 def _search(config: ReadingsConfig, block: Block) -> pd.DataFrame:
-    """Make the search of a block; return a table with one row per trial."""
     content = block.content
     target = content["target"]
     base = with_values(config, {**target["values"], **content["truth"]})

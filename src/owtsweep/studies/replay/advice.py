@@ -60,17 +60,18 @@ def compare(
 ) -> dict[str, object] | None:
     """Find the best scheme and the runner-up, and whether the difference of their errors matters.
 
+    It matters if its 95 % interval lies above zero and the margin, which is difference / best
+    error, is at least `LEAST_MARGIN`. With a single sample there is no interval, and only the
+    margin decides.
+
     Parameters
     ----------
     samples
         Mean squared errors, shape (schemes, n), in n replicates or in n parts of a record; NaN
         where a scheme has no value.
-    schemes
-        Names of the schemes.
     whole
-        The mean squared errors by which schemes are ranked, shape (schemes,). If None, the means of
-        the samples are used. Needed if the samples are parts of a record: the samples then only
-        give the interval.
+        The mean squared errors by which schemes are ranked, shape (schemes,); by default the means
+        of the samples. Needed if the samples are parts of a record, which only give the interval.
 
     Returns
     -------
@@ -78,12 +79,6 @@ def compare(
         The columns of the table of advice from `best` to `matters` (see `COLUMNS`). None if no
         scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters`
         is False, and the numbers on the runner-up are left out.
-
-    Notes
-    -----
-    The difference matters if its 95 % interval lies above zero and the margin, which is difference
-    / best error, is at least `LEAST_MARGIN`. With a single sample there is no interval, and only
-    the margin decides.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -125,8 +120,8 @@ def advise_from_record(
 ) -> dict[str, object] | None:
     """Advise which scheme to run, from the schemes' errors on one record.
 
-    If the record has no reference position, squared distances to later position fixes are used
-    instead of errors. Returns None if no scheme has a value.
+    Without reference position, squared distances to later fixes take the place of errors. Return
+    None if no scheme has a value.
 
     Parameters
     ----------
@@ -134,12 +129,6 @@ def advise_from_record(
         The rows of results on the record, with the columns scheme, replicate, measure, window,
         value. Rows of baselines have a value of scheme that is in `BASELINE_ROWS`; without such
         rows, baselines are not considered.
-    schemes
-        Names of the schemes to compare.
-    criterion
-        The measure to compare, e.g. "position".
-    window
-        The part of the record over which the measure is averaged: "full" or "settled".
     """
     measures = set(values["measure"])
     source = "record"
@@ -171,11 +160,10 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
 
 
 def recommend(advised: pd.DataFrame) -> str:
-    """Write the recommendation for one record as one sentence; "" if there is no advice.
+    """Write the recommendation for the only record of a run as one sentence; "" if there is none.
 
     The record's own errors, or its fixes, count before the expected map. If the record contradicts
     the stated noise, so that the schemes were run with the estimated noise too, that run counts.
-    `advised` is the table of advice of a run with a single record.
     """
     if advised.empty:
         return ""
@@ -218,7 +206,7 @@ def choose_simplest(
     best
         The scheme of the least error.
     whole
-        The mean squared errors of the whole record, shape (schemes and baselines,). If None, the
+        The mean squared errors of the whole record, shape (schemes and baselines,); by default the
         means of the samples.
 
     Returns
@@ -226,8 +214,8 @@ def choose_simplest(
     dict
         The columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline` is
         what is recommended if that is a baseline, otherwise the baseline of the least error;
-        without baselines it is "", and the numbers on it are left out. `baseline_difference` is
-        the best scheme's error minus that of the baseline, so it is positive where the baseline is
+        without baselines it is "", and the numbers on it are left out. `baseline_difference` is the
+        best scheme's error minus that of the baseline, so it is positive where the baseline is
         better.
     """
     at_best = list(names).index(best)
@@ -261,10 +249,7 @@ def choose_simplest(
 
 
 def _is_worse(samples: Array, means: Array, one: int, other: int) -> bool:
-    """Say whether the error of `one` is larger than that of `other` by a difference that matters.
-
-    `one` and `other` are rows of `samples` and places in `means`.
-    """
+    """Say whether the error of `one` is larger than `other`'s by a difference that matters."""
     difference, half = _compare(samples, means, one, other)
     if difference == 0.0 or not difference >= LEAST_MARGIN * means[other]:
         return False
@@ -292,7 +277,7 @@ def relate_to_record(
     values
         Name of a scheme or baseline -> its error by the expected map.
     by_record
-        The row of the table of advice by the record's own errors; None if there is none.
+        The row of the table of advice by the record's own errors, if there is one.
     share
         The share of the record's variance that the fitted spectrum covers.
 

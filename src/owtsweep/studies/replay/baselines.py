@@ -1,8 +1,8 @@
 """Measure the errors of the baselines on a record: NONE, HOLD and DELTA.
 
-Between two steps at which position fixes are due, the estimate of a baseline is a straight line
-(`hub.lines`). Its squared error is a polynomial in few sums over the true motion. These sums
-are made once per record, so another draw of the noise costs as much time as there are fixes, not as
+Between two steps at which fixes are due, the estimate of a baseline is a straight line
+(`hub.lines`). Its squared error is a polynomial in few sums over the true motion. These sums are
+made once per record, so another draw of the noise costs as much time as there are fixes, not as
 there are steps. Fixes may be missing; a baseline then goes on with those that came.
 """
 
@@ -35,12 +35,7 @@ LINES = {
 class Lines:
     """The estimates of a baseline: a straight line for each interval from one due fix to the next.
 
-    Attributes
-    ----------
-    start
-        Position in m when the interval begins, shape (intervals, 2).
-    slope
-        Velocity in m/s, shape (intervals, 2).
+    `start` (m), when the interval begins, and `slope` (m/s) have the shape (intervals, 2).
     """
 
     start: Array
@@ -48,17 +43,10 @@ class Lines:
 
 
 def draw_lines(line: Line, fixes: Array, sensors: Sensors) -> Lines:
-    """Return the estimates of a baseline.
+    """Return the estimates of a baseline that follows `line`.
 
-    Parameters
-    ----------
-    line
-        What the baseline follows. Before the first fix, the position is zero; before the second
-        fix, the velocity is zero.
-    fixes
-        Position fixes, shape (intervals, 2) in m; NaN where no fix came.
-    sensors
-        The sensors' parameters.
+    Fixes are in m, shape (intervals, 2); NaN where none came. Before the first fix, the position is
+    zero; before the second fix, the velocity is zero.
     """
     nothing = np.zeros_like(fixes)
     came = np.flatnonzero(np.isfinite(fixes[:, 0]))
@@ -108,7 +96,7 @@ class MotionSums:
 
 
 def sum_motion(record: ReplayRecord, sensors: Sensors, settled: int) -> MotionSums | None:
-    """Sum the true motion of a record, segment by segment; return None if the motion is unknown.
+    """Sum the true motion of a record, if known, segment by segment.
 
     `settled` is the first step after the settling time.
     """
@@ -154,18 +142,8 @@ def measure_baselines(
     """Yield the errors of the baselines in one replicate, each with its value of `scheme`.
 
     The measures are "position", "velocity" and "fix_residual" in the windows of a scheme: "full",
-    "settled", "part_00" and so on. HOLD has "x" and "y" too.
-
-    Parameters
-    ----------
-    record, sums
-        The record, and the sums over its true motion, which `sum_motion` makes.
-    fixes
-        Position fixes measured in this replicate, shape (fixes, 2) in m; NaN where no fix came.
-    sensors
-        The sensors' parameters.
-    settled
-        The first step after the settling time.
+    "settled", "part_00" and so on. HOLD has "x" and "y" too. Fixes are in m, shape (fixes, 2); NaN
+    where none came. `settled` is the first step after the settling time.
     """
     for row, line in LINES.items():
         lines = draw_lines(line, fixes, sensors)
@@ -202,10 +180,7 @@ def _sum_errors(lines: Lines, sums: MotionSums) -> dict[str, tuple[Array, Array]
 def _sum_residuals(lines: Lines, fixes: Array, sensors: Sensors, edges: list[int]) -> Array:
     """Sum squared distances between fixes and the earlier estimates for the times of the fixes.
 
-    Returns
-    -------
-    array
-        Sums (m^2) and numbers of fixes in each piece of the record, shape (2, pieces).
+    Return sums (m^2) and numbers of fixes in each piece of the record, shape (2, pieces).
     """
     at = sensors.fix_interval * np.arange(len(fixes)) - sensors.delay
     # Without a delay the estimate has already used the fix of the same time.

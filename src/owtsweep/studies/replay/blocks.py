@@ -98,8 +98,7 @@ def _plan_noise(
     """Yield a block on a record's noise; if the stated noise is not that, those of a second run.
 
     The second run has a block for the baselines, whose errors depend on the estimated delay, and
-    one per scheme. `content` is what the record's blocks have in common; `apart` says whether each
-    scheme is a group.
+    one per scheme.
     """
     noise = Noise()
     with suppress(InputError):  # `verify` says so before anything runs
@@ -132,10 +131,7 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run blocks of the plan that share a record; yield each block with its rows of results.
-
-    The record's file is read only once.
-    """
+    """Run blocks of the plan that share a record, which is read once; yield each with its rows."""
     import pandas as pd
 
     sensors = make_sensors(config.sensors)
@@ -198,19 +194,8 @@ def _run_scheme(
 ) -> list[Row]:
     """Run a scheme on all replicates of a record; return one row per replicate, measure and window.
 
-    A window is the part of the record over which a measure is averaged. If the scheme fails, the
-    only row has the status "failed" and the reason.
-
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    record, label
-        The record, and its name in the rows.
-    scheme, sensors
-        The scheme to run, and the sensors' parameters.
-    settled
-        The first step after the settling time.
+    If the scheme fails, the only row has the status "failed" and the reason. `label` is the
+    record's name in the rows, `settled` the first step after the settling time.
     """
     rows: list[Row] = []
     count = count_replicates(config, record)
@@ -237,16 +222,9 @@ def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int
     """Return the number of replicates to run at once.
 
     A kernel always runs `WIDTH` series at once, and a replicate has two series: x and y. The number
-    is smaller if so many replicates would need too much memory. A scheme without kernel, or with
+    is smaller if so many replicates would need too much memory: `longest` is the number of steps of
+    a piece, of which each replicate has one in memory. A scheme without kernel, or with
     engine=reference, runs one replicate at a time.
-
-    Parameters
-    ----------
-    config, scheme
-        The configuration of the replay, and the scheme to run.
-    longest
-        Number of steps of the longest piece of the record. One piece of each replicate is in
-        memory.
     """
     if config.engine != "batch" or scheme.batched != "chain":
         return 1

@@ -20,10 +20,7 @@ class ReplayGrid(Grid):
 
 
 class Roles(Section):
-    """The sections `columns` and `units`: a text or null for each role of a channel in a file.
-
-    The text is the channel's name in `columns`, and the channel's unit in `units`.
-    """
+    """The sections `columns` and `units`: the name or the unit of each role's channel, or null."""
 
     time: str | None = key("time", default=None)
     position_x: str | None = key("the motion, or a reference beside a specific force", default=None)
@@ -50,7 +47,7 @@ class Roles(Section):
     tower_z: str | None = key("as tower_x", default=None)
 
     def given(self) -> dict[str, str]:
-        """Return a mapping from role to text, without the roles whose value is null."""
+        """Return role -> text, without the roles whose value is null."""
         return {
             role: text for role in Roles.model_fields if (text := getattr(self, role)) is not None
         }
@@ -163,9 +160,6 @@ class ReplayConfig(HubConfig):
 
     @property
     def fit_band(self) -> tuple[float, float]:
-        """The lower and upper edge (Hz) of the band in which a record's spectrum is fitted.
-
-        The edges are `replay.band`, or `band` if `replay.band` is null.
-        """
+        """The edges (Hz) of the band of fitted spectra: `replay.band`, or else `band`."""
         edges = self.band if self.replay.band is None else self.replay.band
         return edges[0], edges[1]

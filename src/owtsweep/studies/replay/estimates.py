@@ -42,16 +42,7 @@ def write(config: ReplayConfig, file: str, folder: Path, say: Callable[[str], No
     of this file; vx and vy in m/s; and the standard deviations of x, y, vx and vy, NaN for a scheme
     without covariance. The CSV files have no column `scheme`. A scheme that fails is left out.
 
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    file
-        The file that holds the record.
-    folder
-        Where to write; made if it does not exist.
-    say
-        Function that shows the user a line. It is called before slow work on a long record.
+    `folder` is made if need be. `say` shows the user a line, before slow work on a long record.
     """
     record = load_record(config, file)
     sensors = make_sensors(config.sensors)

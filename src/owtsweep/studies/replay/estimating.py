@@ -31,31 +31,20 @@ def estimate_pieces(
 ) -> Iterator[tuple[Trajectory, ...]]:
     """Run a scheme on some replicates of a record, and yield its estimates piece by piece.
 
-    If every position fix arrived, the batch engine runs all replicates at once. If fixes are
-    missing, the filter's gains depend on which fixes these are; the scheme's online form (`stream`)
-    then computes the gains step by step. With engine=reference, or if the scheme has neither kernel
-    nor online form, the scheme's `update` is called at every step. The estimates depend neither on
+    If every fix arrived, the batch engine runs all replicates at once. If fixes are missing, the
+    filter's gains depend on which fixes these are; the scheme's online form (`stream`) then
+    computes the gains step by step. With engine=reference, or if the scheme has neither kernel nor
+    online form, the scheme's `update` is called at every step. The estimates depend neither on
     where pieces begin nor on the number of replicates.
 
-    Parameters
-    ----------
-    config, scheme, sensors
-        The configuration, the scheme to run, and the sensors' parameters.
-    replicates
-        The measurements of each replicate.
-    edges
-        The steps at which the pieces begin, and the number of steps: 0, ..., steps.
-
-    Yields
-    ------
-    tuple
-        The estimates in one piece, one `Trajectory` per replicate.
+    `edges` are the steps at which the pieces begin, and the number of steps. Yield for each piece
+    one `Trajectory` per replicate.
 
     Raises
     ------
     ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite; the message names
-        the step.
+        If an estimate lacks a quantity, has the wrong shape or is not finite; the message names the
+        step.
     """
     known, start = Known(sensors, config), scheme.start
     if config.engine == "batch":
@@ -76,9 +65,9 @@ def rotate_force(signals: Signals, sensors: Sensors) -> Iterator[Array]:
 def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePassSeries, Array]:
     """Arrange the measurements of several replicates as columns side by side, for the batch engine.
 
-    Returns the specific force in NED coordinates (m/s^2, one row per step) and the position fixes
-    (m, one row per fix). Both have the columns x and y of the first replicate, then x and y of the
-    second replicate, and so on.
+    Return the specific force in NED coordinates (m/s^2, one row per step) and the fixes (m, one row
+    each). Both have the columns x and y of the first replicate, then x and y of the second, and so
+    on.
     """
     pieces = zip(*(rotate_force(signals, sensors) for signals in replicates), strict=True)
     side_by_side = (np.concatenate(parts, axis=1) for parts in pieces)
@@ -89,19 +78,7 @@ def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePass
 def _run_kernel(
     chain: Chain, sensors: Sensors, replicates: Sequence[Signals], edges: Sequence[int]
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Run the batch engine on all replicates; yield for each piece one `Trajectory` per replicate.
-
-    Parameters
-    ----------
-    chain
-        The form of the scheme that the batch engine runs.
-    sensors
-        The sensors' parameters.
-    replicates
-        The measurements of each replicate.
-    edges
-        The steps at which the pieces begin, and the number of steps.
-    """
+    """Run the batch engine on all replicates; yield a `Trajectory` of each, piece by piece."""
     estimates = chunks(chain, *make_lanes(replicates, sensors))
     covariances = spread_to_both_axes(chain.covariance)
     first, count, chunk = next(estimates)

@@ -61,8 +61,8 @@ class MotionSummary:
         "rms" and "peak" of the displacement (m); "direction" of greatest variance (degrees from the
         x axis); "direction_share", the share (0 to 1) of the variance along this direction.
     frequency, power
-        The periodogram of the displacement: frequencies in Hz and power in m^2/Hz, each of shape
-        (n,). It ends a little above `BEYOND` times the upper edge of the band.
+        The periodogram of the displacement: Hz and m^2/Hz, shape (n,) each. It ends a little above
+        `BEYOND` times the upper edge of the band.
     modes
         The peaks of the spectrum at all frequencies.
     fit
@@ -121,10 +121,9 @@ def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
 def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Array, str]:
     """Return the displacement around its mean, shape (n, 2) in m, and its source in words.
 
-    If the true motion is known, the displacement is that of the true motion, with gaps filled by
-    straight lines. With `measures.window` "settled", it begins after the settling time, because
-    simulations begin with a transient. If the true motion is unknown, the displacement is a
-    scheme's estimate after the settling time.
+    That is the true motion, with gaps filled by straight lines. With `measures.window` "settled",
+    it begins after the settling time, because simulations begin with a transient. If the true
+    motion is unknown, the displacement is a scheme's estimate after the settling time.
     """
     settled = config.measures.find_settled(record.step)
     if record.position is not None:
@@ -153,8 +152,7 @@ def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Schem
 def choose_describer(config: ReplayConfig) -> int:
     """Return the index of the scheme whose estimates describe a record without reference position.
 
-    This is `DESCRIBER`, or the last scheme if that is not among the schemes. A baseline is taken
-    only if there is no other scheme.
+    This is `DESCRIBER`, or else the last scheme that is no baseline, if there is one.
     """
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     estimators = [name for name in names if name not in BASELINES] or names
@@ -162,10 +160,7 @@ def choose_describer(config: ReplayConfig) -> int:
 
 
 def bridge_gaps(xy: Array) -> Array:
-    """Return a series of shape (n, 2) with its NaN rows filled by straight lines in time.
-
-    NaN rows at an end of the series take the nearest value.
-    """
+    """Return a series (n, 2) with NaN rows filled by straight lines, at the ends by constants."""
     finite = np.isfinite(xy[:, 0])
     if np.all(finite):
         return xy

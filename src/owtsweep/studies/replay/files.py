@@ -32,9 +32,7 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Return the hash of a file's contents; the two files of a HAWC2 result share one hash.
-
-    A HAWC2 result is a pair of files: NAME.sel and NAME.dat.
+    """Return the hash of a file's contents; the pair NAME.sel, NAME.dat of HAWC2 shares one hash.
 
     Raises
     ------

@@ -125,10 +125,9 @@ def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:
 
 
 def _rename(recording: Recording, old: str, new: str) -> Recording:
-    """Return the recording with the channels of one quantity renamed to another quantity.
+    """Return the recording with the channels of one quantity, e.g. "position", renamed.
 
-    `old` and `new` are quantities, e.g. "position" and "reference". If the recording has channels
-    of `new`, or none of `old`, the recording is returned unchanged.
+    If it has channels of `new`, or none of `old`, it is returned unchanged.
     """
     if recording.has(new) or not recording.has(old):
         return recording

@@ -1,9 +1,9 @@
-"""Measure estimates: errors, coverage, consistency, and distances to later position fixes.
+"""Measure estimates: errors, coverage, consistency, and distances to later fixes.
 
-If there is no reference position, an estimate is compared with a later position fix: the fix that
-arrives one GNSS delay later reports the position at the time of the estimate, and the estimate has
-not used this fix. The mean squared distance is the estimate's MSE plus the variance of a fix. This
-variance is equal for all schemes.
+If there is no reference position, an estimate is compared with a later fix: the one that arrives
+one GNSS delay later reports the position at the time of the estimate, and the estimate has not used
+it. The mean squared distance is the estimate's MSE plus the variance of a fix, which is equal for
+all schemes.
 """
 
 from __future__ import annotations
@@ -42,9 +42,7 @@ class Tally:
     record
         The record, with the true motion if it is known.
     fixes
-        Position fixes measured in this replicate, shape (fixes, 2) in m; NaN where no fix came.
-    sensors
-        The sensors' parameters.
+        Fixes measured in this replicate, shape (fixes, 2) in m; NaN where no fix came.
     settled
         The first step after the settling time.
     """
@@ -77,10 +75,7 @@ class Tally:
             self._innovations.append((begin + at, innovation[at], variance))
 
     def measures(self) -> Iterator[Measured]:
-        """Yield all measures as (measure, window, value, number of samples).
-
-        Call this after the last piece has been added.
-        """
+        """Yield (measure, window, value, number of samples) of all, after the last piece."""
         yield from _average_errors(self._sums)
         at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
         for window, begin in {"full": 0, "settled": self.settled}.items():
@@ -95,26 +90,11 @@ class Tally:
 def measure_last_fix(
     record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
 ) -> Iterator[Measured]:
-    """Yield the mean squared position errors (m^2) of a baseline that holds the last position fix.
+    """Yield the mean squared position errors (m^2) of a baseline that holds the last fix.
 
     Before the first fix, the baseline's position is zero. Nothing is yielded if the true position
-    is unknown.
-
-    Parameters
-    ----------
-    record
-        The record, with the true motion if it is known.
-    fixes
-        Position fixes, shape (fixes, 2) in m; NaN where no fix came.
-    sensors
-        The sensors' parameters.
-    settled
-        The first step after the settling time.
-
-    Yields
-    ------
-    tuple
-        Measure ("x", "y" or "position"), window ("full" or "settled"), value, number of samples.
+    is unknown. Arguments are as for `Tally`. The measures are "x", "y" and "position", the windows
+    "full" and "settled".
     """
     if record.position is None:
         return
@@ -137,13 +117,8 @@ def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[
     """Yield the averages of errors and coverage over the windows "full" and "settled".
 
     Errors of position and velocity are also averaged over each part of the settled record, with the
-    window "part_00" and so on. Each item is (measure, window, value, number of samples).
-
-    Parameters
-    ----------
-    pieces
-        For each piece of the record a dict: measure -> (sum, number of values). The first piece
-        ends at the settling time; each later piece is one part of the settled record.
+    window "part_00" and so on. `pieces` has for each piece measure -> (sum, number of values). The
+    first piece ends at the settling time; each later piece is one part of the settled record.
     """
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
@@ -162,25 +137,9 @@ def _sum_errors(
 ) -> dict[str, tuple[float, int]]:
     """Sum squared errors and NEES over a piece; count errors within ±1.96 standard deviations.
 
-    Parameters
-    ----------
-    record
-        The record, with the true motion if it is known.
-    estimated
-        The estimates in the piece.
-    begin
-        The step at which the piece begins.
-
-    Returns
-    -------
-    dict
-        Measure -> (sum or count, number of values), over the steps at which the true motion is
-        known. Empty if the true motion is unknown in the whole record.
-
-    Notes
-    -----
-    The axes are processed one after the other on contiguous arrays, because a replay spends most of
-    its time in this function.
+    Return measure -> (sum or count, number of values), over the steps at which the true motion is
+    known; empty if it is unknown in the whole record. The axes are processed one after the other on
+    contiguous arrays, because a replay spends most of its time in this function.
     """
     if record.position is None:
         return {}
@@ -221,26 +180,16 @@ def _sum_finite(values: Array) -> tuple[float, int]:
 
 
 def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
-    """Compute one axis' part of NEES: e' P^-1 e with e = (p, v) and P = [[pp, pv], [pv, vv]].
-
-    p and v are the errors of position and velocity. All arrays have the shape (n,).
-    """
+    """Compute one axis' part of NEES: e' P^-1 e with e = (p, v) and P = [[pp, pv], [pv, vv]]."""
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 
 
 def _judge_innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
-    """Yield NIS, mean square and whiteness of the innovations in a window.
+    """Yield NIS, mean square and whiteness of the innovations (m) and variances, (n, 2) each.
 
-    Each item is (measure, window, value, number of innovations). The whiteness is left out for
-    2 * `LAGS` innovations or fewer. Nothing is yielded if there are no innovations.
-
-    Parameters
-    ----------
-    innovation, variance
-        Innovations (m) and their variances (m^2), shape (n, 2) each, one row per position fix.
-    window
-        Name of the window: "full" or "settled".
+    The whiteness is left out for 2 * `LAGS` innovations or fewer. Nothing is yielded if there are
+    no innovations.
     """
     if len(innovation) == 0:
         return
@@ -257,18 +206,9 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
     """Test whether innovations are white, by the test of Ljung and Box (1978).
 
     The test's statistic Q is the sum of n (n + 2) r_k^2 / (n - k) over the lags k = 1, ..., `LAGS`
-    and over the axes; r_k is the autocorrelation at lag k. If the innovations are white, Q is
-    chi-squared with (number of lags) * (number of axes) degrees of freedom.
-
-    Parameters
-    ----------
-    innovation
-        Innovations, shape (n, axes), without NaN.
-
-    Returns
-    -------
-    tuple of float
-        The autocorrelation at lag 1 (mean over the axes), and the p-value of the test.
+    and over the axes; r_k is the autocorrelation at lag k. If the innovations, shape (n, axes)
+    without NaN, are white, Q is chi-squared with (number of lags) * (number of axes) degrees of
+    freedom. Return the autocorrelation at lag 1 (mean over the axes), and the p-value of the test.
     """
     from scipy.special import gammaincc
 
@@ -284,8 +224,7 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
 def cut_into_parts(settled: int, steps: int) -> list[int]:
     """Return the steps at which the parts of a record begin, and the step at which the last ends.
 
-    The first part consists of the steps before `settled`. The rest of the record, up to the number
-    of steps `steps`, is cut into `PARTS` parts of equal length.
+    The first part is before `settled`. The rest, up to `steps`, is cut into `PARTS` equal parts.
     """
     return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 

@@ -70,20 +70,10 @@ def make_record_of_motion(
 
 
 def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
-    """Make position fixes without noise; return them with the shape (fixes, 2), in m.
+    """Make fixes without noise of positions (n, 2) at every IMU step, shape (fixes, 2), in m.
 
-    A fix reports the position `sensors.delay` steps before the fix arrives.
-
-    Parameters
-    ----------
-    position
-        The true position at every IMU step, shape (n, 2) in m; NaN in gaps.
-    first
-        The row of `position` at which the first fix arrives, at least `sensors.delay`.
-    steps
-        Number of IMU steps from the arrival of the first fix to the end.
-    sensors
-        The sensors' parameters.
+    A fix reports the position `sensors.delay` steps before it arrives. The first arrives at the row
+    `first`, at least `sensors.delay`; `steps` IMU steps later is the end. Gaps are NaN.
     """
     count = fix_count(steps, sensors.fix_interval)
     at = first - sensors.delay + sensors.fix_interval * np.arange(count)
@@ -92,13 +82,7 @@ def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Arr
 
 @contextmanager
 def blame_cutoff(recording: Recording) -> Iterator[None]:
-    """Name file and key in a message of `to_motion` on its argument `cutoff`.
-
-    Raises
-    ------
-    InputError
-        If `to_motion` refuses the recording inside the `with` block.
-    """
+    """Name file and key in an `InputError` of `to_motion` on its argument `cutoff`."""
     try:
         yield
     except InputError as error:
@@ -112,7 +96,7 @@ def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
 
     Compared are standard deviations, from `begin` (s) after the motion's start on. The mean is told
     but not compared: a constant lean is a constant bias of the accelerometer, which schemes
-    estimate; what changes cannot be told from motion. Returns "" if no platform turns.
+    estimate; what changes cannot be told from motion. "" if no platform turns.
     """
     told = []
     start = gridded.grid.start + begin

@@ -31,14 +31,14 @@ LARGEST_JITTER = 0.25
 
 
 class Aligned(NamedTuple):
-    """Recorded position fixes, moved to the regular moments at which fixes are due.
+    """Recorded fixes, moved to the regular moments at which fixes are due.
 
     Attributes
     ----------
     offset
         Time in s from the beginning of the recording to the first moment at which a fix is due.
     values
-        One position fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
+        One fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
     jitter
         Largest time in s between the arrival of a fix and the moment to which it was moved.
     dropped
@@ -54,7 +54,7 @@ class Aligned(NamedTuple):
 def make_record_of_sensors(
     config: ReplayConfig, recording: Recording, sensors: Sensors
 ) -> ReplayRecord:
-    """Make a record from recorded specific force, position fixes and reference position.
+    """Make a record from recorded specific force, fixes and reference position.
 
     The record begins at the first moment at which a fix is due. To save memory, each channel is
     removed from `recording` once it has been resampled.
@@ -119,12 +119,12 @@ def make_record_of_sensors(
 
 
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
-    """Return where the position fixes come from: "recorded" or "from_reference".
+    """Return where the fixes come from: "recorded" or "from_reference".
 
     Raises
     ------
     InputError
-        If the recording lacks the position fixes or the reference that replay.gnss asks for.
+        If the recording lacks what replay.gnss names.
     """
     wanted = config.replay.gnss
     if wanted == "auto":
@@ -167,22 +167,12 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Alig
 
 
 def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
-    """Move irregular position fixes to regular moments, each fix to the nearest moment.
+    """Move irregular fixes to regular moments, each fix to the nearest moment.
 
     The moments are one GNSS interval apart, and lie at IMU samples. Their phase is the circular
     mean of the fixes' phases, so a constant offset of all fixes does not matter. If two fixes have
-    the same nearest moment, the nearer fix is kept.
-
-    Parameters
-    ----------
-    time
-        Times of the fixes, shape (n,), in s after the beginning of the recording.
-    values
-        The fixes, shape (n, 2) in m, without NaN.
-    duration
-        Duration of the recording in s.
-    sensors
-        The sensors' parameters.
+    the same nearest moment, the nearer fix is kept. Times, shape (n,), are in s after the beginning
+    of the recording, fixes, shape (n, 2) without NaN, in m.
     """
     interval = sensors.fix_step
     phase = np.angle(np.mean(np.exp(2j * np.pi * time / interval))) / (2.0 * np.pi)

@@ -55,15 +55,8 @@ class Expectation:
     ) -> tuple[float, float]:
         """Compute the expected MSE of position (m^2) and velocity (m^2/s^2), x and y together.
 
-        Parameters
-        ----------
-        density
-            Function that takes frequencies in Hz and returns the motion's spectral density, in any
-            unit.
-        band
-            Lower and upper edge of the spectrum in Hz; outside, the density counts as zero.
-        rms
-            Root mean square of the displacement in m.
+        `density` takes Hz and returns the motion's spectral density, in any unit; outside the band
+        (Hz) it counts as zero. `rms` is that of the displacement in m.
         """
         position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
@@ -72,16 +65,7 @@ class Expectation:
 def expect_errors(
     config: HubConfig, scheme: Any, sensors: Sensors, steps: int, band: tuple[float, float]
 ) -> Expectation:
-    """Compute the errors expected of a scheme, for motions inside a frequency band.
-
-    Parameters
-    ----------
-    config, scheme, sensors
-        The configuration, the scheme, which has a `kernel`, and the sensors' parameters.
-    steps
-        Number of steps of the record.
-    band
-        Lower and upper edge in Hz.
+    """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz).
 
     Raises
     ------
@@ -131,29 +115,22 @@ def check_band(config: ReplayConfig) -> None:
 
 
 def find_place(config: ReplayConfig, record: Mapping[str, float]) -> Spectrum | None:
-    """Return the spectrum fitted to a record, if the spectrum's peak lies inside the band.
-
-    The spectrum is Eq. (1) of Ren et al. (2019). `record` holds the facts about the record.
-    Returns None if no spectrum could be fitted, or if the peak lies outside the band.
-    """
+    """Return the spectrum fitted to a record, if it has one with its peak inside the band."""
     shape, (low, high) = read_fit(record), config.fit_band
     return shape if shape is not None and low <= shape.peak_frequency <= high else None
 
 
 def read_fit(record: Mapping[str, float]) -> Spectrum | None:
-    """Return the spectrum fitted to a record; None if no spectrum could be fitted.
+    """Return the spectrum, Eq. (1) of Ren et al. (2019), fitted to a record, if there is one.
 
-    The spectrum is Eq. (1) of Ren et al. (2019). `record` holds the facts about the record.
+    `record` holds the facts about the record, here and below.
     """
     values = [record[name] for name in "abc"]
     return Spectrum(*values) if np.all(np.isfinite(values)) else None
 
 
 def compute_rms_in_band(record: Mapping[str, float]) -> float:
-    """Compute the root mean square (m) of the part of a record's displacement inside the band.
-
-    `record` holds the facts about the record, with a fitted spectrum.
-    """
+    """Compute the rms (m) of the part of a record's displacement inside the band."""
     return record["rms"] * float(np.sqrt(record["band_share"]))
 
 
@@ -163,16 +140,7 @@ def compute_rms_error(config: ReplayConfig, record: Mapping[str, float], shape: 
     That is how far the rms of records of this record's duration scatters around that of the sea
     state: half the relative standard error of the mean square, sqrt(integral of S^2 / duration)
     over the integral of S (Bendat and Piersol, Random Data, section 8.2). The displacement is taken
-    as Gaussian.
-
-    Parameters
-    ----------
-    config
-        The configuration; its band holds the spectrum.
-    record
-        The facts about the record.
-    shape
-        The spectrum S(f) fitted to the record.
+    as Gaussian. `shape` is the spectrum S(f) fitted to the record.
     """
     frequency = np.linspace(*config.fit_band, 4000)
     density = shape.density(frequency)
@@ -186,14 +154,9 @@ def expect_at_record(
 ) -> dict[str, tuple[float, float]] | None:
     """Compute the settled errors expected of each scheme and baseline for a record's motion.
 
-    The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). `record` holds
-    the facts about the record.
-
-    Returns
-    -------
-    dict or None
-        Scheme or baseline -> expected MSE of position (m^2) and of velocity (m^2/s^2). None if the
-        record has no fitted spectrum with a peak inside the band.
+    The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). Return scheme or
+    baseline -> expected MSE of position (m^2) and of velocity (m^2/s^2); None if the record has no
+    fitted spectrum with a peak inside the band.
 
     Raises
     ------
@@ -213,27 +176,12 @@ def expect_at_record(
 def expect_map(
     config: ReplayConfig, record: Mapping[str, float], periods: Array, amplitudes: Array
 ) -> dict[str, Array]:
-    """Compute the settled MSE expected for motions of many periods and amplitudes.
+    """Compute the settled MSE expected for motions of many periods (s) and amplitudes (m).
 
     The MSE is that of velocity if `measures.criterion` is "velocity", otherwise that of position.
     The motions have spectra of the kind "translated" with the configuration's bandwidth. The ratio
-    of their largest to their root mean square displacement is that of the record.
-
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    record
-        The facts about the record, with a fitted spectrum.
-    periods
-        Natural periods in s.
-    amplitudes
-        Largest displacements in m.
-
-    Returns
-    -------
-    dict
-        Scheme or baseline -> expected MSE, shape (periods, amplitudes).
+    of their largest to their rms displacement is that of the record. Return scheme or baseline ->
+    MSE, shape (periods, amplitudes).
 
     Raises
     ------
@@ -266,11 +214,9 @@ def list_left_out(config: ReplayConfig) -> list[str]:
 def _expect_all(
     config: ReplayConfig, record: Mapping[str, float]
 ) -> Iterator[tuple[str, Expectation]]:
-    """Yield the names and expected errors of schemes, then baselines, for motions as long as a
-    record.
+    """Yield the expected errors of schemes, then of baselines, for motions as long as a record.
 
     A baseline that stands among the schemes comes once; the schemes of `list_left_out` do not come.
-    `record` holds the facts about the record.
 
     Raises
     ------

@@ -35,11 +35,9 @@ class ReplayRecord:
 
     Attributes
     ----------
-    file
-        The file from which the record was read.
     gnss
-        Where the position fixes come from: "simulated" for recorded motion; "recorded" or
-        "from_reference" for recorded sensors.
+        Where the fixes come from: "simulated" for recorded motion; "recorded" or "from_reference"
+        for recorded sensors.
     begin, step, steps
         Time of step 0 on the file's clock (s), length of a step (s), and number of IMU steps.
     origin
@@ -52,8 +50,7 @@ class ReplayRecord:
         The recorded specific force (m/s^2) in the IMU's frame, shape (steps, 2); None for recorded
         motion.
     fixes
-        Position fixes (m) as recorded, or made without noise, shape (fixes, 2); NaN where no fix
-        came.
+        Fixes (m) as recorded, or made without noise, shape (fixes, 2); NaN where no fix came.
     truth
         The source of the true position, in words; "" if the position is unknown.
     notes
@@ -88,7 +85,6 @@ class ReplayRecord:
 
     @property
     def nbytes(self) -> int:
-        """The size of all series in bytes."""
         series = (self.position, self.velocity, self.acceleration, self.specific_force, self.fixes)
         return sum(0 if one is None else one.nbytes for one in series)
 
@@ -101,10 +97,7 @@ class ReplayRecord:
 
 
 def release_memory(record: ReplayRecord) -> None:
-    """Give freed memory back to the operating system, if the record has more than `LONG` steps.
-
-    This is some 100 MB.
-    """
+    """Give some 100 MB of freed memory back, if the record has more than `LONG` steps."""
     if record.steps > LONG:
         give_back_freed_memory()
 
@@ -118,7 +111,7 @@ class Signals:
     steps
         Number of IMU samples.
     fixes
-        Position fixes in NED coordinates, shape (fixes, 2) in m; NaN where no fix came.
+        Fixes in NED coordinates, shape (fixes, 2) in m; NaN where no fix came.
     force
         Function that takes a number of steps n and yields the specific force in the IMU's frame
         (m/s^2), in pieces of shape (n, 2); the last piece may be shorter. Each call begins at the
@@ -138,8 +131,8 @@ def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
 def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replicate: int) -> Signals:
     """Return the measurements of one replicate; sensors that were not recorded are simulated.
 
-    The simulated noise of a replicate depends neither on the file nor on the length of the pieces
-    in which the specific force comes.
+    The simulated noise depends neither on the file nor on the length of the pieces in which the
+    specific force comes.
     """
     steps, streams = record.steps, _streams_of(config, replicate)
     fixes = record.fixes
@@ -169,10 +162,7 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
 
 
 def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:
-    """Return the steps at which pieces of a record begin, and the step at which the last ends.
-
-    Each piece has `size` steps; the last one may be shorter. `steps` is the length of the record.
-    """
+    """Return the steps at which pieces of `size` steps begin, and the number of steps."""
     return [*range(0, steps, size), steps]
 
 
@@ -181,8 +171,7 @@ def simulate_true_bias(
 ) -> Iterator[Array]:
     """Yield the simulated accelerometer bias of a replicate in pieces of shape (n, 2), in m/s^2.
 
-    The bias is R b^b: b^b in the IMU's frame, rotated to NED coordinates. `steps` is the length of
-    the record.
+    The bias is R b^b: b^b in the IMU's frame, rotated to NED coordinates.
     """
     streams = _streams_of(config, replicate)
     return simulate_bias(config.sensors, sensors, steps, streams, piece=PIECE)

@@ -52,19 +52,7 @@ CAPTIONS = {
 def write(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
 ) -> Path:
-    """Write report.md into a run folder; return the path of the file.
-
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    tables
-        The run's tables by name: errors, advice and records.
-    figures
-        The paths of the run's figures, which lie inside `folder`.
-    folder
-        The run folder.
-    """
+    """Write report.md into a run folder, in which the figures lie; return the path of the file."""
     parts = ["# Replay\n", "## Advice\n"]
     parts += [f"- {_escape(line)}" for line in warn_of_noise(config, tables)]
     parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
@@ -184,7 +172,6 @@ def _tell_refused(refused: pd.DataFrame) -> list[str]:
 def _escape(text: str) -> str:
     """Escape a text for Markdown, so that no part of it becomes a link, picture, formula or HTML.
 
-    Characters that cannot be printed are replaced by escape sequences. The text may come from other
-    people.
+    The text may come from other people. Unprintable characters become escape sequences.
     """
     return re.sub(r"([\\`*\[\]<>$&])", r"\\\1", printable(text))

@@ -60,10 +60,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
 
 
 def list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """List the records that cannot be used: columns file and reason, in the order of `files`.
-
-    `rows` are a replay's rows of results; `files` are the labels of all records.
-    """
+    """List the records that cannot be used: columns file and reason, in the order of `files`."""
     import pandas as pd
 
     failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
@@ -77,19 +74,10 @@ def average_errors(
 ) -> pd.DataFrame:
     """Average results over the replicates, with 95 % intervals.
 
-    Parameters
-    ----------
-    rows
-        Rows of results, without failed ones.
-    files, schemes
-        Labels of the files and names of the schemes, in the order wanted in the result.
-
-    Returns
-    -------
-    DataFrame
-        One row per file, scheme, measure and window ("full" or "settled"). Columns file, scheme,
-        measure, window, mean, ci_low, ci_high, n. The interval (ci_low, ci_high) is NaN for a
-        single replicate; n is the number of replicates.
+    `rows` has no failed ones. One row per file, scheme, measure and window ("full" or "settled"),
+    in the order of `files` and `schemes`; columns file, scheme, measure, window, mean, ci_low,
+    ci_high, n. The interval (ci_low, ci_high) is NaN for a single replicate; n is the number of
+    replicates.
     """
     import pandas as pd
 
@@ -164,22 +152,9 @@ def advise_from_map(
 ) -> dict[str, object] | None:
     """Advise which scheme to run, by the settled errors expected for a record's motion.
 
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    schemes
-        Names of the schemes to compare.
-    record
-        The facts about the record.
-    by_record
-        The row of the table of advice by the record's own errors; None if there is none.
-
-    Returns
-    -------
-    dict or None
-        A row of the table of advice, without the file. None if the record has no fitted spectrum
-        with a peak inside the band, or if there is nothing to compare.
+    `record` holds the facts about the record, `by_record` is the row of the table of advice by its
+    own errors, if any. Return a row of that table, without the file; None if the record has no
+    fitted spectrum with a peak inside the band, or if there is nothing to compare.
 
     Raises
     ------

@@ -42,13 +42,6 @@ _PLAIN = re.compile(r"[\w./-]*")
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
     """Compose and check the configuration of a replay, whose files may be named later.
 
-    Parameters
-    ----------
-    overrides
-        Hydra overrides, e.g. `["tuning=matched"]`.
-    config_dir
-        A folder with further config groups for Hydra (`--config-dir`).
-
     Raises
     ------
     InputError
@@ -104,8 +97,6 @@ def configure(
 def expand(words: Sequence[str]) -> list[str]:
     """Return the absolute paths of files and of files that match patterns; each path only once.
 
-    `words` are paths or patterns such as "*.csv".
-
     Raises
     ------
     InputError
@@ -153,10 +144,9 @@ def _quote(word: str) -> str:
 
 
 def tell_missing(word: str, path: Path) -> str:
-    """Return why a word names no file; name the most similar file of its folder, if there is one.
+    """Return why a word of the user names no file, with the most similar file of its folder.
 
-    `word` is a path or a pattern as the user wrote it; `path` is the same with the home folder
-    written out.
+    `path` is the word with the home folder written out.
     """
     if any(sign in word for sign in "*?["):
         return f"{word}: nothing matches this pattern"
@@ -183,13 +173,11 @@ def execute(
 
     Parameters
     ----------
-    config
-        The configuration of the replay.
     fresh, progress, argv
         As for `owtsweep.sweep.run.sweep`.
     say
-        Function that shows the user a line: notes on the records before anything runs, and
-        announcements of slow work.
+        Shows the user a line: notes on the records before anything runs, and announcements of slow
+        work.
 
     Returns
     -------
@@ -225,10 +213,9 @@ def execute(
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
-    """Return the folder of each record's estimates: label of the record -> folder.
+    """Return label of a record -> folder of its estimates.
 
-    With a single record, this is the run folder `run`; otherwise it is records/<label> in the run
-    folder.
+    That is the run folder, or records/<label> in it if there are several records.
     """
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
@@ -256,8 +243,7 @@ class Replay:
     def advice(self) -> pd.DataFrame:
         """Return the table of advice: the best scheme and the runner-up for each record.
 
-        A record has up to two rows: one by the errors on the record, and one by the errors expected
-        for the record.
+        A record has up to two rows: by the errors on it, and by the errors expected for it.
         """
         return self.run.table("advice")
 
@@ -275,12 +261,10 @@ class Replay:
     def refused(self) -> pd.DataFrame:
         """Return the records that cannot be used: columns file (the label) and reason.
 
-        A single record that cannot be used is an `InputError` of `owtsweep.replay` instead.
-
         Raises
         ------
         InputError
-            If the replay has a single record.
+            If the replay has a single record: `owtsweep.replay` refuses one that cannot be used.
         """
         return self.run.table("refused")
 
@@ -288,13 +272,8 @@ class Replay:
         """Return the estimates of a record in replicate 0, one row per scheme and time.
 
         Columns time (s), scheme, x, y (m), vx, vy (m/s), and the standard deviations of these four:
-        x_std, y_std, vx_std, vy_std.
-
-        Parameters
-        ----------
-        record
-            The record's label, a value of the column `file` of `records()`. It may be left out if
-            there is only one record.
+        x_std, y_std, vx_std, vy_std. `record` is the record's label, a value of the column `file`
+        of `records()`.
 
         Raises
         ------

@@ -71,10 +71,7 @@ def read_table(path: str) -> pd.DataFrame:
 
 
 def _make_printable(table: pd.DataFrame) -> None:
-    """Replace unprintable characters in a table, in place, so that its texts can be shown.
-
-    This applies to the names of columns and to texts, but not to the column `file`.
-    """
+    """Replace unprintable characters in names and texts of a table, in place, but not in `file`."""
     table.columns = list(number_repeats([tidy(str(name)) for name in table.columns]))
     for name in table.select_dtypes(exclude="number").columns:
         if name != "file":
@@ -82,10 +79,7 @@ def _make_printable(table: pd.DataFrame) -> None:
 
 
 def _check_columns(table: pd.DataFrame, where: str) -> None:
-    """Raise `InputError` if the names of columns clash, or if a number is too large for a map.
-
-    No column may have the name of a column of records.csv. `where` is the beginning of the message.
-    """
+    """Raise `InputError` if a column is named like one of records.csv, or a number is too large."""
     require("file.1" not in table.columns, f"{where}: the table has two columns `file`; keep one")
     clash = next((name for name in table.columns if name in FACTS), None)
     require(
@@ -103,19 +97,16 @@ def _check_columns(table: pd.DataFrame, where: str) -> None:
 
 
 def find_axes(table: pd.DataFrame) -> list[str]:
-    """Return the names of the table's columns of numbers, in order, without the column `file`.
-
-    The first two columns of numbers are the axes of the map of records.
-    """
+    """Return the table's columns of numbers, in order, without `file`."""
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
 
 
 def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """Read the rows of the table `replay.table` that belong to records of the replay.
+    """Read the rows of the table `replay.table`, if named, that belong to records of the replay.
 
     The column `file` of the result holds the labels of the records; each record has at most one
-    row. Returns None if the configuration names no table.
+    row.
 
     Raises
     ------

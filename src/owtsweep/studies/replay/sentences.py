@@ -131,14 +131,8 @@ def _describe_size(criterion: str, value: float) -> str:
 def _describe_difference(difference: float, base: float, *ends: float) -> str:
     """Say by how much an error differs from another one: in per cent, or as a factor if large.
 
-    Parameters
-    ----------
-    difference
-        The error minus `base`.
-    base
-        The other error.
-    ends
-        The lower and the upper end of the 95 % interval of `difference`; nothing if there is none.
+    `difference` is the error minus `base`, the other one; `ends` are those of its 95 % interval, if
+    any.
     """
     if not base > 0.0:
         return f"{difference:.3g} more"
@@ -155,10 +149,7 @@ def _describe_difference(difference: float, base: float, *ends: float) -> str:
 
 
 def describe_modes(config: ReplayConfig, record: Mapping[str, float]) -> str:
-    """Name the peaks of a record's spectrum: period, share of the variance, whether in the band.
-
-    `record` holds the facts about the record.
-    """
+    """Name the peaks of a record's spectrum: period, share of the variance, whether in the band."""
     low, high = config.fit_band
     told = []
     for number in range(1, MOST_MODES + 1):
@@ -181,8 +172,7 @@ def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
     """Say in a sentence what the tilt of the IMU costs at a record's period and size.
 
     The errors are those expected of the schemes for the fitted spectrum: by filters that know the
-    tilt, and by filters that take the IMU for level. `record` holds the facts about the record.
-    Returns "" if no tilt is stated (`sensors.imu.tilt`).
+    tilt, and by filters that take the IMU for level. "" if no tilt is stated (`sensors.imu.tilt`).
     """
     tilt = config.sensors.imu.tilt
     if isinstance(tilt, str) or tilt == 0.0:

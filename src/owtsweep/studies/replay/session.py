@@ -35,15 +35,8 @@ def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str
     """Choose the parts of a record that figures show: name of the part -> its steps.
 
     The part "whole" begins with the record and is at most `SPAN` s long. The shorter parts "zoom"
-    and "acceleration" lie around the largest motion after `SETTLING` s.
-
-    Parameters
-    ----------
-    record
-        The record.
-    positions
-        The positions in the record, true or estimated, in pieces of shape (n, 2) in m; NaN where
-        unknown.
+    and "acceleration" lie around the largest motion after `SETTLING` s. The positions, true or
+    estimated, come in pieces of shape (n, 2) in m; NaN where unknown.
     """
     windows = {"whole": _select(record, record.begin, min(record.begin + SPAN, record.end))}
     for name, step in _find_largest_motion(record, positions).items():
@@ -56,16 +49,8 @@ def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str
 def _find_largest_motion(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, int]:
     """Find the step of the largest motion for each of the zoomed parts in `ZOOMS`: name -> step.
 
-    A step is considered only if the zoomed part around this step lies inside the record and begins
-    after `SETTLING` s. If there is no such step, the middle step of the record is taken.
-
-    Parameters
-    ----------
-    record
-        The record.
-    positions
-        The positions in the record, true or estimated, in pieces of shape (n, 2) in m; NaN where
-        unknown.
+    A step is considered only if the zoomed part around it lies inside the record and begins after
+    `SETTLING` s. If there is none, the middle step of the record is taken.
     """
     found = dict.fromkeys(ZOOMS, (0.0, record.steps // 2))
     begin = 0
@@ -83,10 +68,7 @@ def _find_largest_motion(record: ReplayRecord, positions: Iterable[Array]) -> di
 
 
 def _select(record: ReplayRecord, start: float, end: float) -> slice[int]:
-    """Return the slice of the steps whose time lies from `start` to `end` (s), both included.
-
-    Times are on the clock of the record's file.
-    """
+    """Return the steps from `start` to `end` (s, on the file's clock), both included."""
     near = slice(
         max(int((start - record.begin) / record.step) - 2, 0),
         min(int((end - record.begin) / record.step) + 3, record.steps),
@@ -133,21 +115,12 @@ class Session:
 
 
 class Alike:
-    """A comparison of named series that come piece by piece: which series are equal to which?
-
-    Two series count as equal if all their pieces agree but for rounding errors.
-
-    Parameters
-    ----------
-    names
-        The names of the series, in order.
-    """
+    """Finds which named series, that come piece by piece, are equal but for rounding errors."""
 
     def __init__(self, names: Iterable[str]) -> None:
         self._pairs = list(combinations(names, 2))
 
     def add(self, pieces: Mapping[str, Array]) -> None:
-        """Compare the next piece of all series; `pieces` maps a series' name to its piece."""
         self._pairs = [
             (one, other)
             for one, other in self._pairs
@@ -160,11 +133,7 @@ class Alike:
 
 
 def skip_start(record: ReplayRecord) -> int:
-    """Return the step after the first fifth of the record.
-
-    Errors before this step do not count for the range of a figure's axis: estimates settle until
-    then.
-    """
+    """Return the step after the first fifth of the record, until which estimates settle."""
     return record.steps // 5
 
 
@@ -204,14 +173,7 @@ def run_scheme(
 ) -> Iterator[Trajectory]:
     """Run a scheme on one replicate of a record; yield its estimates piece by piece.
 
-    Parameters
-    ----------
-    config, scheme, sensors
-        The configuration, the scheme to run, and the sensors' parameters.
-    signals
-        The measurements of the replicate.
-    edges
-        The steps at which the pieces begin, and the number of steps.
+    `edges` are the steps at which the pieces begin, and the number of steps.
 
     Raises
     ------

@@ -36,8 +36,8 @@ class FilterState:
     Attributes
     ----------
     acceleration
-        Estimates in the zoomed part of the record that the figure of acceleration shows, shape
-        (n, 2); None if the filter's model has no acceleration.
+        Estimates in the zoomed part of the record that the figure of acceleration shows, shape (n,
+        2); None if the filter's model has no acceleration.
     acceleration_bound, bias_bound
         Largest absolute errors along x of acceleration and bias, after the first fifth of the
         record; 0 if the truth is unknown.
@@ -60,9 +60,7 @@ class FilterState:
 
 @dataclass(frozen=True)
 class FilterStates:
-    """All filters' estimates of acceleration and accelerometer bias on a record.
-
-    They are kept as envelopes: series reduced to few points, for a plot.
+    """All filters' estimates of acceleration and accelerometer bias on a record, as envelopes.
 
     Attributes
     ----------
@@ -73,8 +71,8 @@ class FilterStates:
     true_bias
         Envelopes of x and y of the simulated bias; None for recorded sensors.
     true_range
-        Ranges of the simulated bias (m/s^2), shape (2, 2): rows x and y, columns least and
-        greatest. Each row is (+inf, -inf) for recorded sensors, or if no filter was run.
+        Ranges of the simulated bias (m/s^2), as `bias_range`; (+inf, -inf) for recorded sensors, or
+        if no filter was run.
     """
 
     of: Mapping[str, FilterState]
@@ -86,8 +84,8 @@ class FilterStates:
 def collect_filter_states(config: ReplayConfig, session: Session) -> FilterStates:
     """Run all filters on the record and collect their estimates of acceleration and bias.
 
-    Only schemes with a kernel are run. If position fixes are missing, no filter is run, because
-    kernels need every fix; the result then has no filters.
+    Only schemes with a kernel are run. If fixes are missing, no filter is run, because kernels need
+    every fix.
     """
     record = session.record
     simulated = record.gnss == "simulated"
@@ -140,15 +138,6 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
     The second axis holds position, velocity, acceleration and the bias R b^b; the third holds x and
     y. The filter computes a state `lag_of(chain)` steps late. The state is moved back to the step
     to which it refers, so the last steps of the record are NaN.
-
-    Parameters
-    ----------
-    chain
-        The form of a scheme that the batch engine runs, with the filter.
-    session
-        The record and its measurements.
-    edges
-        The steps at which the pieces begin, and the number of steps.
     """
     lag, steps = lag_of(chain), session.record.steps
     chunks = state_chunks(chain, *make_lanes([session.signals], session.sensors))
@@ -166,21 +155,10 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
 def _add_piece(
     state: FilterState, piece: Array, truth: Array | None, begin: int, session: Session
 ) -> None:
-    """Append a piece of a filter's states to the values that figures show.
+    """Append a piece of a filter's states, shape (n, 4, 2), to the values that figures show.
 
-    Parameters
-    ----------
-    state
-        The values that figures show; they are changed in place.
-    piece
-        The filter's states, shape (n, 4, 2). The second axis holds position, velocity, acceleration
-        and bias; the third holds x and y.
-    truth
-        The true bias in this piece, shape (n, 2) in m/s^2; None for recorded sensors.
-    begin
-        The step at which the piece begins.
-    session
-        The record and the parts of it that figures show.
+    `truth` is the true bias in this piece, shape (n, 2) in m/s^2, if known; `begin` is its first
+    step.
     """
     end, late = begin + len(piece), slice(max(skip_start(session.record) - begin, 0), None)
     acceleration, bias = piece[:, 2], piece[:, 3]
@@ -201,21 +179,11 @@ def _add_piece(
 
 
 def _empty_range() -> Array:
-    """Return empty ranges of x and y, shape (2, 2): rows x and y, columns +inf and -inf."""
     return np.array([[np.inf, -np.inf], [np.inf, -np.inf]])
 
 
 def _widen(limits: Array, values: Array) -> None:
-    """Widen ranges of x and y in place, so that they include further values.
-
-    Parameters
-    ----------
-    limits
-        The ranges, shape (2, 2): rows x and y, columns least and greatest.
-    values
-        The values to include, shape (n, 2), columns x and y; values that are not finite do not
-        count.
-    """
+    """Widen ranges of x and y in place to hold the finite of the values, shape (n, 2)."""
     finite = np.isfinite(values)
     limits[:, 0] = np.minimum(limits[:, 0], np.min(values, axis=0, initial=np.inf, where=finite))
     limits[:, 1] = np.maximum(limits[:, 1], np.max(values, axis=0, initial=-np.inf, where=finite))

@@ -40,7 +40,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     """Make the terminal's output: the advice, and with a single record the table of errors.
 
     With more than `MOST_RECORDS` records, the advice is one sentence that counts on how many
-    records each scheme is best. `tables` are the run's tables by name.
+    records each scheme is best.
     """
     from rich.console import Group
     from rich.text import Text
@@ -71,7 +71,6 @@ def list_left_out(refused: pd.DataFrame) -> list[str]:
     """Return a line per record that was left out, with the reason.
 
     Of more than `MOST_RECORDS` records, the last line gives the number of those not listed.
-    `refused` is the run's table of refused records.
     """
     lines = [f"left out: {row.reason}" for row in refused.head(MOST_RECORDS).itertuples()]
     more = len(refused) - len(lines)
@@ -79,10 +78,7 @@ def list_left_out(refused: pd.DataFrame) -> list[str]:
 
 
 def _count_advice(advised: pd.DataFrame) -> str:
-    """Say in one sentence on how many records what is recommended, by the errors on these records.
-
-    `advised` is the run's table of advice. Rows by expected errors are not counted.
-    """
+    """Say in one sentence on how many records what is recommended, by the errors on them."""
     by_record = advised[(advised["source"] != "map") & (advised["noise"] != ESTIMATED)]
     counts = by_record["recommended"].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())
@@ -94,10 +90,7 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
 
 def make_sentences(advised: pd.DataFrame) -> list[str]:
-    """Write one sentence for each row of the table of advice.
-
-    If the table has several records, each sentence begins with the name of its record.
-    """
+    """Write a sentence for each row of the table of advice, with the name of one of several."""
     many = advised["file"].nunique() > 1
     return [
         (f"{row['file']}: " if many else "") + write_sentence(row)
@@ -106,10 +99,7 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
 
 
 def tell_windows(advised: pd.DataFrame) -> list[str]:
-    """Return sentences on the part of a record that the advice judges, and on the other part.
-
-    `advised` is the run's table of advice.
-    """
+    """Return sentences on the part of a record that the advice judges, and on the other part."""
     of_map = advised["source"] == "map"
     windows = list(dict.fromkeys(advised.loc[~of_map, "window"]))
     told = [OTHER_WINDOW[window] for window in windows or dict.fromkeys(advised["window"])]
@@ -119,20 +109,14 @@ def tell_windows(advised: pd.DataFrame) -> list[str]:
 
 
 def list_spectrum_notes(config: ReplayConfig) -> list[str]:
-    """List the warnings about the spectrum fitted to the single record of a run.
-
-    If the run has several records, the list is empty.
-    """
+    """List the warnings about the spectrum fitted to the single record of a run; [] for several."""
     if len(config.grid.files) > 1:
         return []
     return [f"spectrum: {warning}" for warning in list_fit_warnings(config, config.grid.files[0])]
 
 
 def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
-    """List the warnings about the spectrum fitted to the record in a file.
-
-    If no spectrum could be fitted, the reason is the only warning.
-    """
+    """List the warnings about the spectrum fitted to a record, or why none could be fitted."""
     fit = summarise_motion(config, file).fit
     return (fit,) if isinstance(fit, str) else fit.warnings
 
@@ -142,8 +126,7 @@ def make_error_cells(
 ) -> tuple[list[str], list[list[str]]]:
     """Return the table of errors of one record: its headings, and its rows of texts.
 
-    A row holds a scheme's errors over the part of the record that `measures.window` names. `errors`
-    is the run's table of errors.
+    A row holds a scheme's errors over the part of the record that `measures.window` names.
     """
     shown = errors[errors["window"] == config.measures.window]
     names = [name for name in SHOWN if name in set(shown["measure"])]

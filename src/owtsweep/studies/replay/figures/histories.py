@@ -44,18 +44,14 @@ def draw(
 
     Parameters
     ----------
-    config, session
-        The configuration, and the data of the record.
     states
-        Function that returns the filters' acceleration and bias. It is called only if `quantity` is
-        "acceleration" or "bias".
-    quantity
-        "position", "velocity", "acceleration" or "bias".
+        Returns the filters' acceleration and bias. It is called only if `quantity` is
+        "acceleration" or "bias", and not "position" or "velocity".
     zoom
         Whether to show only some seconds around the largest motion after settling.
     advised
         The scheme that the advice recommends: its lines are drawn on top, and its ±1.96 standard
-        deviations as a band; None for none.
+        deviations as a band.
 
     Raises
     ------
@@ -103,10 +99,7 @@ def _format_duration(seconds: float) -> str:
 def _make_values_panel(
     session: Session, quantity: str, axis: int, shown: Traces, advised: str | None
 ) -> Panel:
-    """Make the panel of a quantity's x (axis 0) or y (axis 1): truth, measurements and estimates.
-
-    `shown` holds the lines of the figure; those of the scheme `advised` are drawn on top.
-    """
+    """Make the panel of a quantity's x (axis 0) or y (axis 1): truth, measured, estimates."""
     marks: list[Curve] = []
     if shown.imu is not None:
         marks.append(time_histories.show_measurement(shown.imu[axis]))
@@ -136,11 +129,7 @@ def _widen(low: float, high: float) -> tuple[float, float]:
 def _make_errors_panel(
     session: Session, quantity: str, shown: Traces, advised: str | None
 ) -> Panel:
-    """Make the panel of errors of x, with a band of the advised scheme's ±1.96 standard deviations.
-
-    `shown` holds the lines of the figure. There is no band if `advised` is None or the scheme
-    states no standard deviations.
-    """
+    """Make the panel of errors of x, with ±1.96 standard deviations of the advised scheme."""
     marks: list[Band | Curve | Level] = []
     note = ""
     if advised is not None and advised in shown.deviations:
@@ -163,11 +152,7 @@ def _make_errors_panel(
 
 
 def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
-    """Make the panel of the innovations of x, for a record whose true position is unknown.
-
-    Each innovation is divided by the standard deviation that the scheme states for it. `shown`
-    holds the innovations.
-    """
+    """Make the panel of the innovations of x, divided by their stated standard deviations."""
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
         scheme = style_of(name, session.names)

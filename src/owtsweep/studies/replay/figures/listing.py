@@ -20,11 +20,7 @@ HISTORIES = (
 
 
 def overview(config: ReplayConfig) -> str:
-    """Return the name of the main figure.
-
-    With a single record, this figure shows the position over some seconds; with several records, it
-    is a map of the best schemes.
-    """
+    """Return the main figure: the position over some seconds, or the map of several records."""
     return "position_zoom" if len(config.grid.files) == 1 else "best_scheme_by_record"
 
 
@@ -35,16 +31,7 @@ def drawings(
 
     With a single record, the figures are quantities over time, the spectrum, and the record's place
     in the map of expected errors. With several records, there is one figure: a map of the best
-    schemes.
-
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    tables
-        The run's tables by name.
-    metadata
-        Name -> text to store inside each file of a figure.
+    schemes. The texts of `metadata`, by name, are stored in the files.
     """
     if len(config.grid.files) == 1:
         figures = _figures_of_one(config, tables)

@@ -142,10 +142,10 @@ def _make_field(
 
 
 def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> None:
-    """Mark the record's place by a star with bars.
+    """Mark the record's place, natural period (s) and amplitude (m), by a star with bars.
 
-    `place` is natural period (s) and amplitude (m). `ends` is half the bar of the period (s), and
-    half that of the logarithm of the amplitude; NaN for no bar.
+    `ends` is half the bar of the period (s), and half that of the logarithm of the amplitude, or
+    NaN.
     """
     period, amplitude = place
     across = np.full((2, 1), ends[0])

@@ -32,14 +32,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     The margin tells by how much the runner-up's error is larger. A mark is hatched if the margin
     does not matter. The axes are the first two columns of numbers in `replay.table`. If the table
     has only one column of numbers, the vertical axis is the largest displacement (m). Without a
-    table, the axes are the fitted natural period (s) and the largest displacement.
-
-    Parameters
-    ----------
-    config
-        The configuration of the replay.
-    records, advised
-        The run's tables records.csv and advice.csv.
+    table, the axes are the fitted natural period (s) and the largest displacement. `records` and
+    `advised` are the tables records.csv and advice.csv.
 
     Raises
     ------
@@ -133,15 +127,10 @@ def _choose_coordinates(
 
 
 def _measure_cell(values: pd.Series[float]) -> float:
-    """Return the width of the marks along one axis of the map, in the unit of the axis.
+    """Return the width of the marks along one axis of the map, for the records' values on it.
 
     The width is the least distance between different values, but at least a twelfth of the range of
     the values. If all values are equal, it is a fifth of their magnitude, but at least 0.001.
-
-    Parameters
-    ----------
-    values
-        The records' values on this axis.
     """
     coordinates = sorted({float(value) for value in values})
     if len(coordinates) < 2:

@@ -30,13 +30,7 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw the periodogram of a record's displacement, its running mean, and a fitted spectrum.
 
     The fitted spectrum is Eq. (1) of Ren et al. (2019); it is left out if it could not be fitted.
-
-    Parameters
-    ----------
-    config
-        The configuration of a replay of one record.
-    record
-        The facts about the record.
+    `record` holds the facts about the record.
 
     Raises
     ------
@@ -96,8 +90,8 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
 def _mark_modes(axes: Axes, modes: Modes) -> str:
     """Mark the peaks of the spectrum by their periods and shares of the variance.
 
-    Peaks beyond the axis are named at its edge. Returns a sentence for the footnote, which ends
-    with a space; "" if there is no peak.
+    Peaks beyond the axis are named at its edge. Return a sentence for the footnote, which ends with
+    a space; "" if there is no peak.
     """
     left, right = axes.get_xlim()
     for number, mode in enumerate(modes.found[:MOST_MODES]):

@@ -26,16 +26,14 @@ class Traces:
         Scheme -> the lines of its estimates of x and y. Schemes whose estimates equal those of a
         later scheme are left out.
     errors
-        Scheme -> the line of its errors of x, for the schemes in `lines`; empty if the truth is
-        unknown.
+        Scheme -> the line of its errors of x; empty if the truth is unknown.
     bound
         Largest absolute error of x after the first fifth of the record. It sets the range of the
         vertical axis of the panel of errors.
     truth, imu
         Lines of x and y of the true quantity and of the IMU's measurements; None if not shown.
     fixes
-        Times of arrival of the position fixes, shape (n,), and the fixes, shape (n, 2); None if not
-        shown.
+        Times of arrival of the fixes, shape (n,), and the fixes, shape (n, 2); None if not shown.
     deviations
         Scheme -> times, and standard deviations of x that the scheme states.
     innovations
@@ -61,20 +59,9 @@ class Traces:
 def collect_traces(
     session: Session, states: Callable[[], FilterStates], quantity: str, *, zoom: bool
 ) -> Traces:
-    """Collect the lines of a figure that shows one quantity over time.
+    """Collect the lines of a figure that shows one quantity over time; arguments as of `draw`.
 
-    Parameters
-    ----------
-    session
-        The data of the record.
-    states
-        Function that returns the filters' acceleration and bias. It is called only if `quantity` is
-        "acceleration" or "bias".
-    quantity
-        "position", "velocity", "acceleration" or "bias".
-    zoom
-        Whether to show only some seconds around the largest motion. This applies to position and
-        velocity; the acceleration is always zoomed in, the bias never.
+    `zoom` applies to position and velocity; the acceleration is always zoomed in, the bias never.
     """
     if quantity == "bias":
         return _trace_bias(session, states())
@@ -148,10 +135,7 @@ def _trace_acceleration(session: Session, states: FilterStates) -> Traces:
 
 
 def _take_force(session: Session, window: slice[int]) -> Array:
-    """Return the measured specific force in NED coordinates, shape (n, 2) in m/s^2.
-
-    `window` is the slice of the steps to return.
-    """
+    """Return the measured specific force in NED coordinates, shape (n, 2) in m/s^2."""
     parts, begin = [], 0
     for piece in rotate_force(session.signals, session.sensors):
         parts.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0)])

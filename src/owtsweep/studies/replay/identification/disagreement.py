@@ -50,12 +50,8 @@ def list_readings() -> dict[str, Array]:
 def describe_disagreement(problem: Problem, stated: Array, fit: Fit, source: str) -> str:
     """Say why the acceleration cannot belong to the positions; "" if both can be of one motion.
 
-    Parameters
-    ----------
-    problem, stated, fit
-        The problem, the stated values (shape (4,)), and the fit with the acceleration as it is.
-    source
-        What the positions are: "fixes" or "reference".
+    `stated` are the stated values, shape (4,); `fit` is that of the acceleration as it is; `source`
+    says what the positions are: "fixes" or "reference".
     """
     size, expected = _measure_misfit(problem, fit.values), _measure_misfit(problem, stated)
     if not size > DOUBTED * expected:
@@ -84,8 +80,7 @@ def describe_disagreement(problem: Problem, stated: Array, fit: Fit, source: str
 def _measure_misfit(problem: Problem, values: Array) -> float:
     """Return how far a position lies from what its neighbours and the IMU say, m, for some noise.
 
-    It is the rms of the third differences for this noise, in units of that of positions with white
-    noise of 1 m.
+    It is the rms of the third differences, in units of that of white position noise of 1 m.
     """
     parts = problem.differences
     variance = (

@@ -35,10 +35,9 @@ class Fit:
         minus infinity) and `high` infinity where the record sets no bound.
     log_likelihood
         The largest log likelihood.
-    kurtosis
-        Excess kurtosis of the innovations: 0 for Gaussian noise, larger with outliers.
-    kurtosis_error
-        Standard error of that number for Gaussian noise.
+    kurtosis, kurtosis_error
+        Excess kurtosis of the innovations: 0 for Gaussian noise, larger with outliers; and its
+        standard error for Gaussian noise.
     """
 
     values: Array
@@ -54,8 +53,6 @@ def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
 
     Parameters
     ----------
-    problem
-        The problem.
     stated
         The stated values, at which the search begins, shape (4,).
     floor
@@ -85,12 +82,8 @@ def find_most_likely(
 ) -> tuple[Array, float]:
     """Return the most likely parameters, encoded for the search, and their log likelihood.
 
-    Parameters
-    ----------
-    problem, stated
-        The problem, and the stated values, at which the search begins, shape (4,).
-    gain
-        Matrix (2, 2) by which the acceleration is multiplied first; None for the unit matrix.
+    The search begins at the stated values, shape (4,). The acceleration is multiplied by `gain`,
+    shape (2, 2), first.
     """
     best: Array = np.empty(0)
     value = -np.inf
@@ -104,11 +97,11 @@ def find_most_likely(
 def scan_delays(
     problem: Problem, stated: Array, gain: Array | None, step: float
 ) -> tuple[list[Array], float]:
-    """Return the most likely delays, without any search for the noise.
+    """Return the most likely delays, without any search for the noise, and their log likelihood.
 
-    Returns the encoded parameters with the most likely delay for the stated noise, and those for a
-    noise ten times larger: a delay can be recognised only at about the right size of the noise.
-    Then the larger log likelihood of these two. `step` is the time between delays that are tried.
+    These are the encoded parameters with the most likely delay for the stated noise, and those for
+    a noise ten times larger: a delay can be recognised only at about the right size of the noise.
+    `step` is the time between delays that are tried.
     """
     delays = np.arange(-REACH, REACH + 0.5 * step, step) + stated[3]
     residuals = [problem.residual(delay, gain) for delay in delays]

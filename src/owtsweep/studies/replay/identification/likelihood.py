@@ -36,13 +36,12 @@ class Differences(NamedTuple):
 
     Attributes
     ----------
-    first
-        Index of the first of the four positions of each difference, shape (n,).
-    weights
-        Weights of the four positions, shape (n, 4).
+    first, weights
+        Index of the first of the four positions of each difference, shape (n,), and weights of the
+        four, shape (n, 4).
     of_position, of_white, of_walk
-        Covariance of the differences, per axis, for unit noise: for positions with white noise of
-        1 m; for a white acceleration noise of density 1 (m/s^2)^2/Hz; for an acceleration bias that
+        Covariance of the differences, per axis, for unit noise: for positions with white noise of 1
+        m; for a white acceleration noise of density 1 (m/s^2)^2/Hz; for an acceleration bias that
         walks with density 1 (m/s^2)^2/s. Shape (4, n) each: row k holds the covariances of
         difference j with difference j + k.
     """
@@ -97,10 +96,10 @@ def take_differences(time: Array) -> Differences:
 
 
 def _noise_of_intervals(length: Array) -> tuple[Array, Array]:
-    """Return the covariance of position, velocity and bias that each interval adds.
+    """Return the covariance of position, velocity and bias that each interval (s, (n,)) adds.
 
-    Returns that of white acceleration noise and that of a bias walk, of unit density, shape
-    (n, 3, 3) each. `length` are the intervals' lengths in s, shape (n,).
+    Return that of white acceleration noise and that of a bias walk, of unit density, (n, 3, 3)
+    each.
     """
     white, walk = np.zeros((2, len(length), 3, 3))
     white[:, 0, 0] = length**3 / 3.0
@@ -119,12 +118,8 @@ def _noise_of_intervals(length: Array) -> tuple[Array, Array]:
 class DoubleIntegral:
     """The double integral of an acceleration, zero with zero slope at time 0.
 
-    Attributes
-    ----------
-    step
-        Time between samples, s.
-    position, velocity
-        The double and the single integral at the samples, shape (n, 2), in m and m/s.
+    `step` is in s; `position` and `velocity` are the double and the single integral at the samples,
+    shape (n, 2), in m and m/s.
     """
 
     step: float
@@ -181,10 +176,9 @@ class Problem:
         The double integral of the acceleration, in NED.
     time
         Times of the positions on the clock of the IMU, shape (n,), s.
-    differences
-        The third differences of series at these times.
-    measured
-        The differences of the measured positions, shape (m, 2).
+    differences, measured
+        The third differences of series at these times, and those of the measured positions, shape
+        (m, 2).
     floor
         IMU sigma that the IMU's own spectrum shows (m/s^2, `measure_floor`); NaN: not used.
     """
@@ -198,12 +192,8 @@ class Problem:
     def residual(self, delay: float, gain: Array | None = None) -> Array:
         """Return the differences of positions minus double integral, shape (m, 2).
 
-        Parameters
-        ----------
-        delay
-            How long ago the measured positions were true, s.
-        gain
-            Matrix (2, 2) by which the acceleration is multiplied first; None for the unit matrix.
+        Positions were true `delay` seconds ago. The acceleration is multiplied by `gain`, shape (2,
+        2), first.
         """
         moved = self.differences.apply(self.integral.at(self.time - delay))
         return self.measured - (moved if gain is None else moved @ gain.T)

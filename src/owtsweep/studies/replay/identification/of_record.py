@@ -117,8 +117,8 @@ def estimate_noise(config: ReplayConfig, file: str) -> Noise:
     Raises
     ------
     InputError
-        If the file cannot be read; or if specific force and positions contradict each other,
-        unless `replay.disagreement` is "accept".
+        If the file cannot be read; or if specific force and positions contradict each other, unless
+        `replay.disagreement` is "accept".
     """
     replay = changed(config.replay, disagreement="accept", noise="estimate")
     settings = (config.columns, config.units, config.gaps, replay, config.sensors)
@@ -200,18 +200,10 @@ def _name(fit: Fit, sensors: Sensors, source: str) -> list[Estimated]:
 
 
 def measure_floor(force: Array) -> float:
-    """Return the standard deviation of white noise with the level of the upper half spectrum.
+    """Return the deviation (m/s^2) of white noise with the level of the upper half spectrum.
 
-    Parameters
-    ----------
-    force
-        Samples of the specific force, shape (n, 2), in m/s^2.
-
-    Returns
-    -------
-    float
-        The deviation per sample and axis, m/s^2; NaN if the samples are few, or the spectrum is not
-        flat there: then it holds more than white noise.
+    `force` are samples of the specific force, shape (n, 2), in m/s^2. NaN if they are few, or the
+    spectrum is not flat there: then it holds more than white noise.
     """
     if len(force) < LEAST_SPECTRA * SAMPLES:
         return np.nan

@@ -37,10 +37,9 @@ def name_second_run(scheme: str) -> str:
 
 
 def list_values(noise: Noise) -> Iterator[tuple[str, str, float, int]]:
-    """Yield the numbers of a record's noise as (measure, window, value, 1).
+    """Yield the numbers of a record's noise as ("source: parameter", window, value, 1).
 
-    The measure is "source: parameter"; the window is "stated", "estimate", "low" or "high".
-    Numbers that do not exist are left out.
+    The window is "stated", "estimate", "low" or "high". Numbers that do not exist are left out.
     """
     for one in noise.parameters:
         numbers = asdict(one)
