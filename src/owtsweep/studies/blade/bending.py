@@ -36,11 +36,8 @@ REACH = float(PRISMS[2, 0]) - CLAMP
 class Bending:
     """The bending of a record.
 
-    Attributes
-    ----------
-    deflection
-        A function of times in s, which gives shifts of the blade at the third prism across the
-        blade, along y and z of the body, m, shape (n, 2).
+    `deflection` gives, at times in s, shifts of the blade at the third prism across the blade,
+    along y and z of the body, m, shape (n, 2).
     """
 
     deflection: CubicSpline

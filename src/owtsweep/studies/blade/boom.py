@@ -32,13 +32,9 @@ ENDS = 20.0
 def make_boom(config: BladeConfig, replicate: int, swing: NDArray[np.complex128]) -> BoomMotion:
     """Return the motion of the boom's tip in a record.
 
-    Parameters
-    ----------
-    config, replicate
-        The configuration, and which random numbers. Each mode has a stream of its own.
-    swing
-        Complex amplitudes of the translations of the blade's centre of gravity in m, at the
-        multiples of 1 / (twice the record), shape (lines, 3).
+    Each mode has a random stream of its own. `swing` holds complex amplitudes of the translations
+    of the blade's centre of gravity in m, at the multiples of 1 / (twice the record), shape (lines,
+    3).
     """
     boom, record = config.boom, config.record
     steps = round(record.steps * boom.rate / record.rate)
@@ -68,19 +64,13 @@ def measure_boom(config: BladeConfig, motion: BoomMotion, replicate: int) -> Acc
 def estimate_boom(felt: Accelerations, *, zero_phase: bool = True) -> Array:
     """Return the displacement of the boom's tip above .15 Hz, m, at 20 Hz, shape (n, 3).
 
-    By the chain of Maes et al. (2018), Fig. 8.
-
-    Parameters
-    ----------
-    felt
-        Accelerations at a whole multiple of 20 Hz.
-    zero_phase
-        Whether the high-pass filter runs in both directions. In one, what passes it leads.
+    By the chain of Maes et al. (2018), Fig. 8. With `zero_phase`, the high-pass filter runs in both
+    directions. In one, what passes it leads.
 
     Raises
     ------
     InputError
-        If the rate is no such multiple or the record is not longer than 10 s.
+        If the rate is no whole multiple of 20 Hz, or the record is not longer than 10 s.
     """
     moved = integrate_twice(decimate(felt.values, felt.rate), RATE)
     return pass_high(moved, RATE, zero_phase=zero_phase)

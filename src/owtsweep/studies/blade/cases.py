@@ -1,4 +1,4 @@
-"""Records of a cell, simulated or recorded: truth, what sensors say, and what schemes are told."""
+"""Records of a cell, simulated or recorded: truth, what sensors say, and what schemes know."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from owtsweep.studies.blade.truth import Motion, choose_freedoms, make_truth
 if TYPE_CHECKING:
     from owtsweep.studies.blade.config import BladeConfig
 
-#: A bias or a walk of zero is believed to be this part of the noise of a sample, so that its
+#: A bias or a walk of zero is assumed to be this part of the noise of a sample, so that its
 #: variance stays positive.
 LEAST = 1e-6
 
@@ -32,8 +32,6 @@ class Case(NamedTuple):
     ----------
     truth
         The motion; of a recorded lift the estimates of the smoother with all fixes.
-    measured
-        What the sensors say.
     start, start_sigma, geometry
         As of `contract.Setting`.
     withheld
@@ -58,8 +56,6 @@ class World(NamedTuple):
 
     Attributes
     ----------
-    replicate
-        Number of the record.
     motion
         The simulated motion; None if the lift is recorded.
     lift, reference
@@ -114,10 +110,7 @@ def believe(
     start_sigma: Array,
     geometry: Geometry = PLAN,
 ) -> Setting:
-    """Return what schemes know of a case that begins at `start`, by the section `filters`.
-
-    `start`, `start_sigma` and `geometry` are those of `contract.Setting`.
-    """
+    """Return what schemes know of a case that begins at `start`, by the section `filters`."""
     tuning, sensors = config.filters, config.sensors
     receiver = sensors.receiver
     told = tuning if tuning.noise == "declared" else config.unit

@@ -26,20 +26,14 @@ REACH, MOST_ANGLE = 3.0, 80.0
 MOST_BENDING = 1.5
 #: Fastest accelerometers on the boom, and what passes the filter before decimation, Hz.
 FASTEST, PASSED = 1000.0, 8.0
-#: Axes over which a recorded lift can be mapped: a belief, and fixes that are withheld.
+#: Axes over which a recorded lift can be mapped: a prior, and fixes that are withheld.
 MAPPED = ("sigma", "outage")
 #: An antenna is on the blade.
 LONGEST_LEVER = 50.0
 
 
 def check(config: BladeConfig) -> None:
-    """Check everything that can be known before a record is made.
-
-    Raises
-    ------
-    InputError
-        If two values cannot work together; the message says what would work.
-    """
+    """Raise `InputError` if values cannot work together, as far as known beforehand."""
     SCHEMES.resolve_all(config.schemes)
     check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)
@@ -60,7 +54,7 @@ def check_outside(config: BladeConfig) -> None:
 
 
 def _check_recorded(config: BladeConfig) -> None:
-    """Check that nothing is asked of a recorded lift that it cannot answer."""
+    """Raise `InputError` for queries that a recorded lift cannot answer."""
     grid = config.grid
     require(
         grid.replicates == 1,

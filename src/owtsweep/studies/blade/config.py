@@ -16,11 +16,7 @@ from owtsweep.studies.blade.tuning import Tuned, Tuning
 
 
 class BladeConfig(TunedConfig, ContestConfig):
-    """The configuration of the blade study, with all its keys.
-
-    With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
-    the section `filters` is absent. `by_tuning` gives the configuration of each.
-    """
+    """The configuration of the blade study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = Config.inert | {"axes", "criterion", "tuning", "grade"}
     tuned: ClassVar[tuple[str, ...]] = ("filters",)

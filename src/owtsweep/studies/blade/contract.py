@@ -38,12 +38,8 @@ PRISMS = np.array([[-14.0, 1.8, 1.2], [4.0, -2.0, 1.0], [12.0, 2.2, 0.5]])
 class Geometry(NamedTuple):
     """Where points are in the body's frame, m; its origin is the point under the hook.
 
-    Attributes
-    ----------
-    root, unit
-        The blade's root and the inertial unit, shape (3,).
-    antennas
-        Antennas that the record has, shape (k, 3).
+    The blade's root and the inertial unit have the shape (3,), the antennas that the record has (k,
+    3).
     """
 
     root: Array
@@ -90,10 +86,8 @@ class Truth:
         Sampling interval in s.
     rotation
         Turns vectors of the body into the frame at rest, shape (steps, 3, 3).
-    root, root_velocity
-        Of the blade's root, m and m/s, shape (steps, 3).
-    unit, unit_velocity
-        Of the inertial unit.
+    root, root_velocity, unit, unit_velocity
+        Of the blade's root and of the inertial unit, m and m/s, shape (steps, 3).
     rate
         Angular velocity in the body's frame, rad/s, shape (steps, 3).
     specific_force
@@ -131,8 +125,8 @@ class Measured:
     floating
         Whether the receiver's solution is float, not fixed, shape (steps,): it says so itself.
     prism_times, prisms
-        Time stamps in s and positions in m of the prisms by the total stations, shapes (n,) and
-        (n, 3, 3).
+        Time stamps in s and positions in m of the prisms by the total stations, shapes (n,) and (n,
+        3, 3).
     boom
         Accelerations of the boom's tip; None if nothing is there.
     """
@@ -150,33 +144,29 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Setting(Knowledge):
-    """All that a scheme may know beforehand of a case.
+    """All that a scheme may know beforehand of a case; standard deviations are priors.
 
     Attributes
     ----------
     step
         Sampling interval in s.
     fix_sigma, float_sigma
-        Believed standard deviations of a fix, m, shape (3,): of a fixed, and of a float solution.
+        Standard deviations of a fix, m, shape (3,): of a fixed, and of a float solution.
     force_sigma, rate_sigma
-        Believed noise of a sample of accelerometers (m/s^2) and gyroscopes (rad/s).
-    force_bias, rate_bias
-        Believed standard deviations of their biases.
-    force_walk, rate_walk
-        Believed change of the biases per root of a second.
-    start
+        Noise of a sample of accelerometers (m/s^2) and gyroscopes (rad/s).
+    force_bias, rate_bias, force_walk, rate_walk
+        Standard deviations of their biases, and change of the biases per root of a second.
+    start, start_sigma
         Position and velocity of the unit, shape (2, 3), and its attitude (3, 3), as they are given
-        at the first sample: nobody can observe a hanging blade's heading in a record (F10).
-    start_sigma
-        Their believed standard deviations: m, m/s, tilt and heading in rad.
+        at the first sample: nobody can observe a hanging blade's heading in a record (F10). And
+        their standard deviations: m, m/s, tilt and heading in rad.
     offset_sigma
-        Believed standard deviation of the clock's offset, s; 0 if it is taken for nothing.
+        Standard deviation of the clock's offset, s; 0 if it is taken for nothing.
     lever_sigma
-        Believed standard deviation, along each axis of the body, of the error of the antenna's
-        place, m.
+        Standard deviation, along each axis of the body, of the error of the antenna's place, m.
     swing_sigma, swing_period, swing_damping
-        What is known of the motion of the point under the hook: standard deviations (m), natural
-        periods (s) and damping ratios, shape (3,) each.
+        Of the motion of the point under the hook: standard deviations (m), natural periods (s) and
+        damping ratios, shape (3,) each.
     gust_sigma, gust_time
         Standard deviations of its slow wandering in gusts (m), shape (3,), and their time constant
         (s).
@@ -225,7 +215,7 @@ class Estimates:
         Squared innovation of a fix over its covariance and dimension, shape (steps,), NaN without a
         fix; None if the scheme has none.
     wait
-        Time in s that a user waits for an estimate; the record's length if all of it is needed.
+        Latency in s; the record's length if all of it is needed.
     boom
         Displacement of the boom's tip above .15 Hz at 20 Hz, m, shape (n, 3); None if the scheme
         does not look at the boom.

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 #: A longer lever arm is warned of: nothing on a blade is so far from another thing, m.
 LONGEST_RECORDED = 150.0
-#: By what the Earth turns, deg/s, and the bias in deg/s that a filter must believe to take it up.
+#: By what the Earth turns, deg/s, and the bias in deg/s that a filter must assume to take it up.
 EARTH_RATE, TAKEN_FOR_BIAS = 15.041 / 3600.0, 0.0042
-#: The hook moves if the middle of the swing goes this many times as far as PENDULUM is told.
+#: The hook moves if the middle of the swing goes this many times as far as PENDULUM assumes.
 FAR = 3.0
 
 logger = logging.getLogger(__name__)
@@ -78,12 +78,12 @@ def _warn_of_a_moving_hook(name: str, setting: Setting, truth: Truth) -> None:
 
 
 def find_wander(setting: Setting, truth: Truth) -> tuple[Array, Array]:
-    """Return how far the hook goes, and how far PENDULUM is told that it wanders, m, shape (3,).
+    """Return how far the hook goes, and how far PENDULUM assumes that it wanders, m, shape (3,).
 
     The hook is taken to be where the point under it is, averaged over a period of the swing; how
     far it goes is the range of that. PENDULUM's middle of the swing is a random walk
     (`schemes.swing`) that agrees with the navigation to `filters.agreement`, and its standard
-    deviation at the record's end is what is told. The frame's horizontal axes need not be the
+    deviation at the record's end is what it assumes. The frame's horizontal axes need not be the
     blade's, so the larger of both is taken for both.
     """
     under_hook = truth.root - truth.rotation @ setting.geometry.root

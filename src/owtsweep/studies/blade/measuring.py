@@ -107,9 +107,9 @@ def find_outages(config: BladeConfig, length: float) -> NDArray[np.bool_]:
 
 
 def find_last_outage(config: BladeConfig, length: float) -> NDArray[np.bool_]:
-    """Return which samples are judged by the worst error, shape (steps,).
+    """Return the samples of the last outage, which are judged by the worst error, shape (steps,).
 
-    Those of the last outage, or, without one, as many as come between two.
+    Without an outage, they are as many as come between two.
     """
     record = config.record
     before_end = (record.steps - 1 - np.arange(record.steps)) / record.rate
@@ -133,26 +133,12 @@ def draw_errors(
     interval: float,
     vertical: float,
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Draw what is added to successive fixes, and which of them are float solutions.
+    """Draw the errors of successive fixes, m, (count, 3), and which are float solutions, (count,).
 
     All antennas of a record suffer these errors alike: they hear the same sky. The processes are
     usual models, not measured ones; Maes et al. (2018) say nothing about errors but their size.
-
-    Parameters
-    ----------
-    receiver
-        The section `sensors.receiver`.
-    draws
-        Function that returns a random stream, given its name.
-    count, interval
-        Number of fixes, lost ones among them, and the time between two in s.
-    vertical
-        Vertical over horizontal errors.
-
-    Returns
-    -------
-    tuple
-        Errors in m, shape (count, 3), and whether the solution is float, shape (count,).
+    Fixes, lost ones among them, are `interval` seconds apart; `vertical` is the ratio of vertical
+    to horizontal errors.
     """
     errors = np.zeros((count, 3))
     floating = draw_states(receiver, draws("float"), count, interval)
@@ -180,8 +166,7 @@ def draw_states(
 ) -> NDArray[np.bool_]:
     """Return at which fixes the solution is float, shape (count,).
 
-    A record begins with a fixed solution. The times that either state lasts are exponentially
-    distributed.
+    A record begins with a fixed solution. The times of both states are exponentially distributed.
     """
     floating = np.zeros(count, dtype=bool)
     if receiver.fixed_time is None:

@@ -52,13 +52,9 @@ class Motion:
 
     Attributes
     ----------
-    truth
-        The record.
     series
         Translations of the centre of gravity (m) and angles (rad) in the order of `DOF`, with their
-        derivatives and a lead before the record.
-    lead
-        Number of samples of the lead.
+        derivatives and `lead` samples before the record.
     bending
         By what points are off the rigid blade; None: by nothing.
     """
@@ -165,19 +161,11 @@ def hold(freedom: Freedom, stiffness: float, damping: float) -> tuple[float, flo
     """Return period, damping ratio, size and gusts of a freedom that tugger lines hold.
 
     These are ropes with winches that hold the heading and the pitch of a hanging blade, a spring
-    and a damper beside those of the hook; the wind pushes as before. Then
-    the natural frequency is sqrt(1 + k) times what it was, and the variance of a resonance under
-    white noise falls with damping constant times stiffness, that of gusts, which are slow, with the
-    square of the stiffness.
-
-    Parameters
-    ----------
-    freedom
-        The degree of freedom without lines.
-    stiffness
-        Stiffness of the lines over that of the hook, k.
-    damping
-        Damping ratio that the lines would add without their stiffness.
+    and a damper beside those of the hook; the wind pushes as before. Then the natural frequency is
+    sqrt(1 + k) times what it was, and the variance of a resonance under white noise falls with
+    damping constant times stiffness, that of gusts, which are slow, with the square of the
+    stiffness. `stiffness`, k, is that of the lines over that of the hook; `damping` is the ratio
+    that the lines would add without their stiffness.
     """
     stiffer, damper = 1.0 + stiffness, 1.0 + damping / freedom.damping
     return (

@@ -1,6 +1,6 @@
 """The numbers of the blade study's schemes, as one section of the configuration.
 
-`paper` believes Table 1 of Maes et al. (2018), whatever the sensors are; `matched` tells every
+`paper` assumes Table 1 of Maes et al. (2018), whatever the sensors are; `matched` gives every
 scheme the truth.
 """
 
@@ -12,7 +12,7 @@ from owtsweep.config import NotNegative, Positive, Section, key
 
 
 class Tuning(Section):
-    """The section `filters`: what schemes believe, and their own numbers."""
+    """The section `filters`: what schemes assume, and their own numbers."""
 
     noise: Literal["declared", "truth"] = key(
         "where the noise of GNSS and inertial unit is from: the numbers below, or the sensors' own"

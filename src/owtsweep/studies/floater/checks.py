@@ -20,13 +20,7 @@ LEAST_RATIO, MOST_RATIO = -100.0, 400.0
 
 
 def check(config: FloaterConfig) -> None:
-    """Check everything that can be known before a record is made.
-
-    Raises
-    ------
-    InputError
-        If two values cannot work together; the message says what would work.
-    """
+    """Raise `InputError` if values cannot work together, as far as known beforehand."""
     SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
     check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
@@ -41,7 +35,7 @@ def check_outside(config: FloaterConfig) -> None:
 
 
 def _check_times(config: FloaterConfig) -> None:
-    """Check that times that schemes are told lie within a record."""
+    """Check that times that schemes assume lie within a record."""
     for tuning in config.by_tuning().values():
         for key, value in (
             ("lag", tuning.filters.lag),

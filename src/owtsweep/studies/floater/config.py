@@ -121,11 +121,7 @@ class Sensors(Section):
 
 
 class FloaterConfig(TunedConfig, ContestConfig):
-    """The configuration of the floater study, with all its keys.
-
-    With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
-    the section `filters` is absent. `by_tuning` gives the configuration of each.
-    """
+    """The configuration of the floater study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = Config.inert | {"axes", "criterion", "tuning"}
     tuned: ClassVar[tuple[str, ...]] = ("filters",)

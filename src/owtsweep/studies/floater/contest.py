@@ -67,6 +67,6 @@ CONTEST = Contest(
     list_measures=list_measures,
     describe_truth=describe_truth,
     describe_sensors=describe_sensors,
-    # keys of sensors scale noise, and move or leave out reports, but draw nothing anew
+    # keys of sensors scale noise, and move or leave out reports, but draw no other numbers
     pairing=("seed", "record", "motion"),
 )

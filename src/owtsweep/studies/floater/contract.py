@@ -69,8 +69,7 @@ class Measured:
         shape (steps,); 0 without delay, irregular where the optical system is. A scheme that knows
         no delay ignores it.
     lost
-        Whether the report of a sample was lost, shape (steps,): what a scheme may look at only if
-        it is told of losses.
+        Whether the report of a sample was lost, shape (steps,), for schemes that know of losses.
     acceleration
         Accelerations of all degrees of freedom in the basin's frame, shape (steps, 6), as the
         paper's simulator gives them (`sensors.frame: global`); None with body-fixed sensors.
@@ -99,15 +98,14 @@ class Setting(Knowledge):
     step
         Sampling interval in s.
     position_sigma, rate_sigma, acceleration_sigma
-        Believed standard deviations of the noise per sample: of reported positions (6,), of rates
+        Assumed standard deviations of the noise per sample: of reported positions (6,), of rates
         (3,), and of accelerations (6,). With body-fixed sensors the last three accelerations are
         not measured; their entries are the standard deviation of the angular acceleration itself.
-    bias_sigma
-        Believed standard deviation of the bias of each acceleration, shape (6,).
-    bias_walk
-        Believed change of that bias per root of a second, shape (6,).
+    bias_sigma, bias_walk
+        Assumed standard deviation of the bias of each acceleration, and change of that bias per
+        root of a second, shape (6,).
     delay
-        Believed age of a report in s.
+        Assumed age of a report in s.
     motion_sigma
         Standard deviations of position, velocity and acceleration, shape (3, 6): what a user knows
         of the sea state.
@@ -120,8 +118,7 @@ class Setting(Knowledge):
     tuning
         The numbers of all schemes.
     start
-        True position and velocity at sample 0, shape (2, 6), for schemes that are told; None: they
-        are not.
+        True position and velocity at sample 0, shape (2, 6); None if schemes do not know it.
     """
 
     step: float
@@ -155,7 +152,7 @@ class Estimates:
         Squared innovations of the reported positions over their variance, one per degree of
         freedom, shape (steps, 6), NaN where no report was used; None if the scheme has none.
     wait
-        Time in s that a user waits for an estimate: 0 but for a smoother of fixed lag.
+        Latency in s: 0 but for a smoother of fixed lag.
     """
 
     position: Array

@@ -44,18 +44,9 @@ FLOOR = 0.1
 def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> dict[str, float]:
     """Compare the estimates of a record with its truth; return measure -> value.
 
-    A degree of freedom that does not move counts in no criterion.
-
-    Parameters
-    ----------
-    truth
-        The motion, n samples.
-    estimates
-        What a scheme says of it.
-    sigma
-        True standard deviations of the noise of reported positions, shape (6,).
-    settled
-        The first sample that is judged.
+    A degree of freedom that does not move counts in no criterion. `sigma` are the true standard
+    deviations of the noise of reported positions, (6,); `settled` is the first sample that is
+    judged.
 
     Raises
     ------
@@ -153,7 +144,6 @@ def _average_nis(estimates: Estimates, settled: int) -> Array:
 
 
 def _divide(numerator: Array, denominator: Array) -> Array:
-    """Return the quotient, NaN where the denominator is zero."""
     quotient = np.full(np.broadcast_shapes(np.shape(numerator), np.shape(denominator)), np.nan)
     np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
     return quotient

@@ -39,10 +39,10 @@ class Sigmas(NamedTuple):
 
 
 def find_sigmas(config: FloaterConfig, motion: Motion, snr: float) -> Sigmas:
-    """Return the noise of the sensors at a signal-to-noise ratio in dB.
+    """Return the noise of the sensors at a signal-to-noise ratio (of powers) in dB.
 
-    The ratio is one of powers. `sensors.power` says whether a signal's power is its variance or its
-    mean square (which MATLAB's awgn takes, as the paper does).
+    `sensors.power` says whether a signal's power is its variance or its mean square (which MATLAB's
+    awgn takes, as the paper does).
     """
     sensors = config.sensors
     share = 10.0 ** (-snr / 20.0)
@@ -79,8 +79,7 @@ def find_accelerations(config: FloaterConfig, motion: Motion) -> Array:
 def scale_accelerations(config: FloaterConfig, motion: Motion) -> Array:
     """Return the standard deviations of accelerations to which noise and bias refer, (6,) or (3,).
 
-    With sensors fixed to the body those of the motion, without gravity: an accelerometer is not
-    noisier because it leans.
+    With body-fixed sensors those of the motion, without gravity: leaning adds no noise.
     """
     columns = 3 if config.sensors.frame == "body" else 6
     return np.asarray(motion.truth.acceleration[:, :columns].std(axis=0))

@@ -31,23 +31,9 @@ COUPLED = {"theta": ("x", 1.0), "phi": ("y", -1.0)}
 def draw_motion(
     motion: MotionSection, stream: Stream, span: Span, roll: float | None = None
 ) -> Series:
-    """Draw a motion.
+    """Draw a motion of lead + steps samples; the lead is at most as long as the record.
 
-    Parameters
-    ----------
-    motion
-        The section `motion`.
-    stream
-        Function that returns a new random generator, given a name.
-    span
-        The samples; the lead is at most as long as the record.
-    roll
-        Standard deviation of the roll angle in degrees, in place of the section's; None: that.
-
-    Returns
-    -------
-    Series
-        lead + steps samples.
+    `roll` is the standard deviation of the roll angle in degrees; None: that of the section.
     """
     frequency = find_frequencies(span.steps, span.step)
     parts = [_describe_resonances(motion, frequency), _describe_waves(motion, frequency)]
@@ -108,18 +94,8 @@ def _draw_lines(
 def decay(motion: MotionSection, stream: object, span: Span, roll: float | None = None) -> Series:
     """Return a free decay from the deflections `resonance.sigma`, at rest before time 0.
 
-    That is a moored buoy, pulled out and released in still water (section 3.2).
-
-    Parameters
-    ----------
-    motion
-        The section `motion`.
-    stream
-        Not used: nothing is random.
-    span
-        The samples; the release is after the lead.
-    roll
-        Deflection of roll in degrees, in place of the section's; None: that.
+    That is a moored buoy, pulled out and released in still water (section 3.2), after the lead.
+    Nothing is random. `roll` is the deflection of roll in degrees; None: that of the section.
     """
     time = span.step * (np.arange(span.lead + span.steps) - span.lead)
     moving = time >= 0.0

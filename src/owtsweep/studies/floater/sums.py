@@ -9,21 +9,12 @@ from owtsweep.compiled import njit
 
 @njit
 def sum_errors(position, velocity, covariance):  # pragma: no cover - compiled
-    """Return the means over the samples of squared errors, and of what the filter says of them.
+    """Return means over the samples of squared errors, and of what the filter says of them.
 
-    Parameters
-    ----------
-    position, velocity
-        Errors, shape (dof, n).
-    covariance
-        Of position and velocity, shape (n, dof, 2, 2) or (1, dof, 2, 2), or (0, dof, 2, 2) if there
-        is none.
-
-    Returns
-    -------
-    array
-        Shape (dof, 5): mean squares of both errors, the mean of e' P^-1 e / 2, and the means of
-        both variances in P; the last three are NaN without a covariance.
+    Errors have the shape (dof, n), the covariance of position and velocity (n, dof, 2, 2), (1, dof,
+    2, 2), or (0, dof, 2, 2) if there is none. The result has the shape (dof, 5): mean squares of
+    both errors, the mean of e' P^-1 e / 2, and the means of both variances in P; the last three are
+    NaN without a covariance.
     """
     dof, n = position.shape
     means = np.full((dof, 5), np.nan)
@@ -57,18 +48,9 @@ def find_lags(truth, estimate, most):  # pragma: no cover - compiled
     the lag is less than half a period. `owtsweep.evaluation.signals.find_lag`, which searches all
     shifts, takes 1 ms per channel.
 
-    Parameters
-    ----------
-    truth, estimate
-        Shape (channels, n), both with zero mean.
-    most
-        Longest lag that is tried, in samples.
-
-    Returns
-    -------
-    array
-        In samples, negative if the estimate runs ahead, shape (channels,); +-`most` if it is that
-        long or longer, NaN for a channel in which a signal is zero.
+    Both signals have the shape (channels, n) and zero mean. The result, (channels,), is negative if
+    the estimate runs ahead; +-`most` if the lag is that long or longer, NaN for a channel in which
+    a signal is zero.
     """
     lags = np.full(len(truth), np.nan)
     for i in range(len(truth)):

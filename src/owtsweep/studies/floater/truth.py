@@ -25,17 +25,7 @@ MARGIN = 20
 
 @dataclass(frozen=True)
 class Motion:
-    """The motion of a record, and what came before it.
-
-    Attributes
-    ----------
-    truth
-        The record.
-    series
-        Position and its derivatives with a lead before the record.
-    lead
-        Number of samples of the lead.
-    """
+    """The motion of a record, and position and its derivatives with `lead` samples before it."""
 
     truth: Truth
     series: Series
@@ -49,14 +39,8 @@ class Motion:
 def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None) -> Motion:
     """Make the motion of a record.
 
-    Parameters
-    ----------
-    config
-        The configuration.
-    replicate
-        Number of the record: which random numbers. A decay and a recorded motion have none.
-    roll
-        Standard deviation of the roll angle in degrees; None: that of the section `motion`.
+    A decay and a recorded motion have no random numbers. `roll` is the standard deviation of the
+    roll angle in degrees; None: that of the section `motion`.
 
     Raises
     ------
@@ -85,16 +69,9 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
 def find_specific_force(angles: Array, acceleration: Array, *, small: bool) -> Array:
     """Return what ideal accelerometers fixed to the body read, m/s^2, shape (steps, 3).
 
-    The third axis points down, so a body at rest feels (0, 0, -g).
-
-    Parameters
-    ----------
-    angles
-        Euler angles in rad, shape (steps, 3).
-    acceleration
-        Acceleration of the body's origin in the basin's frame, m/s^2, shape (steps, 3).
-    small
-        Whether only gravity is turned, by angles to first order.
+    The third axis points down, so a body at rest feels (0, 0, -g). Euler angles are in rad, the
+    acceleration of the body's origin in the basin's frame in m/s^2, shape (steps, 3) each. If
+    `small`, only gravity is turned, by angles to first order.
     """
     felt = acceleration.copy()
     felt[:, 2] -= GRAVITY

@@ -1,6 +1,6 @@
 """The numbers of the floater study's schemes, as one section of the configuration.
 
-`paper` is what Mehammer et al. (2018) and the author's code do; `matched` tells every scheme the
+`paper` is what Mehammer et al. (2018) and the author's code do; `matched` gives every scheme the
 truth about noise, bias, delay and losses.
 """
 
@@ -12,7 +12,7 @@ from owtsweep.config import NotNegative, Positive, Section, key
 
 
 class Tuning(Section):
-    """The section `filters`: what schemes believe, and their own numbers."""
+    """The section `filters`: what schemes assume, and their own numbers."""
 
     losses: Literal["as_printed", "known"] = key(
         "as_printed: reports of zeros are used as they are, but by KF, which multiplies R by 1e20 "

@@ -45,13 +45,7 @@ class ReplayStudy(HubKeys, Engine):
         return ReplayConfig
 
     def check(self, config: HubConfig) -> None:
-        """Check that the motion is left to the record, and that schemes are told what they must be.
-
-        Raises
-        ------
-        InputError
-            If that is not so, or values cannot work together.
-        """
+        """Raise `InputError` if motion is not left to the record, or schemes lack knowledge."""
         from owtsweep.studies.hub.public import find_world, resolve_all
 
         require(
@@ -102,7 +96,6 @@ class ReplayStudy(HubKeys, Engine):
         return run(config, blocks)
 
     def sort_columns(self) -> list[str]:
-        """Return the names of the columns that together identify a row of results."""
         return ["file", "scheme", "measure", "window", "replicate"]
 
     def tables(self, config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -124,21 +117,13 @@ class ReplayStudy(HubKeys, Engine):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """Return the run's figures: name -> function that draws and saves the figure.
-
-        With a single record, the figures show this record. With several records, there is one
-        figure: a map of the best schemes.
-        """
+        """Return the figures of the only record, or a map of the best schemes of several."""
         from owtsweep.studies.replay.figures.listing import drawings
 
         return drawings(config, tables, metadata)
 
     def overview(self, config: ReplayConfig) -> str:
-        """Return the name of the main figure.
-
-        With a single record, this figure shows the position over some seconds; with several
-        records, it is a map of the best schemes.
-        """
+        """Return the main figure: the position over some seconds, or the map of several records."""
         from owtsweep.studies.replay.figures.listing import overview
 
         return overview(config)

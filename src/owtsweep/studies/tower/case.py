@@ -30,10 +30,8 @@ class Case:
 
     Attributes
     ----------
-    replicate
-        Number of the record.
-    motion
-        Direction -> truth.
+    replicate, motion
+        Number of the record, and direction -> truth.
     part
         The substructure as schemes model it.
     true_stress
@@ -95,7 +93,7 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
 
 
 def list_channels(config: TowerConfig, case: Case, direction: str, noise: float) -> list[Channel]:
-    """Return the channels of a direction with the noise that is told to schemes.
+    """Return the channels of a direction with the noise that schemes assume.
 
     `noise` is in % of each channel's standard deviation; a GNSS receiver has its own.
 
@@ -139,7 +137,7 @@ def tell(
     soil_factor: float,
     channels: Sequence[Channel],
 ) -> Setting:
-    """Return what schemes are told of one direction of a record."""
+    """Return the knowledge of one direction of a record."""
     believed = make_believed(config.filters, 1.0 / config.record.rate, case.motion[direction])
     return make_setting(config, case.part, direction, soil_factor, channels, believed)
 

@@ -23,13 +23,7 @@ MOST_SAMPLES = 1_000_000
 
 
 def check(config: TowerConfig) -> None:
-    """Check everything that can be known before a record is made.
-
-    Raises
-    ------
-    InputError
-        If two values cannot work together; the message says what would work.
-    """
+    """Raise `InputError` if values cannot work together, as far as known beforehand."""
     config.structure.check()
     config.wind.check()
     config.fatigue.check()
@@ -58,13 +52,7 @@ def check(config: TowerConfig) -> None:
 
 
 def check_outside(config: TowerConfig) -> None:
-    """Check the files of recorded loads and of a recorded structure.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be used.
-    """
+    """Raise `InputError` if a file of recorded loads or of a recorded structure cannot be used."""
     record = config.record
     if config.wind.file is not None:
         read_loads(config.wind.file, NAMES, steps=record.steps, step=1.0 / record.rate)

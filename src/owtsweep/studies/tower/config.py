@@ -22,11 +22,7 @@ from owtsweep.studies.tower.tuning import Tuned, Tuning
 
 
 class TowerConfig(TunedConfig, ContestConfig):
-    """The configuration of the tower study, with all its keys.
-
-    With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
-    the section `filters` is absent. `by_tuning` gives the configuration of each.
-    """
+    """The configuration of the tower study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
         "criterion", "sensors.name", "structure.name", "structure.source", "tuning",

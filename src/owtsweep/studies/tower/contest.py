@@ -72,10 +72,7 @@ def describe_errors(config: TowerConfig) -> str:
 
 
 def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
-    """Return in words what 1 % of noise is, and what the inclinometers are taken for.
-
-    `summary` is the table of that name.
-    """
+    """Return in words what 1 % of noise is, and the assumed noise of inclinometers."""
     lines: list[str] = []
     told = []
     for name, words, unit, size in (
@@ -110,7 +107,7 @@ CONTEST = Contest(
     list_measures=list_measures,
     describe_truth=describe_truth,
     describe_sensors=describe_sensors,
-    # keys of sensors and faults scale noise, but draw nothing anew
+    # keys of sensors and faults scale noise, but draw no other numbers
     pairing=("seed", "structure", "record", "truth", "recorded", "wind", "waves"),
     find_axes=lambda config: tuple(condition.name for condition in CONDITIONS),
     tell_more=_tell_more,

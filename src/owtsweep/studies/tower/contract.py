@@ -1,4 +1,4 @@
-"""What passes between the parts of the tower study: what schemes are told, and what they return."""
+"""What passes between the parts of the tower study: what schemes know, and what they return."""
 
 from __future__ import annotations
 
@@ -28,16 +28,9 @@ Kind = Literal["x", "theta", "a", "strain"]
 
 @dataclass(frozen=True)
 class Channel:
-    """One sensor's signal in one direction.
+    """One sensor's signal in one direction: its kind, and its node of the cut structure.
 
-    Attributes
-    ----------
-    kind
-        What the sensor measures.
-    node
-        Number of the node (of the cut structure) at which the sensor is.
-    sigma
-        Standard deviation of the noise per sample, in the channel's unit.
+    `sigma` is the standard deviation of the noise per sample, in the channel's unit.
     """
 
     kind: Kind
@@ -47,7 +40,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Believed:
-    """What a tuning says about the unknown loads; arrays of shape (5,): F0, M0, F175, M175, q.
+    """The tuning's priors of the unknown loads; arrays of shape (5,): F0, M0, F175, M175, q.
 
     Forces are in N, moments in N m, the wave load q (at sea level) in N/m.
 
@@ -77,8 +70,8 @@ class Setting(Knowledge):
     cut, cut_damping, reduced
         The substructure between the cuts, its damping matrix (kg/s, dof x dof), and its reduction.
     whole, whole_damping
-        The model of the whole structure, with the soil that is believed, on a mesh that holds the
-        nodes of `cut`; and its damping matrix.
+        The model of the whole structure, with the assumed soil, on a mesh that holds the nodes of
+        `cut`; and its damping matrix.
     nodes
         Numbers of the nodes of `cut` among those of `whole`, shape (nodes of cut,).
     wave_shape
@@ -92,7 +85,7 @@ class Setting(Knowledge):
     step
         Sampling interval in s.
     believed
-        What the tuning says about loads.
+        The tuning's priors of the loads.
     tuning
         The numbers of all schemes.
     rate_noise
@@ -131,7 +124,7 @@ class Estimates:
     wave
         Wave load q at sea level in N/m, shape (steps,); None if the scheme knows no waves.
     wait
-        Time in s that a user waits for an estimate; the record's length if all of it is needed.
+        Latency in s; the record's length if all of it is needed.
     """
 
     displacement: Array

@@ -93,7 +93,7 @@ def _measure(config: TowerConfig, cell: Cell, truth: Truth) -> Record:
 
 
 def _inform(config: TowerConfig, cell: Cell, record: Record) -> dict[str, Part[Setting, Array]]:
-    """Return both directions; a scheme that ignores the soil is told the right one."""
+    """Return both directions; a scheme that ignores the soil gets the right one."""
     factor = cell.get("soil_factor", 1.0)
     return {
         d: Part(tell(config, record.case, d, factor, record.channels[d]), measured)

@@ -80,9 +80,7 @@ def compare(
     true_fatigue: dict[str, Fatigue],
     estimates: dict[str, Estimates],
 ) -> dict[str, float]:
-    """Compare the estimates of a record with its truth; return measure -> value.
-
-    `true_fatigue` and `estimates` are by direction.
+    """Compare estimates, by direction, of a record with its truth; return measure -> value.
 
     Raises
     ------
@@ -164,10 +162,9 @@ def _compare_signals(
 
 
 def find_quietest(channels: Sequence[Channel]) -> dict[str, float]:
-    """Return the smallest noise per sample of inclinometers (rad) and of accelerometers (m/s^2).
+    """Return the least noise per sample of inclinometers (rad) and of accelerometers (m/s^2).
 
-    Channels are those of one direction. Keys are those of `QUIETEST`; a kind that no channel has is
-    left out.
+    Keys are those of `QUIETEST`; a kind that no channel of the direction has is left out.
     """
     found: dict[str, float] = {}
     for kind, name in QUIETEST.items():
@@ -188,7 +185,6 @@ def name_height(height: float) -> str:
 
 
 def _heights(case: Case) -> Array:
-    """Return the heights of the nodes above the ground, m."""
     return np.asarray(case.part.cut.heights - case.part.structure.mudline)
 
 

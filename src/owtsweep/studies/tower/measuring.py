@@ -29,12 +29,7 @@ class Place(NamedTuple):
 def list_places(sensors: Sensors, nodes: Array) -> list[Place]:
     """Return the channels of each direction: displacements, rotations, accelerations, strains.
 
-    Parameters
-    ----------
-    sensors
-        The section `sensors`.
-    nodes
-        Heights of the nodes of the cut structure above the ground in m.
+    `nodes` are heights of the nodes of the cut structure above the ground in m.
 
     Raises
     ------
@@ -74,7 +69,7 @@ def count_rotations(places: Sequence[Place]) -> int:
 def take_signals(
     motion: Motion, strain: Array, channels: Sequence[tuple[Kind, int]], faults: Faults
 ) -> Array:
-    """Return the signals of channels without noise.
+    """Return the signals (m, rad, m/s^2, strain) of channels without noise, (steps, channels).
 
     Parameters
     ----------
@@ -86,11 +81,6 @@ def take_signals(
         Kind and node of each channel.
     faults
         Whether accelerometers feel gravity and inclinometers acceleration.
-
-    Returns
-    -------
-    array
-        Signals in m, rad, m/s^2 or strain, shape (steps, channels).
     """
     signals = np.empty((len(motion.displacement), len(channels)))
     for column, (kind, node) in enumerate(channels):
@@ -117,25 +107,10 @@ def add_errors(
     names: Sequence[str],
     step: float,
 ) -> Array:
-    """Return the measurements: signals with noise and faults.
+    """Return the measurements: signals with noise and faults, shape (steps, channels).
 
-    Each channel has streams of its own, scaled afterwards, so a larger noise is the same noise
-    enlarged.
-
-    Parameters
-    ----------
-    signals
-        Shape (steps, channels).
-    sigma
-        Standard deviations of the white noise, shape (channels,).
-    faults
-        The section `faults`.
-    stream
-        Function that returns a new random generator, given a name.
-    names
-        Names of the channels, for the streams.
-    step
-        Sampling interval in s.
+    Each channel has streams of its own, by its name, scaled afterwards, so a larger noise is the
+    same noise enlarged. `sigma` are standard deviations of the white noise, (channels,).
     """
     measured = np.empty_like(signals)
     for column, name in enumerate(names):

@@ -64,7 +64,6 @@ class Model:
 
     @property
     def modes(self) -> int:
-        """The number of modal coordinates."""
         return int(self.basis.shape[1])
 
     def read(self, states: Array, inputs: Array) -> Estimates:
@@ -102,7 +101,7 @@ def model_cut(setting: Setting, *, wave: bool = False) -> Model:
 
 
 def model_whole(setting: Setting, *, wave: bool = False) -> Model:
-    """Model the whole structure, with believed soil and rotor, under loads at its top.
+    """Model the whole structure, with the assumed soil and rotor, under loads at its top.
 
     Inputs are force and moment on the top of the substructure from outside (wind), and with `wave`
     the wave load. The lowest `setting.whole_modes` modes are kept.
@@ -157,7 +156,7 @@ def respond_statically(beam: PlaneBeam, loads: Array) -> Array:
 
 
 def choose_scale(setting: Setting) -> Array:
-    """Choose the units of the five inputs: their believed change per step, or 1 if that is 0."""
+    """Choose the units of the five inputs: their assumed change per step, or 1 if that is 0."""
     change = setting.believed.step_sigma
     return np.where(change > 0.0, change, 1.0)
 
@@ -200,8 +199,6 @@ def observe(
 
     Parameters
     ----------
-    channels
-        What is measured, and where.
     shapes
         Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, modes).
     strain
@@ -237,8 +234,7 @@ def _discretise(
 ) -> InputStateModel:
     """Assemble Eqs. (11) and (13) and hold the inputs over a step.
 
-    `shapes` (dof of the cut, modes) is what sensors see; `loads` (dof, inputs) belongs to
-    `reduced`.
+    `shapes` (dof of the cut, modes) is what sensors see; `loads` (dof, inputs) is for `reduced`.
     """
     modes = len(reduced.omega)
     rate, drive = _accelerate(reduced, damping, loads)

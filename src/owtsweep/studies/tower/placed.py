@@ -122,7 +122,7 @@ class PlacedSensors:
         return f"the bending moment at the {where}"
 
     def _find_enough(self) -> int:
-        """Return the place in `choices` from which on no further inclinometer is worth it.
+        """Return the first place in `choices` at which no further inclinometer is worth it.
 
         It is the number of `choices` if even the last of them is not enough.
         """
@@ -224,7 +224,6 @@ class PlacedSensors:
         return lines
 
     def _tell_limits(self) -> list[str]:
-        """Return what the answer assumes, in words."""
         name = "AKF_WAVE" if self.case.wave else "AKF"
         start, last = len(self.choices[0].chosen), self.choices[-1]
         chosen = self.choices[min(self._find_enough(), len(self.choices) - 1)]

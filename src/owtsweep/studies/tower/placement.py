@@ -58,10 +58,9 @@ class Problem:
     given
         Information per step of the sensors that are there: the sum of h h' / sigma^2 over their
         rows h, shape (n, n).
-    heights
-        Heights of the candidate sensors above ground in m, shape (candidates,).
-    rows
-        Rows h / sigma of the candidate sensors, shape (candidates, n).
+    heights, rows
+        Heights of the candidate sensors above ground in m, shape (candidates,), and their rows h /
+        sigma, shape (candidates, n).
     stress
         Stress at each weld as a share of its scale, from the state, shape (welds, n).
     moment
@@ -86,14 +85,11 @@ class Choice:
 
     Attributes
     ----------
-    chosen
-        Numbers of the candidates, increasing.
-    heights
-        Their heights above ground in m.
-    stress
-        Standard deviation of the stress over its scale at the worst weld; inf if it never settles.
-    weld
-        Number of this weld.
+    chosen, heights
+        Numbers of the candidates, increasing, and their heights above ground in m.
+    stress, weld
+        Standard deviation of the stress over its scale at the worst weld, inf if it never settles;
+        and the number of this weld.
     moment
         Standard deviation of M0 over its scale; inf if it never settles.
     """
@@ -105,7 +101,7 @@ class Choice:
     moment: float
 
     def error(self, criterion: Criterion) -> float:
-        """Return the predicted error that a criterion asks for."""
+        """Return the predicted error by a criterion."""
         return self.stress if criterion == "stress" else self.moment
 
 
@@ -212,10 +208,7 @@ def _leave_out_translation(transition: Array, asked: Array, modes: int) -> list[
 def settle(problem: Problem, chosen: Iterable[int]) -> Array | None:
     """Compute the settled covariance of the filtered state with some candidates beside the given.
 
-    Returns
-    -------
-    covariance
-        Shape (n, n), or None if it does not settle: the sensors do not see all states.
+    The shape is (n, n); None if it does not settle: the sensors do not see all states.
     """
     numbers = list(chosen)
     seen = np.linalg.svd(problem.lasting[numbers], compute_uv=False)
@@ -286,11 +279,7 @@ def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress
 
     With too few sensors every error is infinite, and no first sensor is better than another. So the
     smallest set with a finite error is chosen exhaustively, and single sensors are added to it.
-
-    Returns
-    -------
-    choices
-        The sets of that smallest number of sensors, of one more, ..., of `count`.
+    Return the sets of that smallest number of sensors, of one more, ..., of `count`.
 
     Raises
     ------

@@ -52,14 +52,12 @@ class PlacementCase:
         The structure and its tuning; the channels are the sensors that are there already.
     candidates
         Inclinometers to choose from, upwards.
-    stress
-        Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape (welds, dof).
-    welds
-        Heights of the judged welds above ground in m, shape (welds,).
-    stress_scale
-        Standard deviation of the true stress at these welds in Pa, shape (welds,).
-    moment_scale
-        Standard deviation of the true M0 in N m.
+    stress, welds
+        Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape (welds, dof),
+        and heights of these welds above ground in m, shape (welds,).
+    stress_scale, moment_scale
+        Standard deviations of the true stress at these welds in Pa, shape (welds,), and of the true
+        M0 in N m.
     motions
         The true motion of each record.
     ground
@@ -139,8 +137,8 @@ def make_case(
     Parameters
     ----------
     config
-        The tower study's configuration, with one tuning. The noise is the first of `grid.noise`.
-        The sensors of the section `sensors` are there whatever is chosen.
+        With one tuning. The noise is the first of `grid.noise`. The sensors of the section
+        `sensors` are there whatever is chosen.
     inclinometers
         Heights above ground in m to choose from; None: every node without an inclinometer.
     spread
@@ -195,10 +193,7 @@ def make_case(
 
 
 def _list_given(config: TowerConfig, sizes: Mapping[Kind, Array], spread: bool) -> list[Channel]:
-    """Return the sensors that are there already.
-
-    `sizes` has the standard deviation of the signal at each node, by kind of sensor.
-    """
+    """Return the sensors that are there already; `sizes` are those of signals at the nodes."""
     nodes = config.nodes
     places = list_places(config.sensors, nodes)
     if spread:

@@ -110,7 +110,7 @@ class Sensors(Section):
 
 
 class Faults(Section):
-    """The section `faults`: what is wrong with sensors besides white noise, told to no scheme.
+    """The section `faults`: what is wrong with sensors besides white noise; no scheme knows it.
 
     Sizes are parts of each channel's own standard deviation.
     """

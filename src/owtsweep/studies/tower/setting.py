@@ -1,4 +1,4 @@
-"""What schemes are told of one direction of a case: models with their errors, sensors, loads."""
+"""The knowledge of one direction of a case: models with their errors, sensors, priors of loads."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Substructure:
     Attributes
     ----------
     structure
-        The whole structure as schemes believe it to be.
+        The whole structure as schemes assume it.
     cut, damping, reduced
         The beam between the cuts, its damping matrix, and its reduction.
     strain, stress
@@ -61,7 +61,7 @@ class Substructure:
     wholes: dict[tuple[str, float], PlaneBeam] = field(default_factory=dict)
 
     def assemble_whole(self, direction: str, soil_factor: float) -> PlaneBeam:
-        """Assemble the whole structure with the soil that is believed, or take it from before."""
+        """Assemble the whole structure with the assumed soil, or take it from before."""
         key = direction, soil_factor
         if key not in self.wholes:
             self.wholes[key] = assemble_whole(
@@ -74,7 +74,7 @@ class Substructure:
 
 
 def misjudge(config: TowerConfig) -> Structure:
-    """Return the structure as schemes believe it to be, with the errors of the section `model`."""
+    """Return the structure as schemes assume it, with the errors of the section `model`."""
     structure, model = config.structure, config.model
     tubes = [
         changed(
@@ -133,7 +133,7 @@ def make_setting(
     channels: Sequence[Channel],
     believed: Believed,
 ) -> Setting:
-    """Put together what schemes are told of one direction of a case.
+    """Put together the knowledge of one direction of a case.
 
     The model of the whole structure has the aerodynamic dampers, and the weight if the truth has
     it.
@@ -165,21 +165,13 @@ def make_setting(
 
 
 def make_believed(tuning: Tuning, step: float, motion: Motion | None) -> Believed:
-    """Return what a tuning says about the five loads of one direction.
+    """Return a tuning's priors of the five loads of one direction.
 
     With declared numbers, a load is a random walk with these steps; as a latent force, it is the
     exponentially correlated process with the tuning's correlation time and, for short times, the
-    walk's growth: sigma^2 = step_sigma^2 length / (2 step).
-
-    Parameters
-    ----------
-    tuning
-        The section `filters`.
-    step
-        Sampling interval in s.
-    motion
-        The truth of the direction; read only if the tuning takes numbers from the truth. None
-        stands for a truth that is not known yet: the declared numbers hold.
+    walk's growth: sigma^2 = step_sigma^2 length / (2 step). `step` is the sampling interval in s.
+    `motion` is read only if the tuning takes numbers from the truth; without it, the declared
+    numbers hold.
     """
     change = np.array([tuning.force, tuning.moment] * 2 + [tuning.wave])
     length = np.full(5, tuning.correlation_time)

@@ -58,14 +58,12 @@ def make_truth(
 ) -> dict[str, Motion]:
     """Simulate one record of the whole structure, in both directions.
 
+    Return direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh.
+
     Parameters
     ----------
-    structure
-        The structure, checked.
     cuts
         Heights of the cuts above mean sea level in m.
-    wind, sea
-        The sections `wind` and `waves`.
     stream
         Function that returns a new random generator, given a name.
     steps, step
@@ -74,11 +72,6 @@ def make_truth(
         Whether the weight softens the structure (p-delta).
     subdivision
         Into how many elements each element of the estimators' mesh is divided.
-
-    Returns
-    -------
-    dict
-        Direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh.
 
     Raises
     ------
@@ -137,10 +130,7 @@ def _simulate(
     lead: int,
     subdivision: int,
 ) -> Motion:
-    """Simulate one direction, and leave out the lead.
-
-    `share` is the part of the waves' loads along the direction.
-    """
+    """Simulate one direction, with a share of the waves' loads, and leave out the lead."""
     size = len(whole.mass)
     first = 2 * whole.find_node(cut.heights[0])
     inside = np.arange(first, first + len(cut.mass))  # of the cut structure, in the whole

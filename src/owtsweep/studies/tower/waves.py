@@ -56,16 +56,15 @@ def make_wave_loads(
 
     Parameters
     ----------
-    structure, beam
-        The structure, and a beam that covers its wetted part.
+    beam
+        A beam that covers the wetted part of the structure.
     sea
         The section `waves`, with a height above 0.
     stream
         Function that returns a new random generator, given a name; it is called with "waves".
-    steps, step
-        Number of samples and sampling interval (s).
-    lead
-        Number of samples before the record, at most `steps`.
+    steps, step, lead
+        Number of samples, sampling interval (s), and number of samples before the record, at most
+        `steps`.
 
     Raises
     ------
@@ -100,10 +99,9 @@ def make_wave_loads(
 
 
 def triangular_load(structure: Structure, beam: PlaneBeam) -> Array:
-    """Return the loads on a beam for 1 N/m at sea level that falls linearly to 0 at the ground.
+    """Return the loads on a beam, (dof,), for 1 N/m at sea level that falls to 0 at the ground.
 
-    The shape is (dof,); zero if the structure stands in no water. It is the input vector p_2 of
-    Simpson et al. (2025), section 5.4.
+    They are zero without water: the input vector p_2 of Simpson et al. (2025), section 5.4.
     """
     depth = -structure.mudline
     if structure.water is None or depth <= 0.0:

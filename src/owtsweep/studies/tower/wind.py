@@ -38,21 +38,9 @@ def make_top_loads(
 ) -> Array:
     """Draw the loads on the top, or read them from the file of the configuration.
 
-    Parameters
-    ----------
-    wind
-        The section `wind`.
-    stream
-        Function that returns a new random generator, given a name.
-    steps, step
-        Number of samples and sampling interval (s).
-    lead
-        Number of samples before the record, at most `steps`. A file has none: it must be 0.
-
-    Returns
-    -------
-    array
-        The loads in N and N m in the order of `NAMES`, shape (lead + steps, 4).
+    They are in N and N m in the order of `NAMES`, shape (lead + steps, 4). `stream` returns a new
+    random generator, given a name; `step` is in s. There are at most `steps` samples of `lead`
+    before the record, and none if a file is read.
 
     Raises
     ------
@@ -98,43 +86,20 @@ def _draw(
 
 
 def sample_periodic(bins: NDArray[np.complex128], steps: int, lead: int) -> Array:
-    """Sample a series that repeats after twice the record, and a lead before it.
+    """Sample a series that repeats after twice the record, and a lead, shape (lead + steps,).
 
-    So what came before a record is known.
-
-    Parameters
-    ----------
-    bins
-        Lines at multiples of 1 / (2 steps step), from 0 on, as `numpy.fft.irfft` takes them.
-    steps, lead
-        Number of samples of the record, and of those before it, at most `steps`.
-
-    Returns
-    -------
-    array
-        Shape (lead + steps,).
+    So what came before a record is known. `bins` are lines at multiples of 1 / (2 steps step), from
+    0 on, as `numpy.fft.irfft` takes them. The lead is at most `steps`.
     """
     period = np.fft.irfft(bins, 2 * steps)
     return np.concatenate([period[2 * steps - lead :], period[:steps]])
 
 
 def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> Array:
-    """Read loads by columns, interpolated linearly at the samples of a record.
+    """Read loads by columns, interpolated linearly at the samples of a record, (steps, names).
 
-    Parameters
-    ----------
-    file
-        A CSV file with a line of names: time (s), and the loads (N, N m).
-    names
-        Names of the loads' columns.
-    steps, step
-        Number of samples and sampling interval (s) of the record, which begins at the file's first
-        time.
-
-    Returns
-    -------
-    array
-        Shape (steps, names).
+    `file` is a CSV file with a line of names: time (s), and the loads (N, N m). The record begins
+    at the file's first time; `step` is in s.
 
     Raises
     ------

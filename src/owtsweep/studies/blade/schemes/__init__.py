@@ -6,7 +6,7 @@ from owtsweep.figures.palette import SchemeStyle
 from owtsweep.studies.base.schemes import Listed, SchemeTable
 
 #: Grey and brown: no inertial unit. Blue: the filters that should agree. Green: what one of them
-#: knows besides. Violet and red: who waits.
+#: knows besides. Violet and red: those with a latency.
 LISTED = {
     "HOLD": Listed(
         "the last GNSS fix, held",

@@ -63,13 +63,7 @@ class Chain:
     setting: Setting
 
     def run(self, measured: Measured) -> Estimates:
-        """Estimate from the measurements of a record.
-
-        Raises
-        ------
-        Unable
-            If the record is not longer than the filter's padding, or has no fix.
-        """
+        """Estimate from a record; `Unable` if it is not longer than the padding, or has no fix."""
         steps, step = len(measured.rate), measured.step
         geometry = self.setting.geometry
         if steps * step <= PADDING:

@@ -29,20 +29,10 @@ from owtsweep.studies.blade.schemes.navigation import (
 
 @dataclass(frozen=True)
 class Navigator:
-    """The filter, made ready for a setting.
+    """The filter, made ready for a setting, with fixes of some antennas and further states.
 
-    Attributes
-    ----------
-    setting
-        The setting.
-    antennas
-        Of how many antennas fixes are used.
-    offset
-        Whether the clock's offset is a state.
-    lever
-        Whether the error of the first antenna's place is a state.
-    swing
-        Whether the hook's swing is known.
+    Further states are the clock's `offset`, the error of the first antenna's place (`lever`), and
+    the hook's `swing`.
     """
 
     setting: Setting
@@ -83,11 +73,10 @@ def describe_swing(setting: Setting, s: Array, P: Array, at: int) -> tuple[Array
     """Return transitions (3, 2, 2) and noise (3, 3, 3) of a sample; begin s and P, in place.
 
     The hook's swing is oscillators driven by white noise about a slow middle, which has no
-    velocity: the hook is at rest, or wanders by no more than gusts do.
-    Each direction is m'' = -w^2 m - 2 z w m' + noise, whose stationary variances are the square of
-    the swing's size and w^2 times it. The middle wanders as gusts do at first, and begins anywhere
-    within some sizes of where the point under the hook is given to be. `at` is the first of the
-    swing's errors.
+    velocity: the hook is at rest, or wanders by no more than gusts do. Each direction is m'' = -w^2
+    m - 2 z w m' + noise, whose stationary variances are the square of the swing's size and w^2
+    times it. The middle wanders as gusts do at first, and begins anywhere within some sizes of
+    where the point under the hook is given to be. `at` is the first of the swing's errors.
     """
     transitions, noises = np.zeros((3, 2, 2)), np.zeros((3, 3, 3))
     under_hook = setting.start[0][0] - setting.start[1] @ setting.geometry.unit

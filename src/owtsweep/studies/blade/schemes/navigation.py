@@ -1,4 +1,4 @@
-"""What schemes on the inertial unit share: how they begin, what they believe, what they report."""
+"""What schemes on the inertial unit share: how they begin, their priors, what they report."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def begin(setting: Setting, more: int = 0) -> tuple[Array, Array]:
 
 
 def make_record(setting: Setting, measured: Measured, antennas: int = 1) -> Record:
-    """Return what filters get: measurements, with the noise that the setting believes."""
+    """Return what filters get: measurements, with the noise that the setting assumes."""
     return Record(
         np.ascontiguousarray(measured.fixes[:, :antennas]),
         setting.geometry.levers[:antennas],
@@ -61,7 +61,6 @@ def find_noise(setting: Setting) -> Array:
 
 
 def make_room(measured: Measured, more: int = 0) -> Found:
-    """Return room for what a filter finds."""
     steps, errors = len(measured.rate), ERRORS + more
     return Found(np.empty((steps, errors + 1)), np.empty((steps, errors, errors)), np.zeros(steps))
 

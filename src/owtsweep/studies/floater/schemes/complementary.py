@@ -1,7 +1,7 @@
 """COMPLEMENTARY: positions below a crossover frequency, accelerations above it.
 
 Its crossover is `filters.crossover` times the one that is best for the noise and the bias that it
-believes. With body-fixed sensors the angles blend rates in place of accelerations, which are not
+assumes. With body-fixed sensors the angles blend rates in place of accelerations, which are not
 measured.
 """
 
@@ -75,7 +75,7 @@ def prepare(setting: Setting) -> Complementary:
     Raises
     ------
     Unable
-        If accelerations are believed to have no noise, so that positions never count.
+        If accelerations are assumed to have no noise, so that positions never count.
     """
     best = np.array([find_crossover(setting, i) for i in range(len(DOF))])
     if setting.body:

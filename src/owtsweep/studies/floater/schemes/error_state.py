@@ -73,13 +73,7 @@ class ErrorState:
 
 
 def prepare(setting: Setting) -> ErrorState:
-    """Make the filter ready for a setting.
-
-    Raises
-    ------
-    Unable
-        If sensors are not fixed to the body.
-    """
+    """Make the filter ready for a setting; `Unable` if sensors are not fixed to the body."""
     if not setting.body:
         raise Unable(
             "ERROR_STATE needs specific force and rates of the body: use sensors.frame=body"

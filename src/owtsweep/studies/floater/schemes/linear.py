@@ -30,14 +30,8 @@ _NONE = np.empty(0)
 class Linear:
     """A filter of all degrees of freedom, made ready for one setting.
 
-    Attributes
-    ----------
-    setting
-        What the filter knows.
-    bias
-        Whether a bias of each acceleration is a state.
-    delay
-        Whether the time that a report shows counts.
+    With `bias` a bias of each acceleration is a state; with `delay` the time that a report shows
+    counts.
     """
 
     setting: Setting
@@ -74,9 +68,9 @@ def report(found: Found, wait: float = 0.0) -> Estimates:
 
 
 def keep_reports(setting: Setting, measured: Measured) -> Array:
-    """Return reported positions, shape (steps, 6), NaN where a scheme that is told of losses looks.
+    """Return reported positions, shape (steps, 6), NaN where a scheme that knows of losses looks.
 
-    A scheme that is not told takes zeros as they are.
+    A scheme that does not know takes zeros as they are.
     """
     if setting.tuning.losses == "known":
         return np.where(measured.lost[:, None], np.nan, measured.position)
@@ -84,9 +78,9 @@ def keep_reports(setting: Setting, measured: Measured) -> Array:
 
 
 def find_age(setting: Setting, measured: Measured) -> Array:
-    """Return the believed ages of reports in s, shape (steps,).
+    """Return the assumed ages of reports in s, shape (steps,).
 
-    Who is told the truth has the time stamp of each report; else all reports are equally old.
+    Schemes that know the truth have each report's time stamp; else all reports are equally old.
     """
     if setting.tuning.delay == "truth":
         return measured.age
@@ -200,9 +194,9 @@ def make_noises(setting: Setting, walk: Array) -> list[Noise]:
 class FixedLag:
     """KF_REPAIRED with a smoother, made ready for a setting.
 
-    Estimates wait for what arrives within `filters.lag`. A delay of the optical system eats up the
-    lag: with a delay of the lag, this is KF_REPAIRED without delay, an interval late; with a longer
-    one, it predicts by what is left.
+    The latency is `filters.lag`. A delay of the optical system eats up the lag: with a delay of the
+    lag, this is KF_REPAIRED without delay, an interval late; with a longer one, it predicts by what
+    is left.
     """
 
     filter: Linear

@@ -103,13 +103,7 @@ class PassiveObserver:
 
 
 def prepare_observer(setting: Setting) -> PassiveObserver:
-    """Choose the gains of PASSIVE_OBSERVER for a setting.
-
-    Raises
-    ------
-    Unable
-        If the observer is unstable with them.
-    """
+    """Choose the gains of PASSIVE_OBSERVER; `Unable` if the observer is unstable with them."""
     waves = find_waves(setting)
     best = setting.tuning.observer * balance_lag_and_noise(setting)
     cutoff = np.clip(best, ABOVE * waves, np.maximum(FASTEST / setting.step, ABOVE * waves))

@@ -61,13 +61,7 @@ class SteadyPredictor:
 
 
 def prepare_steady(setting: Setting) -> SteadyPredictor:
-    """Compute the gains of KF_STEADY for a setting.
-
-    Raises
-    ------
-    Unable
-        If there is no steady state.
-    """
+    """Compute the gains of KF_STEADY for a setting; `Unable` if there is no steady state."""
     A = make_transition(setting.step)
     gain, covariance = np.zeros((len(DOF), 2, 2)), np.empty((len(DOF), 2, 2))
     for i, Q in enumerate(process_noise(setting)):
@@ -128,14 +122,8 @@ def process_noise(setting: Setting) -> Array:
 def predict_ahead(setting: Setting, estimate: Array, acceleration: Array) -> None:
     """Predict estimates by the declared delay of the reports that they rest on (section 3.2).
 
-    Parameters
-    ----------
-    setting
-        With `filters.delay` "declared"; else nothing is done.
-    estimate
-        Positions and velocities, shape (6, steps, 2); overwritten.
-    acceleration
-        Shape (6, steps), held over the delay.
+    Nothing is done unless `filters.delay` is "declared". `estimate`, positions and velocities (6,
+    steps, 2), is overwritten; `acceleration` (6, steps) is held over the delay.
     """
     if setting.tuning.delay == "declared":
         ahead = setting.delay
@@ -163,10 +151,7 @@ def begin(setting: Setting, reported: Array) -> tuple[Array, Array]:
 
 
 def find_start(reported: Array) -> Array:
-    """Return positions and velocities at sample 0, shape (6, 2): the first report, at rest.
-
-    `reported` has the shape (6, steps).
-    """
+    """Return positions and velocities at sample 0, (6, 2): the first report (6, steps), at rest."""
     there = np.all(np.isfinite(reported), axis=0)
     start = np.zeros((len(DOF), 2))
     if there.any():

@@ -7,10 +7,9 @@ P^-_{k-1} in the prediction, where P_{k-1} belongs.
 - AKF_WAVE: a wave load as a further input (p_2). It falls linearly from sea level to the ground;
   its value at sea level is a random walk like the interface loads.
 - AKF_STEADY: the gain of the steady state from the first step on.
-- AKF_LAGGED: a smoother of fixed lag. An estimate waits for `tuning.lag` seconds of later
-  measurements, so it is online, but late. That makes up for the time lag of estimates from few
-  accelerometers (section 5.3).
-- AKF_WHOLE, AKF_WHOLE_WAVE: the model is the whole turbine, on the believed soil and with the
+- AKF_LAGGED: a smoother of fixed lag. Its latency is `tuning.lag` seconds, so it is online, but
+  late. That makes up for the time lag of estimates from few accelerometers (section 5.3).
+- AKF_WHOLE, AKF_WHOLE_WAVE: the model is the whole turbine, on the assumed soil and with the
   rotor-nacelle. Unknown are force and moment of the wind on its top, and the wave load as in
   AKF_WAVE. Interface loads follow from the motion (see `models`).
 """

@@ -2,7 +2,7 @@
 
 States are modal coordinates with modal masses of 1 and their rates, inputs are in units of the
 model's `scale`. Noise of states is the tuning's one number for all of them (Q and P_0 of Simpson et
-al. 2025, section 3); noise of inputs is what the tuning believes of loads.
+al. 2025, section 3); noise of inputs is the tuning's prior of the loads.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Settled(Protocol):
 
 @dataclass(frozen=True)
 class Filtered:
-    """A filter made ready for one setting; `wait` is how long it looks ahead, s."""
+    """A filter made ready for one setting; `wait` is its latency, s."""
 
     model: Model
     filter: Settled
@@ -63,16 +63,10 @@ class Filtered:
 
 @dataclass(frozen=True)
 class FilterScheme(Scheme):
-    """A scheme that consists of a model and of a filter on it.
+    """A scheme that consists of a model and of a filter on it, made by `model` and `tune`.
 
     Attributes
     ----------
-    name
-        Name of the scheme.
-    model
-        Makes the model.
-    tune
-        Makes the filter.
     any_input
         Whether inputs may be anything, so that sensors must tell all of them apart. Inputs that
         fade by themselves need not be seen.

@@ -1,9 +1,9 @@
 """GDF and DUAL: filters on the substructure that solve for inputs and states in two steps.
 
-- GDF is Gillijns and De Moor's joint input-state filter (2007), with direct feedthrough. Nothing is
-  believed of the inputs: each step solves for them by least squares. So the accelerometers alone
-  must tell all interface loads apart: the feedthrough matrix J needs as many independent rows as
-  there are inputs.
+- GDF is Gillijns and De Moor's joint input-state filter (2007), with direct feedthrough. The inputs
+  have no prior: each step solves for them by least squares. So the accelerometers alone must tell
+  all interface loads apart: the feedthrough matrix J needs as many independent rows as there are
+  inputs.
 - DUAL is the dual Kalman filter (Azam, Chatzi and Papadimitriou 2015). One Kalman filter estimates
   the inputs, as random walks seen through the feedthrough of the accelerometers; a second one takes
   these inputs as known and estimates the states. Neither knows the other's covariance. On a
@@ -30,13 +30,7 @@ from owtsweep.studies.tower.schemes.filtered import (
 
 
 def tune_joint(setting: Setting, model: Model) -> Settled:
-    """Make the joint filter of a model.
-
-    Raises
-    ------
-    Unable
-        If the feedthrough matrix has too small a rank.
-    """
+    """Make the joint filter of a model; `Unable` if the feedthrough matrix has too small a rank."""
     rank, inputs = find_feedthrough_rank(model.discrete.J), len(model.inputs)
     if rank < inputs:
         raise Unable(

@@ -154,17 +154,9 @@ def _expand(setting: Setting, numbers: list[int], whole_shapes: Array) -> Expand
 class Bands:
     """Bands between split frequencies, with gains that sum to 1, for records of one length.
 
-    Records are continued beyond both ends by their reflection in the end point, so that they
-    neither jump there nor wrap around.
-
-    Parameters
-    ----------
-    steps
-        Number of samples of a record, 2 or more.
-    step
-        Sampling interval, s.
-    splits
-        Frequencies in Hz at which bands meet, upwards.
+    Records, of 2 `steps` or more, are continued beyond both ends by their reflection in the end
+    point, so that they neither jump there nor wrap around. The `splits` at which bands meet are in
+    Hz, upwards; `step` is in s.
     """
 
     def __init__(self, steps: int, step: float, splits: Sequence[float]) -> None:

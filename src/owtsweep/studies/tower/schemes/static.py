@@ -8,7 +8,7 @@ sensor the ground stays in place.
 
 THRUST_LEVER: a thrust from one sensor, times the lever: what people do first. One sensor gives the
 thrust: the highest inclinometer; without one the highest displacement sensor; without one the
-lowest strain gauge. Its reading, over the static response of the believed turbine on its soil to a
+lowest strain gauge. Its reading, over the static response of the assumed turbine on its soil to a
 unit thrust, is the thrust at each instant. The thrust acts at the centre of mass of what stands on
 the substructure. Moments are thrust times lever, and the displacements are the static shape.
 Inertia, waves and the moment of the rotor are left out.
@@ -101,10 +101,8 @@ class Lever:
 
     Attributes
     ----------
-    channel
-        Number of the sensor that gives the thrust.
-    per_reading
-        Thrust over reading, N per unit of the channel.
+    channel, per_reading
+        Number of the sensor that gives the thrust, and thrust over its reading, N per unit.
     shape
         Displacements of the cut's degrees of freedom for a unit thrust, shape (dof,).
     loads
