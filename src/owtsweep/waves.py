@@ -151,12 +151,8 @@ def draw_waves(
 
     Lines are at m / period inside `BAND`, with the amplitude sqrt(2 S df); so the significant wave
     height of every realisation is that of the spectrum in the band. In every sea, line m takes the
-    random number of index m of `phase`. `period` is in s, `depth` in m.
-
-    Raises
-    ------
-    InputError
-        If the period is so short that no line lies in the band.
+    random number of index m of `phase`. `period` is in s, `depth` in m. Raise `InputError` if the
+    period is so short that no line lies in the band.
     """
     numbers = np.arange(
         int(np.ceil(BAND[0] * period - 1e-9)), int(np.floor(BAND[1] * period + 1e-9)) + 1

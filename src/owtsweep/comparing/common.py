@@ -21,17 +21,14 @@ if TYPE_CHECKING:
 def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[Aspects, list[str]]:
     """Find the schemes, and the values of each condition, that all runs have.
 
+    Raise `InputError` if the runs have no scheme or no value of some condition in common, have
+    different conditions or criteria, or if some have records and others expected values only.
+
     Returns
     -------
     tuple
         The description of the first run with only those schemes and values; and sentences for the
         user on what was left out, and what runs without records lack.
-
-    Raises
-    ------
-    InputError
-        If the runs have no scheme or no value of some condition in common, have different
-        conditions or criteria, or if some have records and others expected values only.
     """
     first = aspects[0]
     without = " or ".join(

@@ -29,13 +29,9 @@ def compare(
     """Make tables, figures and text on how best scheme, boundary and errors change between runs.
 
     The figures are written into `folder`, with the texts of `metadata` inside; tables and text are
-    only returned. `describe` returns the study's description of a run.
-
-    Raises
-    ------
-    InputError
-        If the runs cannot be compared, for example because they have no scheme in common, or no run
-        has a usable number: a stranger may seal NaN, or the name of another scheme.
+    only returned. `describe` returns the study's description of a run. Raise `InputError` if the
+    runs cannot be compared, for example because they have no scheme in common, or no run has a
+    usable number: a stranger may seal NaN, or the name of another scheme.
     """
     import pandas as pd
 

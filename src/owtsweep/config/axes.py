@@ -27,10 +27,9 @@ T = TypeVar("T")
 
 def expand(values: object) -> object:
     """Replace each range in a list, e.g. `{log: [0.05, 10, 5]}`, by its numbers.
-    Raises
-    ------
-    ValueError
-        If a range is impossible, or the new list has more than `MOST_POINTS` entries.
+
+    Raise `ValueError` if a range is impossible, or the new list has more than `MOST_POINTS`
+    entries.
     """
     if not isinstance(values, list):
         return values

@@ -92,12 +92,8 @@ class Config(Section):
     def check(self) -> None:
         """Check conditions on several keys, and on the run's name.
 
-        A study may add conditions on its keys alone; `Study.check` looks at what they name.
-
-        Raises
-        ------
-        InputError
-            If values do not fit together, or a value is refused.
+        A study may add conditions on its keys alone; `Study.check` looks at what they name. Raise
+        `InputError` if values do not fit together, or a value is refused.
         """
         self._check_scheduler(self.compute.backend, self.compute.scheduler)
         engine = type(self).model_fields["engine"]

@@ -52,10 +52,8 @@ def quote_home(override: str) -> str:
 def require_readable(overrides: Sequence[str]) -> None:
     """Check what Hydra would answer with an error of several lines or of another kind.
 
-    Raises
-    ------
-    InputError
-        If an override has no key, or holds a number of more than `MOST_DIGITS` digits.
+    Raise `InputError` if an override has no key, or holds a number of more than `MOST_DIGITS`
+    digits.
     """
     for override in overrides:
         require(
@@ -71,10 +69,7 @@ def require_readable(overrides: Sequence[str]) -> None:
 def conf_directory() -> Path:
     """Return the folder `conf` of the package's YAML files, installed or in a checkout.
 
-    Raises
-    ------
-    InputError
-        If neither place has a folder `conf` with the file sweep.yaml.
+    Raise `InputError` if neither place has a folder `conf` with the file sweep.yaml.
     """
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "conf", package.parents[1] / "conf"):
@@ -86,10 +81,7 @@ def conf_directory() -> Path:
 def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> DictConfig:
     """Return what Hydra composes from YAML files and overrides, with `settings` Hydra's own too.
 
-    Raises
-    ------
-    InputError
-        If Hydra or OmegaConf refuses a file or an override; the message is one line.
+    Raise `InputError` if Hydra or OmegaConf refuses a file or an override; the message is one line.
     """
     from hydra import compose
 
@@ -129,13 +121,9 @@ def compose_plain(tree: Tree, overrides: Sequence[str], config_dir: str | None =
 
     Of several tunings, e.g. `tuning=[paper,matched]`, each is composed by itself, and the results
     are joined (`owtsweep.config.tuned.join`). A tuning or a section may be a file of the user's
-    (`owtsweep.config.option_files`). `config_dir` is a folder with further config groups.
-
-    Raises
-    ------
-    InputError
-        If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
-        stored, or several tunings cannot be joined; the message is one line.
+    (`owtsweep.config.option_files`). `config_dir` is a folder with further config groups. Raise
+    `InputError` if Hydra refuses an override or a file, `config_dir` is no folder, a value could
+    not be stored, or several tunings cannot be joined; the message is one line.
     """
     with place_files(overrides, tree.model) as (placed, folders):
         words = [*_search_path(config_dir, placed, folders), *placed]

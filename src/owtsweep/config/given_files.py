@@ -32,10 +32,8 @@ class CheckedFiles(FileConfigSource):
     def load_config(self, config_path: str) -> ConfigResult:
         """Read a file, e.g. `tuning/mine`.
 
-        Raises
-        ------
-        InputError
-            If the file cannot be read, is no YAML, nests too deeply, or holds too many values.
+        Raise `InputError` if the file cannot be read, is no YAML, nests too deeply, or holds too
+        many values.
         """
         _check_file(Path(self.path, self._normalize_file_name(config_path)))
         return super().load_config(config_path)

@@ -35,18 +35,14 @@ def place_files(
 ) -> Iterator[tuple[list[str], list[Path]]]:
     """Give the files that overrides of groups name a place and a name for Hydra, for a while.
 
-    The model's `tuned` and `from_files` say what files may set.
+    The model's `tuned` and `from_files` say what files may set. Raise `InputError` if a file cannot
+    be read, holds anything but values, or sets another key.
 
     Yields
     ------
     tuple
         The overrides, with the name of an option in place of each file's path; and the folders that
         Hydra has to search for these options, none or one.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read, holds anything but values, or sets another key.
     """
     options: dict[tuple[str, str], str] = {}
     for override in overrides:

@@ -39,10 +39,7 @@ def dump(config: Config) -> str:
 def read(path: Path, *, resolve: bool = True) -> Plain:
     """Return the content of a trusted YAML file; with `resolve`, interpolations are replaced.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no YAML, or does not hold a mapping of keys.
+    Raise `InputError` if the file cannot be read, is no YAML, or does not hold a mapping of keys.
     """
     from omegaconf import OmegaConf
 
@@ -65,13 +62,10 @@ def _naming(path: Path) -> Iterator[None]:
 def read_stored(path: Path) -> tuple[Plain, str]:
     """Return the content of a stored config.yaml, as plain data and as text.
 
-    Raises
-    ------
-    InputError
-        If there is no file, or it is too large, is not a mapping of keys, or contains an
-        interpolation, an alias or too many values. An interpolation (`${...}`) could read
-        environment variables of the user. An alias (`*name`) can stand for more data than fit into
-        memory.
+    Raise `InputError` if there is no file, or it is too large, is not a mapping of keys, or
+    contains an interpolation, an alias or too many values. An interpolation (`${...}`) could read
+    environment variables of the user. An alias (`*name`) can stand for more data than fit into
+    memory.
     """
     from omegaconf import OmegaConf
 
@@ -123,11 +117,8 @@ def _texts(value: object) -> Iterator[str]:
 def resolved(mapping: object, *, resolve: bool = True) -> Plain:
     """Return the content of an OmegaConf object; with `resolve`, interpolations are replaced.
 
-    Raises
-    ------
-    InputError
-        If the object is not a mapping, or an interpolation cannot be replaced, for example because
-        it names a missing key.
+    Raise `InputError` if the object is not a mapping, or an interpolation cannot be replaced, for
+    example because it names a missing key.
     """
     from omegaconf import OmegaConf
 

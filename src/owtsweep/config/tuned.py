@@ -98,12 +98,8 @@ def join(composed: Mapping[str, Mapping[str, object]], tuned: Sequence[str]) -> 
 
     `composed` maps the name of the tuning's file to the configuration as plain data. The result has
     the keys that belong to no tuning; `tuning`, the list of the tunings' names; and `tunings`, the
-    tuned sections by name.
-
-    Raises
-    ------
-    InputError
-        If two tunings have one name, or differ in keys that do not belong to a tuning.
+    tuned sections by name. Raise `InputError` if two tunings have one name, or differ in keys that
+    do not belong to a tuning.
     """
     first = next(iter(composed))
     common = _leave_out(composed[first], tuned)

@@ -32,10 +32,7 @@ C = TypeVar("C", bound=Config)
 def typed(model: type[S], plain: object) -> S:
     """Turn plain data into a frozen object of a model, each key checked by itself.
 
-    Raises
-    ------
-    InputError
-        If a key is unknown or missing, a type is wrong, or a value is out of bounds.
+    Raise `InputError` if a key is unknown or missing, a type is wrong, or a value is out of bounds.
     """
     try:
         return model.model_validate(plain)
@@ -46,10 +43,7 @@ def typed(model: type[S], plain: object) -> S:
 def checked(model: type[C], plain: object) -> C:
     """Turn plain data into a frozen configuration of the class `model`, after `Config.check`.
 
-    Raises
-    ------
-    InputError
-        As `typed`, and if values do not fit together.
+    Raise `InputError` as `typed`, and if values do not fit together.
     """
     config = typed(model, plain)
     config.check()
@@ -76,10 +70,7 @@ def value_at(plain: object, key: str) -> object:
 def with_values(section: S, values: Mapping[str, object]) -> S:
     """Return a copy with some keys set, e.g. "compute.workers", each checked by itself.
 
-    Raises
-    ------
-    InputError
-        If a key is unknown, a type is wrong, or a value is out of bounds.
+    Raise `InputError` if a key is unknown, a type is wrong, or a value is out of bounds.
     """
     plain = as_mapping(section)
     for key, value in values.items():

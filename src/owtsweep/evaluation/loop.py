@@ -49,6 +49,9 @@ def run_estimator(
 ) -> Trajectory:
     """Run an estimator over a whole record, and return the estimates of all steps.
 
+    Raise `TypeError` if `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
+    Raise `ValueError` if an estimate lacks a quantity, has the wrong shape or is not finite.
+
     Parameters
     ----------
     estimator
@@ -58,13 +61,6 @@ def run_estimator(
         if it did not arrive.
     judged
         The quantities to take from the estimates, in the order of the result's columns.
-
-    Raises
-    ------
-    TypeError
-        If `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
-    ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite.
     """
     arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
     arrived[::fix_interval] = fixes
@@ -82,7 +78,8 @@ def run_steps(
     """Run an estimator over the next steps of a record, and return the estimates of these steps.
 
     The method `run_record` of a `RecordEstimator` is called once for all steps. Of others, the
-    method `update` is called at each step.
+    method `update` is called at each step. Errors are those of `run_estimator`; the message names
+    the step where it is known.
 
     Parameters
     ----------
@@ -94,11 +91,6 @@ def run_steps(
         Number of the first of these steps in the record, for error messages.
     judged
         The quantities to take from the estimates, in the order of the result's columns.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `run_estimator`; the message names the step where it is known.
     """
     if isinstance(estimator, RecordEstimator):
         trajectory = estimator.run_record(inputs, fixes)
@@ -123,13 +115,9 @@ def collect(
 ) -> Trajectory:
     """Collect the `Estimate`s of steps from `first` on into a trajectory of `judged`.
 
-    Raises
-    ------
-    TypeError
-        If an item of `estimates` is not an `Estimate`.
-    ValueError
-        If an estimate lacks a quantity, or a quantity, covariance or innovation has the wrong shape
-        or does not consist of real numbers. The message names the step.
+    Raise `TypeError` if an item of `estimates` is not an `Estimate`. Raise `ValueError` if an
+    estimate lacks a quantity, or a quantity, covariance or innovation has the wrong shape or does
+    not consist of real numbers. The message names the step.
     """
     size = sum(len(quantity.components) for quantity in judged)
     state = np.empty((steps, size))

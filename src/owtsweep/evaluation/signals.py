@@ -85,11 +85,8 @@ def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -
     sampling interval `step` (s). Means are taken off first. The true lag of a signal with one
     period is known but for whole periods; make `longest` (s) shorter than half a period then. A
     result of +-`longest` means that the lag is that long or longer; NaN means a constant signal.
-
-    Raises
-    ------
-    InputError
-        If `longest` is shorter than a sampling interval, or not below half the record.
+    Raise `InputError` if `longest` is shorter than a sampling interval, or not below half the
+    record.
     """
     truth, estimate = _pair(truth, estimate)
     steps, most = len(truth), round(longest / step)

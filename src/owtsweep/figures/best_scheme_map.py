@@ -93,6 +93,9 @@ def draw(
 ) -> Figure:
     """Draw a map of the best scheme in every cell, with title, legend and footnote.
 
+    Raise `InputError` if no row has that criterion and window, or more than two conditions have
+    several values.
+
     Parameters
     ----------
     best
@@ -115,11 +118,6 @@ def draw(
         records.
     notes
         Sentences at the end of the footnote.
-
-    Raises
-    ------
-    InputError
-        If no row has that criterion and window, or more than two conditions have several values.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:

@@ -39,12 +39,8 @@ def choose(
 ) -> pd.DataFrame:
     """Return the rows of a run's summary with given schemes, window and values of conditions.
 
-    A condition that is not in `fixed` may have any value.
-
-    Raises
-    ------
-    InputError
-        If there are no such rows.
+    A condition that is not in `fixed` may have any value. Raise `InputError` if there are no such
+    rows.
     """
     shown = in_window = summary[summary["window"] == window]
     for condition, value in fixed.items():

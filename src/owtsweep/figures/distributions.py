@@ -38,11 +38,7 @@ def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
 
     The cells are at the first, the middle and the last value of each of one or two conditions. The
     table has a row for each scheme, cell and record, and the columns scheme, conditions, error.
-
-    Raises
-    ------
-    InputError
-        If the criterion was not measured, or no cell has `LEAST_RECORDS` records.
+    Raise `InputError` if the criterion was not measured, or no cell has `LEAST_RECORDS` records.
     """
     import pandas as pd
 

@@ -46,6 +46,9 @@ def draw_each(
 ) -> list[Path]:
     """Draw the figures of a run, and return the files.
 
+    Raise `InputError` if there is no figure called `only`, or the run lacks the data for this
+    figure.
+
     Parameters
     ----------
     drawings
@@ -56,11 +59,6 @@ def draw_each(
         are then left out with a warning.
     guard
         Makes the context in which each figure is drawn; it may turn errors into `InputError`.
-
-    Raises
-    ------
-    InputError
-        If there is no figure called `only`, or the run lacks the data for this figure.
     """
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")

@@ -55,12 +55,7 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
     """Return the style of the scheme `name` in a study whose schemes are `all_names`.
 
     Schemes without a reserved style get further colours, markers and line styles, in the order of
-    `all_names`.
-
-    Raises
-    ------
-    InputError
-        If `name` has no reserved style and is not one of `all_names`.
+    `all_names`. Raise `InputError` if `name` has no reserved style and is not one of `all_names`.
     """
     if name in _reserved:
         return _reserved[name]

@@ -48,12 +48,8 @@ class Plane:
         """Make the axes of a map with all values that the conditions have in a table.
 
         Of more than two conditions, the axes show those with several values; conditions with one
-        value fill the axes that are left.
-
-        Raises
-        ------
-        InputError
-            If more than two conditions have several values.
+        value fill the axes that are left. Raise `InputError` if more than two conditions have
+        several values.
         """
         columns = {condition.name: table[condition.name] for condition in conditions}
         grid = {name: order_values(column, column.unique()) for name, column in columns.items()}

@@ -148,12 +148,8 @@ def save(
 
     The figure was drawn inside `with context():`. The texts of `metadata`, by name, are stored in
     both files, as text chunks of the PNG and as the description (in JSON) of the SVG. No date is
-    stored.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written. Files of these names that existed before are not changed.
+    stored. Raise `OSError` if a file cannot be written. Files of these names that existed before
+    are not changed.
     """
     notes = dict(metadata or {})
     folder.mkdir(parents=True, exist_ok=True)

@@ -28,12 +28,8 @@ def write_atomically(path: Path, content: bytes | str) -> None:
 
     A temporary file in the same folder is written, flushed to the disk and renamed to `path`. After
     an error, the old file is unchanged and the temporary file is gone. A killed process may leave a
-    temporary file (`.<name>.<random>.tmp`), which nothing reads. Text is written as UTF-8.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
+    temporary file (`.<name>.<random>.tmp`), which nothing reads. Text is written as UTF-8. Raise
+    `OSError` if the file cannot be written.
     """
     write_all({path: content})
 
@@ -42,12 +38,8 @@ def write_all(contents: Mapping[Path, bytes | str]) -> None:
     """Write several files; a reader sees either the old or the new content of each file.
 
     Temporary files are written first, and renamed when all are there. So if the contents do not all
-    fit on the disk, no file is changed. Text is written as UTF-8.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses a file. The error's first note (`__notes__`) names the file.
+    fit on the disk, no file is changed. Text is written as UTF-8. Raise `OSError` if the file
+    system refuses a file. The error's first note (`__notes__`) names the file.
     """
     temporaries: dict[Path, Path] = {}
     try:
@@ -107,12 +99,9 @@ ELSEWHERE = "name another folder by results=FOLDER"
 def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWHERE) -> None:
     """Check that a file can be created in a folder, or in the nearest existing one above it.
 
-    Raises
-    ------
-    InputError
-        If no file can be created, the path is too long, or more than `MOST_NEW` folders would have
-        to be made. The message begins with `argument`, the setting that holds the folder, and ends
-        with `remedy`, the advice to the user.
+    Raise `InputError` if no file can be created, the path is too long, or more than `MOST_NEW`
+    folders would have to be made. The message begins with `argument`, the setting that holds the
+    folder, and ends with `remedy`, the advice to the user.
     """
     # Not `exists`: a dangling link prevents the creation of a folder too.
     nearest, missing = folder.absolute(), 0
@@ -135,12 +124,8 @@ def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWH
 def refuse_in_one_line(folder: Path) -> Iterator[None]:
     """Turn an error of the file system inside the context into an InputError of one line.
 
-    Raises
-    ------
-    InputError
-        Instead of any other OSError. It names the file, or `folder` if the file is not known.
-    OSError
-        If the process has too many open files, because no file is at fault.
+    It names the file, or `folder` if the file is not known. An `OSError` for too many open files is
+    passed on, because no file is at fault.
     """
     try:
         yield

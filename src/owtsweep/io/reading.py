@@ -23,11 +23,8 @@ def expand_home(path: str) -> Path:
 def require_regular(path: Path, *, links: bool = True) -> None:
     """Check that a path is a regular file. (Reading a pipe could block; a device may never end.)
 
-    Raises
-    ------
-    InputError
-        If nothing is there, it cannot be read, or is a folder, a pipe or a device; without `links`
-        also if it is a link.
+    Raise `InputError` if nothing is there, it cannot be read, or is a folder, a pipe or a device;
+    without `links` also if it is a link.
     """
     mode = _mode(path, "file")
     if not links and path.is_symlink():
@@ -46,6 +43,8 @@ def require_folder(path: Path) -> None:
 def refuse_links(folder: Path, *, but: Collection[str] = (), deep: bool = True) -> None:
     """Check that nothing in a folder is a link, whose target a command would read or write.
 
+    Raise `InputError` if a link is there, or a folder cannot be read.
+
     Parameters
     ----------
     folder
@@ -54,11 +53,6 @@ def refuse_links(folder: Path, *, but: Collection[str] = (), deep: bool = True) 
         Names of subfolders whose content is not looked at.
     deep
         Whether to look into subfolders.
-
-    Raises
-    ------
-    InputError
-        If a link is there, or a folder cannot be read.
     """
     todo = [folder]
     while todo:
@@ -93,12 +87,9 @@ def _mode(path: Path, kind: str) -> int:
 def read_bytes(path: Path, most: int, *, links: bool = True) -> bytes:
     """Read a file of at most `most` bytes; return its content.
 
-    Raises
-    ------
-    InputError
-        If the path is no regular file (or a link, without `links`), or the file cannot be read, is
-        larger than `most` bytes, or has holes and more than `MOST_SPARSE` bytes. Nothing has been
-        read then.
+    Raise `InputError` if the path is no regular file (or a link, without `links`), or the file
+    cannot be read, is larger than `most` bytes, or has holes and more than `MOST_SPARSE` bytes.
+    Nothing has been read then.
     """
     require_regular(path, links=links)
     try:
@@ -134,10 +125,7 @@ def _has_hole(descriptor: int, size: int) -> bool:
 def hash_file(path: Path) -> str:
     """Return the hash of a file's bytes: 32 hexadecimal digits.
 
-    Raises
-    ------
-    InputError
-        If the path is no regular file, or the file cannot be read.
+    Raise `InputError` if the path is no regular file, or the file cannot be read.
     """
     require_regular(path)
     digest = hashlib.blake2b(digest_size=16)
@@ -153,10 +141,7 @@ def hash_file(path: Path) -> str:
 def read_text(path: Path, most: int) -> str:
     """Read a UTF-8 file of at most `most` bytes; return its text.
 
-    Raises
-    ------
-    InputError
-        As `read_bytes`, or if it is no text in UTF-8.
+    Raise `InputError` as `read_bytes`, or if it is no text in UTF-8.
     """
     try:
         return read_bytes(path, most).decode("utf-8")
@@ -167,10 +152,7 @@ def read_text(path: Path, most: int) -> str:
 def read_json(path: Path, most: int) -> object:
     """Read a JSON file of at most `most` bytes; return its data, which may be of any type.
 
-    Raises
-    ------
-    InputError
-        As `read_text`, or if it is no JSON, or nests too deeply for Python's parser.
+    Raise `InputError` as `read_text`, or if it is no JSON, or nests too deeply for Python's parser.
     """
     import json
 

@@ -24,12 +24,8 @@ _QUOTED = re.compile(rb'"[^"]*"')
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
     """Write each table to the file `<name>.csv` in a folder, without the table's index.
 
-    If the files do not all fit on the disk, no file is changed.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses a file.
+    If the files do not all fit on the disk, no file is changed. Raise `OSError` if the file system
+    refuses a file.
     """
     write_all({folder / name: text for name, text in dump_tables(tables).items()})
 
@@ -46,10 +42,7 @@ def dump_tables(tables: Mapping[str, pd.DataFrame]) -> dict[str, str]:
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
     """Write a table to `<name>.csv` in a folder, whole or not at all, without its index.
 
-    Raises
-    ------
-    OSError
-        If the file system refuses the file.
+    Raise `OSError` if the file system refuses the file.
     """
     write_tables(folder, {name: table})
     return folder / f"{name}.csv"
@@ -59,11 +52,7 @@ def read_table(folder: Path, name: str) -> pd.DataFrame:
     """Read the table `<name>.csv` in the folder of a run.
 
     An empty field becomes NaN in a column of numbers, or in an empty one, and "" in one of texts.
-
-    Raises
-    ------
-    InputError
-        If the folder does not hold this file, or the file is damaged.
+    Raise `InputError` if the folder does not hold this file, or the file is damaged.
     """
     path = folder / f"{name}.csv"
     if not os.path.lexists(path):

@@ -59,6 +59,9 @@ def compute_points(
 ) -> pd.DataFrame:
     """Compute natural period and size of the hub's motion in each sea, for all blades and soils.
 
+    Raise `InputError` if the structure does not stand in water or has no such modes, or the records
+    are too short.
+
     Parameters
     ----------
     structure
@@ -81,11 +84,6 @@ def compute_points(
         blades, friction_angle (degrees), natural_period (s, of the first mode), fitted_period (s,
         of the peak of Eq. (1) of Ren et al. fitted to the record), amplitude (m, the largest
         displacement along the waves), rms (m).
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand in water or has no such modes, or the records are too short.
     """
     import pandas as pd
 

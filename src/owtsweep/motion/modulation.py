@@ -27,7 +27,9 @@ class Modulation:
     interpolation of Fritsch and Butland (1984): a sea that grows tenfold grows by equal ratios in
     equal times. The factor is always positive, never leaves the range of its two neighbours, and
     its rate is continuous. Its second derivative, and so the acceleration, jumps at the points.
-    Before the first point and after the last one the factor is constant.
+    Before the first point and after the last one the factor is constant. Raise `InputError` if
+    there is no point, an entry is not two finite numbers, times do not rise, or a factor is not
+    above zero.
 
     Parameters
     ----------
@@ -35,12 +37,6 @@ class Modulation:
         Pairs of time (s) and factor; times rise, factors are above zero.
     name
         The name of the points in error messages.
-
-    Raises
-    ------
-    InputError
-        If there is no point, an entry is not two finite numbers, times do not rise, or a factor is
-        not above zero.
     """
 
     def __init__(self, points: Sequence[Sequence[float]], name: str = "envelope") -> None:

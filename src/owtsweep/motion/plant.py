@@ -91,10 +91,7 @@ class Plant:
     ) -> PlantMotion:
         """Draw one record of any length, as `Source.realise`, from the stream "phase".
 
-        Raises
-        ------
-        InputError
-            If the record is too short for waves, or the structure has no such modes.
+        Raise `InputError` if the record is too short for waves, or the structure has no such modes.
         """
         period = 2 * steps * step
         require(

@@ -178,6 +178,8 @@ def fit_shaping_filter(
     """Fit a shaping filter to a one-sided spectral density of position.
 
     The filter has a pair of poles for every two states, two pairs of zeros less, and one real zero.
+    Raise `InputError` if the frequencies or densities make no spectrum, the floor is not above
+    zero, or a filter of so many states does not exist or is badly conditioned.
 
     Parameters
     ----------
@@ -191,12 +193,6 @@ def fit_shaping_filter(
     floor
         Density that the sensors' noise has as a position, divided by the variance of the motion,
         Hz^-1: a number or an array of shape (m,). The fit is close where the density is above it.
-
-    Raises
-    ------
-    InputError
-        If the frequencies or densities make no spectrum, the floor is not above zero, or a filter
-        of so many states does not exist or is badly conditioned.
     """
     from scipy.optimize import least_squares
 

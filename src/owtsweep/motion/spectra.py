@@ -77,11 +77,8 @@ def translated(natural_period: float, bandwidth: float = TABLE_4_BANDWIDTH) -> S
 def printed(natural_period: float) -> Spectrum:
     """Return the spectrum with the coefficients that Table 4 of Ren et al. (2019) prints.
 
-    Raises
-    ------
-    InputError
-        For a natural period (s) that is not in the table. Also for 3, 4 and 5 s: with b and c
-        rounded to two digits as printed, the spectrum has no finite peak at these periods.
+    Raise `InputError` for a natural period (s) that is not in the table, and for 3, 4 and 5 s: with
+    b and c rounded to two digits as printed, the spectrum has no finite peak at these periods.
     """
     row = TABLE_4.get(float(natural_period))
     if row is None:
@@ -106,10 +103,8 @@ KINDS = ("translated", "printed")
 def spectrum(kind: str, natural_period: float, bandwidth: float) -> Spectrum:
     """Return the spectrum of a kind: "translated" or "printed", as the functions of these names do.
 
-    Raises
-    ------
-    InputError
-        If `kind` is neither, or if the printed spectrum does not exist for the natural period.
+    Raise `InputError` if `kind` is neither, or if the printed spectrum does not exist for the
+    natural period.
     """
     if kind == "translated":
         return translated(natural_period, bandwidth)

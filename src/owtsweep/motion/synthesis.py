@@ -95,12 +95,8 @@ NORMALISATIONS = ("peak", "rms")
 def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:
     """Return the numbers m and the frequencies m / period (Hz) of the lines inside a band.
 
-    The edges of the band, which are inside, are in Hz; `period` is in s.
-
-    Raises
-    ------
-    InputError
-        If there are no lines in the band.
+    The edges of the band, which are inside, are in Hz; `period` is in s. Raise `InputError` if
+    there are no lines in the band.
     """
     inside = line_numbers(band, period)
     numbers = np.arange(inside.start, inside.stop)
@@ -110,10 +106,7 @@ def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], 
 def line_numbers(band: tuple[float, float], period: float) -> range:
     """Return the numbers that `lines` returns as a range, which takes no memory.
 
-    Raises
-    ------
-    InputError
-        If there are no lines in the band.
+    Raise `InputError` if there are no lines in the band.
     """
     first = int(np.ceil(band[0] * period - 1e-9))
     last = int(np.floor(band[1] * period + 1e-9))
@@ -142,6 +135,7 @@ def synthesise(
     S(f_m) df) and a uniform random phase. Position, velocity and acceleration are one inverse
     Fourier transform each (`interleaved`). The first half of the transform's period is the record,
     so nothing repeats inside the record. The positions before t = 0 are the end of the second half.
+    Raise `InputError` if no line lies in the band, or `normalise` is neither "peak" nor "rms".
 
     Parameters
     ----------
@@ -159,11 +153,6 @@ def synthesise(
         deviation of the displacement is 1 m.
     history
         Number of steps before t = 0 whose positions are kept.
-
-    Raises
-    ------
-    InputError
-        If no line lies in the band, or `normalise` is neither "peak" nor "rms".
     """
     numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
     result = np.empty((3, steps))
@@ -196,12 +185,8 @@ def displacement(
 ) -> Array:
     """Draw one record of displacement along one direction, not normalised; shape (steps,), in m.
 
-    `synthesise` with the same arguments draws the same displacement, multiplied by a factor.
-
-    Raises
-    ------
-    InputError
-        If no line lies in the band.
+    `synthesise` with the same arguments draws the same displacement, multiplied by a factor. Raise
+    `InputError` if no line lies in the band.
     """
     numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
     return _first_half(_sampled(numbers, line, steps)).T.reshape(-1)
@@ -269,10 +254,8 @@ class SpectralSource:
     ) -> Motion:
         """Draw one record of any length, as `Source.realise`, from the stream "phase".
 
-        Raises
-        ------
-        InputError
-            If no spectral line lies in the band, or `normalise` is neither "peak" nor "rms".
+        Raise `InputError` if no spectral line lies in the band, or `normalise` is neither "peak"
+        nor "rms".
         """
         return synthesise(
             self.spectrum,

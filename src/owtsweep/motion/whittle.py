@@ -144,13 +144,9 @@ def fit(position: Array, step: float, *, band: tuple[float, float] = BAND) -> Fi
     """Fit the spectrum of Eq. (1) of Ren et al. (2019) to a record.
 
     `position` is in m, shape (n,), or (axes, n): the sum of the axes' spectra is fitted. The edges
-    of the band are in Hz, inclusive.
-
-    Raises
-    ------
-    InputError
-        If fewer than `FEWEST_LINES` lines of the periodogram lie in the band, if the record has no
-        motion in the band, or if positions are missing.
+    of the band are in Hz, inclusive. Raise `InputError` if fewer than `FEWEST_LINES` lines of the
+    periodogram lie in the band, if the record has no motion in the band, or if positions are
+    missing.
     """
     return fit_lines(*periodogram(position, step), band=band)
 

@@ -43,7 +43,7 @@ def find_best_schemes(
     replicate has no row. Schemes whose values agree to `statistics.contest.COINCIDENCE` in each of
     these replicates count as one scheme, under the name that comes last in `cube.schemes`. The
     runner-up is the best of the other schemes; if all schemes of a cell agree, the runner-up is
-    another of these schemes.
+    another of these schemes. Raise `InputError` if a criterion or the window was not measured.
 
     Parameters
     ----------
@@ -68,11 +68,6 @@ def find_best_schemes(
         `mse_baseline` its mean. `baseline_wins` says whether `mse_baseline` is less than the best
         scheme's mean and the paired difference is significant, with Holm's correction as above. If
         a scheme was unable to work in any cell, there are also the columns `status` and `reason`.
-
-    Raises
-    ------
-    InputError
-        If a criterion or the window was not measured.
     """
     import pandas as pd
 

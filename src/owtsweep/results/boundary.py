@@ -42,6 +42,8 @@ def find_boundary(
 ) -> pd.DataFrame:
     """Find the amplitude above which the second scheme is better than the first, in each cell.
 
+    Raise `InputError` if a scheme, the measure or the window is not among superposed rows.
+
     Parameters
     ----------
     rows
@@ -68,11 +70,6 @@ def find_boundary(
         neither is true, and which has no boundary either, counts as lying below `ci_low` and above
         `ci_high`. If `ci_low` falls on such a resample, `ci_low` is NaN; if `ci_high` does,
         `ci_high` is infinite.
-
-    Raises
-    ------
-    InputError
-        If a scheme, the measure or the window is not among superposed rows.
     """
     import pandas as pd
 
@@ -102,12 +99,8 @@ def find_boundary_ratio(
     Records of two different cells are independent, so they are resampled independently. Arguments
     are as in `find_boundary`. Return the ratio and the ends of its 95 % confidence interval. All
     three are NaN if a cell has no boundary; the ends are NaN if a cell has a single record (see
-    `divide_crossings`).
-
-    Raises
-    ------
-    InputError
-        If a scheme, the measure, the window or a cell is not among superposed rows.
+    `divide_crossings`). Raise `InputError` if a scheme, the measure, the window or a cell is not
+    among superposed rows.
     """
     by_cell = split_cells(subtract_schemes(rows, conditions, schemes, measure, window))
     products = []
@@ -135,12 +128,8 @@ def subtract_schemes(
     """Subtract the second scheme's products from the first scheme's, in records that both finished.
 
     The result has the columns motion, cross and noise of superposed rows. It is indexed, and
-    sorted, by all conditions but the last and by the replicate.
-
-    Raises
-    ------
-    InputError
-        If a scheme, the measure or the window is not among superposed rows.
+    sorted, by all conditions but the last and by the replicate. Raise `InputError` if a scheme, the
+    measure or the window is not among superposed rows.
     """
     *outer, last = [condition.name for condition in conditions]
     used = rows[(rows["status"] == OK) & rows[last].isna()]

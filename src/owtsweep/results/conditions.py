@@ -104,10 +104,7 @@ def require_usable(conditions: Sequence[Condition]) -> None:
 def find_only_cell(grid: Grid, section: str = "grid") -> dict[str, Value]:
     """Return condition -> value of a grid (in the configuration's `section`) that has one cell.
 
-    Raises
-    ------
-    InputError
-        If a condition has several values.
+    Raise `InputError` if a condition has several values.
     """
     for name, values in grid.items():
         if len(values) != 1:

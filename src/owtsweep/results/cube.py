@@ -89,12 +89,7 @@ class Cube:
         """Return the values of one scheme at one `place` (indices of the outer conditions).
 
         Axes: value of the last condition, measure (all, or those with the indices `measures`),
-        window, replicate.
-
-        Raises
-        ------
-        ValueError
-            If the cube is empty.
+        window, replicate. Raise `ValueError` if the cube is empty.
         """
         here: tuple[int | slice[None, None, None], ...] = (scheme, *place)
         kept = slice(None) if measures is None else measures
@@ -157,6 +152,9 @@ class Cube:
     ) -> Cube:
         """Make the cube from a run's rows; it takes a tenth of the memory of `to_table`.
 
+        Raise `InputError` if the conditions cannot be used (`require_usable`), if two rows give a
+        value for the same element, or if the labels of the rows do not fit together.
+
         Parameters
         ----------
         rows
@@ -168,12 +166,6 @@ class Cube:
             out.
         measures
             The order of measures in tables. Others follow alphabetically.
-
-        Raises
-        ------
-        InputError
-            If the conditions cannot be used (`require_usable`), if two rows give a value for the
-            same element, or if the labels of the rows do not fit together.
         """
         require_usable(conditions)
         unable = list_unable(rows[rows["scheme"].isin(list(schemes))], conditions, grid)
@@ -258,13 +250,8 @@ def _arrange(
     """Arrange numbers of the chosen rows as an array with the axes (columns, *axes), or NaN.
 
     `labels` maps each of `axes` to its labels in order; the column of the same name says where on
-    the axis a row belongs.
-
-    Raises
-    ------
-    InputError
-        If two rows belong to the same element, or if the array would have far more elements than
-        there are rows.
+    the axis a row belongs. Raise `InputError` if two rows belong to the same element, or if the
+    array would have far more elements than there are rows.
     """
     import pandas as pd
 

@@ -18,7 +18,8 @@ class Losses:
     At each sample an outage begins with the same probability, independently of others, perhaps
     inside another outage; none begins before the first sample. In the long run the share 1 - (1 -
     probability)^length of samples is lost. If probability or length is raised, and the random
-    stream is the same, all samples that were lost before are lost again.
+    stream is the same, all samples that were lost before are lost again. Raise `InputError` if the
+    probability is not between 0 and 1, or the length is less than 1.
 
     Attributes
     ----------
@@ -28,11 +29,6 @@ class Losses:
         Probability that an outage begins at a sample.
     length, remaining
         Length of an outage, and what remains of the present one, in samples.
-
-    Raises
-    ------
-    InputError
-        If the probability is not between 0 and 1, or the length is less than 1.
     """
 
     generator: np.random.Generator
@@ -75,7 +71,8 @@ def draw_outliers(
     white noise are then those of a contaminated normal distribution (Huber 1964).
 
     Raising the rate, with the same random streams, keeps the bursts that were there, and adds
-    others. The offsets scale with `sigma`.
+    others. The offsets scale with `sigma`. Raise `InputError` if the rate is not from 0 to 0.5,
+    sigma is negative, or the length is less than 1.
 
     Parameters
     ----------
@@ -88,11 +85,6 @@ def draw_outliers(
         Standard deviation of an offset along each axis, in the unit of the samples.
     length
         Number of samples of a burst.
-
-    Raises
-    ------
-    InputError
-        If the rate is not from 0 to 0.5, sigma is negative, or the length is less than 1.
     """
     require(0.0 <= rate <= 0.5, f"rate: {rate:g} is not from 0 to 0.5, a share of all samples")
     require(sigma >= 0.0, f"sigma: {sigma:g} is no standard deviation; give 0 or more")

@@ -19,12 +19,8 @@ from owtsweep.errors import InputError, require
 class WhiteNoise:
     """The white noise of one channel: independent, normally distributed errors.
 
-    `sigma`, in the unit of the measured quantity, is the standard deviation of a sample.
-
-    Raises
-    ------
-    InputError
-        If sigma is negative.
+    `sigma`, in the unit of the measured quantity, is the standard deviation of a sample. Raise
+    `InputError` if sigma is negative.
     """
 
     generator: np.random.Generator
@@ -45,7 +41,8 @@ class WhiteNoise:
 class WienerBias:
     """A bias that starts at a given value and wanders: a sampled Wiener process.
 
-    The variance of the bias after the time t is walk^2 t.
+    The variance of the bias after the time t is walk^2 t. Raise `InputError` if `walk` is negative
+    or `step` is not positive.
 
     Attributes
     ----------
@@ -58,11 +55,6 @@ class WienerBias:
         Sampling interval, s.
     initial, last
         The bias of the first sample, and of the last that was drawn, if any.
-
-    Raises
-    ------
-    InputError
-        If `walk` is negative or `step` is not positive.
     """
 
     generator: np.random.Generator
@@ -108,12 +100,8 @@ def draw_gauss_markov(
     The axes are independent of each other. Samples that are `step` (s) apart have the correlation
     exp(-step / time) (Bar-Shalom, Li and Kirubarajan 2001, section 8.2). The process is stationary
     from its first sample on. `sigma` is the standard deviation of a sample along each axis, in its
-    unit.
-
-    Raises
-    ------
-    InputError
-        If sigma is negative, or the time constant or the interval is not positive.
+    unit. Raise `InputError` if sigma is negative, or the time constant or the interval is not
+    positive.
     """
     from scipy.signal import lfilter
 

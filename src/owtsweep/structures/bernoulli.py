@@ -57,10 +57,7 @@ class PlaneBeam:
     def find_node(self, height: float, what: str = "height") -> int:
         """Return the number of the node at a height (m above mean sea level).
 
-        Raises
-        ------
-        InputError
-            If no node is there. The message begins with `what`.
+        Raise `InputError` if no node is there. The message begins with `what`.
         """
         node = int(np.argmin(np.abs(self.heights - height)))
         require(
@@ -103,12 +100,8 @@ def assemble_cut(
     """Assemble the free beam between two cuts, without soil and bodies at its ends.
 
     Each tube (divided at the mudline and at the sea level) is `subdivision` elements. The cuts are
-    in m above mean sea level. With `gravity` the weight above softens the beam.
-
-    Raises
-    ------
-    InputError
-        If a cut is not at the end of a tube, or fewer than two elements lie between the cuts.
+    in m above mean sea level. With `gravity` the weight above softens the beam. Raise `InputError`
+    if a cut is not at the end of a tube, or fewer than two elements lie between the cuts.
     """
     inside = list_nodes(structure, low, high)
     bodies = [
@@ -122,10 +115,8 @@ def assemble_cut(
 def list_nodes(structure: Structure, low: float, high: float) -> Array:
     """Return the heights (m above mean sea level) of the nodes from one cut to another.
 
-    Raises
-    ------
-    InputError
-        If a cut is not at the end of a tube, or fewer than two elements lie between the cuts.
+    Raise `InputError` if a cut is not at the end of a tube, or fewer than two elements lie between
+    the cuts.
     """
     ends = _ends(structure)
     for name, cut in (("low", low), ("high", high)):

@@ -319,11 +319,8 @@ class Structure(Section):
 def read_structure(path: str | Path) -> Structure:
     """Read and check a description of a structure from a YAML file.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a key is unknown or missing, or the numbers do not describe a
-        structure that stands.
+    Raise `InputError` if the file cannot be read, a key is unknown or missing, or the numbers do
+    not describe a structure that stands.
     """
     plain, _ = read_stored(Path(path))
     try:
@@ -337,10 +334,7 @@ def read_structure(path: str | Path) -> Structure:
 def find_structure(name: str) -> Structure:
     """Read a structure by its name in conf/structure, or by the path of a YAML file.
 
-    Raises
-    ------
-    InputError
-        If there is neither, or the file does not describe a structure that stands.
+    Raise `InputError` if there is neither, or the file does not describe a structure that stands.
     """
     folder = conf_directory() / "structure"
     if name.endswith((".yaml", ".yml")):

@@ -38,11 +38,7 @@ def count_cycles(history: Array) -> Cycles:
 
     Closed cycles are counted by the four-point method, and each range of the residue as half a
     cycle. The first and the last sample count as turning points. Nothing is binned or filtered.
-
-    Raises
-    ------
-    InputError
-        If the history is empty or holds a number that is not finite.
+    Raise `InputError` if the history is empty or holds a number that is not finite.
     """
     # pylife brings pandas and takes a second to load.
     from pylife.stress.rainflow import FourPointDetector, LoopValueRecorder
@@ -98,7 +94,7 @@ def compute_damage(
 
     The damage is that of the histories' length: of 10 minutes for histories of 10 minutes. It is
     infinite for a weld whose mean stress in some cycle is at or above the ultimate strength (see
-    `correct_means`).
+    `correct_means`). Raise `InputError` if the shapes do not fit, or a stress is not finite.
 
     Parameters
     ----------
@@ -108,11 +104,6 @@ def compute_damage(
         One S-N curve for all welds, or one for each.
     ultimate_strength
         For Goodman's correction, in Pa; infinite for none.
-
-    Raises
-    ------
-    InputError
-        If the shapes do not fit, or a stress is not finite.
     """
     require(stress.ndim == 2, f"stress: must have the shape (steps, welds), not {stress.shape}")
     welds = stress.shape[1]

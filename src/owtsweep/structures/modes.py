@@ -172,11 +172,8 @@ class Modes:
 def compute_modes(structure: Structure, count: int = 4, blades: int = 0) -> Modes:
     """Compute the `count` lowest modes of a structure with 0 to 3 blades mounted.
 
-    Raises
-    ------
-    InputError
-        If the structure has fewer degrees of freedom than modes are wanted, has no blade to mount,
-        or buckles under its weight.
+    Raise `InputError` if the structure has fewer degrees of freedom than modes are wanted, has no
+    blade to mount, or buckles under its weight.
     """
     from scipy.sparse.linalg import eigsh
 

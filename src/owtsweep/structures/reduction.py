@@ -53,6 +53,8 @@ def reduce_free(
 ) -> Reduced:
     """Reduce a free beam to rigid, normal and residual inertia-relief attachment modes.
 
+    Raise `InputError` if the beam has fewer modes.
+
     Parameters
     ----------
     interfaces
@@ -63,11 +65,6 @@ def reduce_free(
         Two degrees of freedom that are held while Eq. (7) is solved. They must hold the beam
         without strain. (The print's step 4 has as many as interfaces; holding more than the rigid
         modes strains the beam.) The result does not depend on them.
-
-    Raises
-    ------
-    InputError
-        If the beam has fewer modes.
     """
     from scipy.linalg import eigh
 
@@ -107,10 +104,7 @@ def reduce_free(
 def reduce_held(beam: PlaneBeam, count: int) -> Reduced:
     """Reduce a beam that soil, a foundation or a clamp holds to its `count` lowest modes.
 
-    Raises
-    ------
-    InputError
-        If the beam has fewer modes, or buckles under its weight.
+    Raise `InputError` if the beam has fewer modes, or buckles under its weight.
     """
     from scipy.linalg import eigh
 

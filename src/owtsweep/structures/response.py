@@ -46,6 +46,7 @@ def respond(
     """Compute outputs of a structure under loads at every sample, shape (steps - lead, outputs).
 
     At the first sample the structure rests as the loads of that sample bend it, so nothing jumps.
+    Raise `InputError` if the structure does not stand, or buckles under its weight.
 
     Parameters
     ----------
@@ -57,11 +58,6 @@ def respond(
         The series f, shape (steps, series), linear between samples, which are `step` (s) apart.
     lead
         Number of samples at the beginning that are left out of the result.
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand, or buckles under its weight.
     """
     from scipy.linalg import eig, eigh
     from scipy.signal import lfilter

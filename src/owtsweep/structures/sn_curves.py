@@ -107,10 +107,7 @@ class Fatigue(Section):
     def find_curves(self, heights: Array) -> list[SNCurve]:
         """Return the S-N curve of each weld, from the welds' heights above mean sea level (m).
 
-        Raises
-        ------
-        InputError
-            If the keys do not make an S-N curve.
+        Raise `InputError` if the keys do not make an S-N curve.
         """
         if self.curve == "own":
             own = make_curve(
@@ -128,12 +125,8 @@ def find_curve(name: str, environment: str = "air") -> SNCurve:
     """Return an S-N curve of DNV-RP-C203 by its class, "B1" to "W3".
 
     "paper" is the single branch printed by Simpson et al. (2025), in every environment.
-    `environment` is "air", or "seawater" (with cathodic protection).
-
-    Raises
-    ------
-    InputError
-        If there is no such curve.
+    `environment` is "air", or "seawater" (with cathodic protection). Raise `InputError` if there is
+    no such curve.
     """
     if name == "paper":
         return SNCurve("paper", PAPER[:1], PAPER[1:])
@@ -150,10 +143,8 @@ def find_curve(name: str, environment: str = "air") -> SNCurve:
 def make_curve(m: Sequence[float], log_a: Sequence[float], knee: float | None = None) -> SNCurve:
     """Make an S-N curve of one's own, of one branch or two, as in `SNCurve`.
 
-    Raises
-    ------
-    InputError
-        If there is no branch, a number is missing, or two branches do not meet at the knee.
+    Raise `InputError` if there is no branch, a number is missing, or two branches do not meet at
+    the knee.
     """
     require(
         len(m) == len(log_a),

@@ -33,13 +33,9 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     """Find the study and its YAML files; separate `study=NAME` from the overrides for Hydra.
 
     If no override is `study=NAME`, the result names no study. It then has the YAML files of the
-    first built-in study whose main file is `primary`: "sweep" or "replay", by the command.
-
-    Raises
-    ------
-    InputError
-        If the overrides name several studies, an unknown study, or a study whose main YAML file is
-        not `primary`, so that another command runs the study.
+    first built-in study whose main file is `primary`: "sweep" or "replay", by the command. Raise
+    `InputError` if the overrides name several studies, an unknown study, or a study whose main YAML
+    file is not `primary`, so that another command runs the study.
     """
     name, others = _take_out_study(overrides)
     if name is None:
@@ -59,6 +55,8 @@ def compose(
 ) -> Config:
     """Compose a study's configuration from YAML files and overrides; convert types, check values.
 
+    Raise `InputError` if anything is wrong with the overrides or files; the message is one line.
+
     Parameters
     ----------
     overrides
@@ -69,11 +67,6 @@ def compose(
         A folder with further config groups for Hydra (`--config-dir`).
     primary
         Name of the main YAML file: "sweep" or "replay".
-
-    Raises
-    ------
-    InputError
-        If anything is wrong with the overrides or files; the message is one line.
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)
@@ -91,12 +84,8 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
     """Return a composed or stored configuration with its types converted and its values checked.
 
     The model is that of `study`, or else of the mapping's key `study`, or of "hub".
-
-    Raises
-    ------
-    InputError
-        For an unknown study, an unknown key (the message suggests the nearest known key), a wrong
-        type or an impossible value.
+    Raise `InputError` for an unknown study, an unknown key (the message suggests the nearest known
+    one), a wrong type or an impossible value.
     """
     return _checked(resolved(mapping), study)
 
@@ -139,11 +128,8 @@ def _key(override: str) -> str:
 def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
     """Return the name of the study, if any, and the overrides without `study=NAME`.
 
-    Raises
-    ------
-    InputError
-        If `overrides` is no list of texts, or names an unknown study, several studies, or an empty
-        name.
+    Raise `InputError` if `overrides` is no list of texts, or names an unknown study, several
+    studies, or an empty name.
     """
     require_texts(overrides)
     name, others = None, []

@@ -24,11 +24,8 @@ from owtsweep.sweep.study import Study
 def open_run(folder: Path) -> Run:
     """Open the run that is stored in a folder, or one of its queries, `<run>/asked/<hash>`.
 
-    Raises
-    ------
-    InputError
-        If the folder holds no run, the run cannot be read by this version of the program, or the
-        run's study is not installed.
+    Raise `InputError` if the folder holds no run, the run cannot be read by this version of the
+    program, or the run's study is not installed.
     """
     path = folder / "config.yaml"
     require_folder(folder)

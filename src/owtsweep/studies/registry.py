@@ -73,11 +73,9 @@ def names() -> list[str]:
 def find_entry(name: str) -> Entry:
     """Return the entry of the study called `name`.
 
-    Raises
-    ------
-    InputError
-        If there is no study of this name; the message lists the known names, the most similar name
-        first. Also if several packages have a study of this name; the message lists the packages.
+    Raise `InputError` if there is no study of this name; the message lists the known names, the
+    most similar name first, or if several packages have a study of this name; the message lists the
+    packages.
     """
     if name in OURS:
         return OURS[name]
@@ -93,11 +91,8 @@ def find_entry(name: str) -> Entry:
 def get_study(name: str) -> Study:
     """Import the study called `name`, and return an object of its class; import no other study.
 
-    Raises
-    ------
-    InputError
-        If there is no study of this name. Also if a study of another package does not work; the
-        message names the package.
+    Raise `InputError` if there is no study of this name, or if a study of another package does not
+    work; the message names the package.
     """
     entry = find_entry(name)
     module, _, attribute = entry.target.partition(":")
@@ -135,12 +130,8 @@ def list_serving(command: str) -> str:
 def blame_package(name: str) -> Iterator[None]:
     """Turn any error inside the context into one line that names the package of a study.
 
-    Errors of a built-in study are raised unchanged.
-
-    Raises
-    ------
-    InputError
-        If an error is raised inside the context and the study is of another package.
+    Errors of a built-in study are raised unchanged. Raise `InputError` if an error is raised inside
+    the context and the study is of another package.
     """
     try:
         yield
@@ -164,11 +155,8 @@ def _of_others() -> list[tuple[str, Entry]]:
 def find_tree(name: str) -> Tree:
     """Return the folder of YAML files of the study called `name`.
 
-    Raises
-    ------
-    InputError
-        If there is no study of this name, or the study does not work. Also if a study of another
-        package lacks its main YAML file.
+    Raise `InputError` if there is no study of this name, or the study does not work, or if a study
+    of another package lacks its main YAML file.
     """
     entry, model = find_entry(name), get_study(name).config_type()
     if entry.package:

@@ -188,11 +188,8 @@ class ClaimsFile:
 def read_claims(path: Path) -> ClaimsFile:
     """Read a file of claims.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is larger than 1 MB, is no TOML, or holds an unknown key or kind
-        or a value that does not fit.
+    Raise `InputError` if the file cannot be read, is larger than 1 MB, is no TOML, or holds an
+    unknown key or kind or a value that does not fit.
     """
     text = read_text(path, MOST_BYTES)
     try:

@@ -44,12 +44,7 @@ def judge(
     """Judge statements, each claim by the first table that has its columns.
 
     `file`, where they come from, has words for values, and names the script that makes scores which
-    no table has.
-
-    Raises
-    ------
-    InputError
-        If a claim selects several scores where it means one.
+    no table has. Raise `InputError` if a claim selects several scores where it means one.
     """
     return [
         JudgedStatement(

@@ -174,12 +174,8 @@ class ScoreTable:
     ) -> list[dict[str, Value]]:
         """Return the cells of a selection, whether the table has them or not.
 
-        The last of the selected columns varies first. Columns in `free` need no value.
-
-        Raises
-        ------
-        InputError
-            If another column is left out that has several values.
+        The last of the selected columns varies first. Columns in `free` need no value. Raise
+        `InputError` if another column is left out that has several values.
         """
         left = [name for name in self.columns if name not in selection and name not in free]
         for name in left:

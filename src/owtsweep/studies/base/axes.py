@@ -104,11 +104,8 @@ def key_of_records(drawn: str) -> Any:
 def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schemes: int) -> None:
     """Check that the map has two axes with values, that others have one value each, and its size.
 
-    Raises
-    ------
-    InputError
-        If an axis is unknown, stands there twice or has no value, another has several, or a plan
-        would have too many blocks.
+    Raise `InputError` if an axis is unknown, stands there twice or has no value, another has
+    several, or a plan would have too many blocks.
     """
     names = ", ".join(all_axes)
     for axis in chosen:

@@ -55,10 +55,7 @@ def plan(
 ) -> list[Block]:
     """Return all blocks of a configuration, or of some cells with another number of records.
 
-    Raises
-    ------
-    InputError
-        If no scheme can serve the configuration.
+    Raise `InputError` if no scheme can serve the configuration.
     """
     declaration.require(config)
     table = declaration.schemes

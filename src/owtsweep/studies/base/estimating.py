@@ -15,10 +15,7 @@ def estimate_record(
 ) -> EstimatedRecord:
     """Make a record, run all schemes on it, and return all of it.
 
-    Raises
-    ------
-    InputError
-        If the grid has several cells, or the record cannot be made.
+    Raise `InputError` if the grid has several cells, or the record cannot be made.
     """
     declaration.require(config)
     values = declaration.axes.get_values(config)

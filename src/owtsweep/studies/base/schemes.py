@@ -129,13 +129,9 @@ class SchemeTable:
         """Return the scheme for which an entry of the key `schemes` stands.
 
         That is a name of the study's schemes, or of a scheme of another package; or a mapping
-        `{_target_: package.Class, ...}`, whose other keys are the arguments of the class.
-
-        Raises
-        ------
-        InputError
-            If there is no such scheme, it cannot be made, has the name of one of the study's, or is
-            of another study.
+        `{_target_: package.Class, ...}`, whose other keys are the arguments of the class. Raise
+        `InputError` if there is no such scheme, it cannot be made, has the name of one of the
+        study's, or is of another study.
         """
         if isinstance(entry, StoredScheme):
             return entry  # its run is read, not computed
@@ -158,10 +154,8 @@ class SchemeTable:
     def resolve_all(self, entries: Sequence[Entry]) -> list[AnyScheme]:
         """Return the schemes of a run, in the order of the key `schemes`.
 
-        Raises
-        ------
-        InputError
-            If the list is empty, an entry stands for no scheme, or two schemes have one name.
+        Raise `InputError` if the list is empty, an entry stands for no scheme, or two schemes have
+        one name.
         """
         if not entries:
             known = ",".join([*self.listed][:2])
@@ -187,10 +181,7 @@ class SchemeTable:
     def describe_content(self, config: AnyConfig, entry: Entry, scheme: AnyScheme) -> Plain:
         """Return what a scheme's rows depend on: name, tuning, and a user's entry and code.
 
-        Raises
-        ------
-        InputError
-            If the scheme is that of a stored run, whose code is not loaded.
+        Raise `InputError` if the scheme is that of a stored run, whose code is not loaded.
         """
         tuning = {section: _plain(attrgetter(section)(config)) for section in scheme.sections}
         return {"scheme": scheme.name, "tuning": tuning, **self.describe_code(entry, scheme)}
@@ -198,12 +189,8 @@ class SchemeTable:
     def describe_code(self, entry: Entry, scheme: AnyScheme) -> dict[str, object]:
         """Return the entry and the source of a scheme that is not the study's; {} if it is.
 
-        Rows depend on them. `numerics_version` tells of changes of the study's own schemes.
-
-        Raises
-        ------
-        InputError
-            If the scheme is that of a stored run, whose code is not loaded.
+        Rows depend on them. `numerics_version` tells of changes of the study's own schemes. Raise
+        `InputError` if the scheme is that of a stored run, whose code is not loaded.
         """
         if isinstance(entry, str) and entry in self.listed:
             return {}
@@ -231,12 +218,7 @@ class SchemeTable:
         """Replace users' schemes in the key `schemes` of a stored run by stand-ins.
 
         `described` is what `describe_stored` made of these entries. What is no list is returned as
-        it is.
-
-        Raises
-        ------
-        InputError
-            If an entry that is a mapping is not described as it must be.
+        it is. Raise `InputError` if an entry that is a mapping is not described as it must be.
         """
         if not isinstance(entries, list) or not any(isinstance(e, Mapping) for e in entries):
             return entries
@@ -303,12 +285,8 @@ def make_scheme(
     """Make a user's scheme, of a class that derives from `kind`, of its entry.
 
     The entry is `{_target_: package.Class, ...}`, whose other keys are the arguments of the class.
-
-    Raises
-    ------
-    InputError
-        If the class cannot be imported or made, is no scheme or one of another study, or states
-        something wrong of itself.
+    Raise `InputError` if the class cannot be imported or made, is no scheme or one of another
+    study, or states something wrong of itself.
     """
     target = str(entry["_target_"])
     module_name, _, class_name = target.rpartition(".")

@@ -44,10 +44,7 @@ class ContestStudy(Study):
     def check(self, config: ContestConfig) -> None:
         """Check that the values can work together.
 
-        Raises
-        ------
-        InputError
-            If two values cannot work together; the message says what would work.
+        Raise `InputError` if two values cannot work together; the message says what would work.
         """
         self._find("checks", "check")(config)
 

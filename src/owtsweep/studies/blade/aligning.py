@@ -25,6 +25,8 @@ def align(
 ) -> tuple[tuple[Array, Array], Array]:
     """Return the start, and its standard deviations, as of `contract.Setting`.
 
+    Raise `InputError` if the heading is unknown.
+
     Parameters
     ----------
     recorded
@@ -36,11 +38,6 @@ def align(
         first antenna at the first sample.
     step
         Sampling interval in s.
-
-    Raises
-    ------
-    InputError
-        If the heading is unknown.
     """
     rotation = find_attitude(recorded, force, fixes, step)
     lever = recorded.geometry.levers[0]

@@ -65,12 +65,8 @@ def estimate_boom(felt: Accelerations, *, zero_phase: bool = True) -> Array:
     """Return the displacement of the boom's tip above .15 Hz, m, at 20 Hz, shape (n, 3).
 
     By the chain of Maes et al. (2018), Fig. 8. With `zero_phase`, the high-pass filter runs in both
-    directions. In one, what passes it leads.
-
-    Raises
-    ------
-    InputError
-        If the rate is no whole multiple of 20 Hz, or the record is not longer than 10 s.
+    directions. In one, what passes it leads. Raise `InputError` if the rate is no whole multiple of
+    20 Hz, or the record is not longer than 10 s.
     """
     moved = integrate_twice(decimate(felt.values, felt.rate), RATE)
     return pass_high(moved, RATE, zero_phase=zero_phase)

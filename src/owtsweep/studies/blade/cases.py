@@ -71,10 +71,7 @@ class World(NamedTuple):
 def make_world(config: BladeConfig, cell: Cell, replicate: int) -> World:
     """Simulate the motion of a record, or read the recorded lift.
 
-    Raises
-    ------
-    InputError
-        If a recorded lift cannot be used.
+    Raise `InputError` if a recorded lift cannot be used.
     """
     if config.recorded.imu is None:
         return World(replicate, make_truth(config, replicate, cell))

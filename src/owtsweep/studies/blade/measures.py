@@ -49,10 +49,7 @@ class Judged(NamedTuple):
 def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, float]:
     """Compare the estimates of a record with its truth; return measure -> value.
 
-    Raises
-    ------
-    NotFinite
-        If an estimate is not finite.
+    Raise `NotFinite` if an estimate is not finite.
     """
     cut = slice(judged.settled, None)
     error = estimates.root - truth.root

@@ -46,12 +46,7 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
 
     A degree of freedom that does not move counts in no criterion. `sigma` are the true standard
     deviations of the noise of reported positions, (6,); `settled` is the first sample that is
-    judged.
-
-    Raises
-    ------
-    NotFinite
-        If an estimate is not finite.
+    judged. Raise `NotFinite` if an estimate is not finite.
     """
     true, true_velocity = _cut(truth.position, settled), _cut(truth.velocity, settled)
     position, velocity = _cut(estimates.position, settled), _cut(estimates.velocity, settled)

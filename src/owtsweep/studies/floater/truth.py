@@ -40,12 +40,8 @@ def make_truth(config: FloaterConfig, replicate: int, roll: float | None = None)
     """Make the motion of a record.
 
     A decay and a recorded motion have no random numbers. `roll` is the standard deviation of the
-    roll angle in degrees; None: that of the section `motion`.
-
-    Raises
-    ------
-    InputError
-        If a recorded motion cannot be used.
+    roll angle in degrees; None: that of the section `motion`. Raise `InputError` if a recorded
+    motion cannot be used.
     """
     record, motion = config.record, config.motion
     step, steps = 1.0 / record.rate, record.steps

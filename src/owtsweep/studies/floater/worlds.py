@@ -64,10 +64,8 @@ class Simulated(World):
     def check(self, config: FloaterConfig) -> None:
         """Check that all degrees of freedom move, and that angles stay below 90 degrees.
 
-        Raises
-        ------
-        InputError
-            If a degree of freedom is missing or at rest, or an angle too large for the schemes.
+        Raise `InputError` if a degree of freedom is missing or at rest, or an angle too large for
+        the schemes.
         """
         _check_freedoms(config)
         _check_angles(config, self.reach)

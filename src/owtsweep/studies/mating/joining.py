@@ -48,10 +48,7 @@ def configure_blade(
 ) -> Config:
     """Return the configuration of the blade study in a cell.
 
-    Raises
-    ------
-    InputError
-        If an override of the key `blade` is wrong.
+    Raise `InputError` if an override of the key `blade` is wrong.
     """
     record = config.record
     return _compose(
@@ -68,10 +65,7 @@ def configure_blade(
 def configure_hub(config: MatingConfig, sigma: float) -> Config:
     """Return the configuration of the hub study in a cell.
 
-    Raises
-    ------
-    InputError
-        If an override of the key `hub` is wrong.
+    Raise `InputError` if an override of the key `hub` is wrong.
     """
     return _compose(
         "hub",

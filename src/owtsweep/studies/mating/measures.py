@@ -35,11 +35,7 @@ def compare(true: Relative, told: Relative, limits: Limits, settled: int) -> dic
     """Compare a relative motion with the true one; return measure -> value.
 
     A measure that no number can be given for, such as missed chances without a chance, is left out.
-
-    Raises
-    ------
-    ValueError
-        If an estimate is not finite.
+    Raise `ValueError` if an estimate is not finite.
     """
     error = (told.position - true.position)[settled:]
     speed = (told.velocity - true.velocity)[settled:]
@@ -114,12 +110,8 @@ def find_chances(apart: Array, velocity: Array, limits: Limits) -> NDArray[np.bo
 
     It may if the bodies keep within the limits from the moment on, for `limits.hold` samples.
     `apart`, their distance from the place of mating (m), and `velocity`, that relative to each
-    other (m/s), have the shape (steps, axes).
-
-    Raises
-    ------
-    ValueError
-        If the record is shorter than `limits.hold`.
+    other (m/s), have the shape (steps, axes). Raise `ValueError` if the record is shorter than
+    `limits.hold`.
     """
     if len(apart) < limits.hold:
         raise ValueError(f"{len(apart)} samples are fewer than the {limits.hold} of a mating")

@@ -46,13 +46,8 @@ def plan(config: ReadingsConfig) -> list[Block]:
     """Return the blocks of the study: one search per target, truth and sampler seed.
 
     A truth is a set of overrides, e.g. of the sensors' true errors, under which a target is
-    searched. A target of kind "settled" has a single truth.
-
-    Raises
-    ------
-    InputError
-        If the sampler CMA-ES is not installed, or if a target has an unknown kind, truth, tuning or
-        key.
+    searched. A target of kind "settled" has a single truth. Raise `InputError` if the sampler
+    CMA-ES is not installed, or if a target has an unknown kind, truth, tuning or key.
     """
     require_cmaes()
     calibration = config.calibration
@@ -89,11 +84,7 @@ def _choose_truths(name: str, target: Plain, truths: Mapping[str, Plain]) -> Map
     """Return a target's truths: name -> overrides under which the target is searched.
 
     A target of kind "settled" has one truth, "own". Another may list names of `truths`, or has all.
-
-    Raises
-    ------
-    InputError
-        If the target lists an unknown truth.
+    Raise `InputError` if the target lists an unknown truth.
     """
     if target["kind"] == "settled":
         return {"own": target.get("truth", {})}
@@ -111,11 +102,7 @@ def read_tuning(name: str) -> dict[str, object]:
     """Read the tuning file `conf/tuning/<name>.yaml`; return its values by dotted key.
 
     A file of that name in the folder `FROZEN` comes first: a recorded search stays what it was.
-
-    Raises
-    ------
-    InputError
-        If there is no tuning file of this name.
+    Raise `InputError` if there is no tuning file of this name.
     """
     folders = (conf_directory() / "tuning", FROZEN)
     files = {path.stem: path for folder in folders for path in sorted(folder.glob("*.yaml"))}

@@ -42,11 +42,8 @@ class Verified:
 def verify(config: ReplayConfig) -> Verified:
     """Read every record once; tell which records cannot be used.
 
-    Raises
-    ------
-    InputError
-        If no record can be used, or if the table of sea states cannot (the one-line message names
-        the file), or if no expected errors can be computed in the band `replay.band`.
+    Raise `InputError` if no record can be used, or if the table of sea states cannot (the one-line
+    message names the file), or if no expected errors can be computed in the band `replay.band`.
     """
     read_sea_states(config)
     files, schemes = config.grid.files, resolve_all(config.schemes)

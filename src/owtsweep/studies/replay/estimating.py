@@ -38,13 +38,8 @@ def estimate_pieces(
     where pieces begin nor on the number of replicates.
 
     `edges` are the steps at which the pieces begin, and the number of steps. Yield for each piece
-    one `Trajectory` per replicate.
-
-    Raises
-    ------
-    ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite; the message names the
-        step.
+    one `Trajectory` per replicate. Raise `ValueError` if an estimate lacks a quantity, has the
+    wrong shape or is not finite; the message names the step.
     """
     known, start = Known(sensors, config), scheme.start
     if config.engine == "batch":

@@ -34,10 +34,7 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 def hash_file(file: str) -> str:
     """Return the hash of a file's contents; the pair NAME.sel, NAME.dat of HAWC2 shares one hash.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
+    Raise `InputError` if the file cannot be read.
     """
     path = Path(file)
     try:

@@ -38,12 +38,8 @@ INSTEAD = {
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample the record in a file.
 
-    The last two records stay in memory, or only the last one if the records are large.
-
-    Raises
-    ------
-    InputError
-        If anything is wrong with the file; the one-line message names the file.
+    The last two records stay in memory, or only the last one if the records are large. Raise
+    `InputError` if anything is wrong with the file; the one-line message names the file.
     """
     key = _make_key(config, file)
     with _LOCK:
@@ -62,10 +58,7 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
 def tell_lean(config: ReplayConfig, file: str) -> str:
     """Return `ReplayRecord.lean` of a file; read it only if it was not read before.
 
-    Raises
-    ------
-    InputError
-        If anything is wrong with the file.
+    Raise `InputError` if anything is wrong with the file.
     """
     key = _make_key(config, file)
     if key not in _LEANS:

@@ -23,11 +23,8 @@ def make_record_of_motion(
 ) -> ReplayRecord:
     """Make a record from recorded motion: motion resampled at the IMU's rate, and noiseless fixes.
 
-    Raises
-    ------
-    InputError
-        If the recording's rate is too low for the band of the spectrum, or the recording is shorter
-        than the GNSS delay.
+    Raise `InputError` if the recording's rate is too low for the band of the spectrum, or the
+    recording is shorter than the GNSS delay.
     """
     rate = config.sensors.imu.rate
     with blame_cutoff(recording):

@@ -57,13 +57,9 @@ def make_record_of_sensors(
     """Make a record from recorded specific force, fixes and reference position.
 
     The record begins at the first moment at which a fix is due. To save memory, each channel is
-    removed from `recording` once it has been resampled.
-
-    Raises
-    ------
-    InputError
-        If there are neither fixes nor a reference, if the fixes do not come at sensors.gnss.rate,
-        or if reference and specific force do not overlap in time.
+    removed from `recording` once it has been resampled. Raise `InputError` if there are neither
+    fixes nor a reference, if the fixes do not come at sensors.gnss.rate, or if reference and
+    specific force do not overlap in time.
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
@@ -121,10 +117,7 @@ def make_record_of_sensors(
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
     """Return where the fixes come from: "recorded" or "from_reference".
 
-    Raises
-    ------
-    InputError
-        If the recording lacks what replay.gnss names.
+    Raise `InputError` if the recording lacks what replay.gnss names.
     """
     wanted = config.replay.gnss
     if wanted == "auto":
@@ -223,11 +216,7 @@ def _derive_reference(
     Position (m) and velocity (m/s) have the shape (steps, 2) each, with NaN in gaps of the
     reference. The velocity is kept up to `replay.cutoff`; without it, up to where the reference is
     mostly noise, because the estimates contain the motion of all frequencies that the IMU measures.
-
-    Raises
-    ------
-    InputError
-        If the reference and the specific force do not overlap in time.
+    Raise `InputError` if the reference and the specific force do not overlap in time.
     """
     with blame_cutoff(recording):
         gridded = to_motion(

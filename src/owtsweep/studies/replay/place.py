@@ -67,10 +67,7 @@ def expect_errors(
 ) -> Expectation:
     """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz).
 
-    Raises
-    ------
-    InputError
-        If the scheme's errors do not settle.
+    Raise `InputError` if the scheme's errors do not settle.
     """
     chain = scheme.kernel(Known(sensors, config), steps)
     return _compute(chain, sensors, *band)
@@ -86,13 +83,8 @@ def check_band(config: ReplayConfig) -> None:
     """Check that expected errors can be computed in the band `replay.band`, if there is one.
 
     A default band is not checked: where no errors can be computed in it, the record has no place in
-    the map, and a line says so.
-
-    Raises
-    ------
-    InputError
-        If a frequency at which errors would be computed (`NODES` of them) is beyond half the rate
-        of the IMU, or looks to the GNSS like a standstill.
+    the map, and a line says so. Raise `InputError` if a frequency at which errors would be computed
+    (`NODES` of them) is beyond half the rate of the IMU, or looks to the GNSS like a standstill.
     """
     if config.replay.band is None:
         return
@@ -156,12 +148,8 @@ def expect_at_record(
 
     The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). Return scheme or
     baseline -> expected MSE of position (m^2) and of velocity (m^2/s^2); None if the record has no
-    fitted spectrum with a peak inside the band.
-
-    Raises
-    ------
-    InputError
-        If no errors can be computed for one of the schemes.
+    fitted spectrum with a peak inside the band. Raise `InputError` if no errors can be computed for
+    one of the schemes.
     """
     shape = find_place(config, record)
     if shape is None:
@@ -181,12 +169,8 @@ def expect_map(
     The MSE is that of velocity if `measures.criterion` is "velocity", otherwise that of position.
     The motions have spectra of the kind "translated" with the configuration's bandwidth. The ratio
     of their largest to their rms displacement is that of the record. Return scheme or baseline ->
-    MSE, shape (periods, amplitudes).
-
-    Raises
-    ------
-    InputError
-        If no errors can be computed for one of the schemes.
+    MSE, shape (periods, amplitudes). Raise `InputError` if no errors can be computed for one of the
+    schemes.
     """
     band = config.fit_band
     ratio = compute_rms_in_band(record) / record["peak"]
@@ -217,11 +201,7 @@ def _expect_all(
     """Yield the expected errors of schemes, then of baselines, for motions as long as a record.
 
     A baseline that stands among the schemes comes once; the schemes of `list_left_out` do not come.
-
-    Raises
-    ------
-    InputError
-        If no scheme is left, or if the errors of one do not settle.
+    Raise `InputError` if no scheme is left, or if the errors of one do not settle.
     """
     sensors, left_out = make_sensors(config.sensors), list_left_out(config)
     require(

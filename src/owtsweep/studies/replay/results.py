@@ -154,12 +154,8 @@ def advise_from_map(
 
     `record` holds the facts about the record, `by_record` is the row of the table of advice by its
     own errors, if any. Return a row of that table, without the file; None if the record has no
-    fitted spectrum with a peak inside the band, or if there is nothing to compare.
-
-    Raises
-    ------
-    InputError
-        If no errors can be computed for one of the schemes.
+    fitted spectrum with a peak inside the band, or if there is nothing to compare. Raise
+    `InputError` if no errors can be computed for one of the schemes.
     """
     from owtsweep.studies.replay.place import expect_at_record
 

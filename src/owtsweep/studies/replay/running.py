@@ -42,10 +42,7 @@ _PLAIN = re.compile(r"[\w./-]*")
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
     """Compose and check the configuration of a replay, whose files may be named later.
 
-    Raises
-    ------
-    InputError
-        If the overrides are wrong.
+    Raise `InputError` if the overrides are wrong.
     """
     config = compose(quote_texts(overrides), config_dir, primary="replay")
     if not isinstance(config, ReplayConfig):
@@ -60,6 +57,8 @@ def configure(
 ) -> ReplayConfig:
     """Compose and check the configuration of a replay of some files, without reading these files.
 
+    Raise `InputError` if the overrides are wrong, a file does not exist, or no file is named.
+
     Parameters
     ----------
     files
@@ -69,11 +68,6 @@ def configure(
         Hydra overrides, e.g. `["tuning=matched"]`.
     config_dir
         A folder with further config groups for Hydra (`--config-dir`).
-
-    Raises
-    ------
-    InputError
-        If the overrides are wrong, a file does not exist, or no file is named.
     """
     config = compose_replay(overrides, config_dir)
     words, table = [*files, *config.grid.files], config.replay.table
@@ -97,10 +91,7 @@ def configure(
 def expand(words: Sequence[str]) -> list[str]:
     """Return the absolute paths of files and of files that match patterns; each path only once.
 
-    Raises
-    ------
-    InputError
-        If a file does not exist, a word is a folder, or nothing matches a pattern.
+    Raise `InputError` if a file does not exist, a word is a folder, or nothing matches a pattern.
     """
     paths: dict[str, None] = {}
     for word in words:
@@ -171,6 +162,9 @@ def execute(
 ) -> Outcome:
     """Run the cases that are missing, then write the estimates (`report.write` writes the report).
 
+    Raise `InputError` if no record or not the configuration can be used; nothing has been written
+    then.
+
     Parameters
     ----------
     fresh, progress, argv
@@ -184,11 +178,6 @@ def execute(
     Outcome
         What was computed, reused and failed. In `failed` are also the cases of a record that cannot
         be used, if there are others that can, and estimates that could not be written.
-
-    Raises
-    ------
-    InputError
-        If no record or not the configuration can be used; nothing has been written then.
     """
     from owtsweep.studies.replay import estimates
     from owtsweep.sweep.rows import Setback
@@ -261,10 +250,8 @@ class Replay:
     def refused(self) -> pd.DataFrame:
         """Return the records that cannot be used: columns file (the label) and reason.
 
-        Raises
-        ------
-        InputError
-            If the replay has a single record: `owtsweep.replay` refuses one that cannot be used.
+        Raise `InputError` if the replay has a single record: `owtsweep.replay` refuses one that
+        cannot be used.
         """
         return self.run.table("refused")
 
@@ -273,12 +260,8 @@ class Replay:
 
         Columns time (s), scheme, x, y (m), vx, vy (m/s), and the standard deviations of these four:
         x_std, y_std, vx_std, vy_std. `record` is the record's label, a value of the column `file`
-        of `records()`.
-
-        Raises
-        ------
-        InputError
-            If `record` is None although there are several records, or if no record has this label.
+        of `records()`. Raise `InputError` if `record` is None although there are several records,
+        or if no record has this label.
         """
         import pandas as pd
 

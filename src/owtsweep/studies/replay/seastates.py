@@ -29,14 +29,10 @@ def read_table(path: str) -> pd.DataFrame:
     """Read a CSV table of records: the column `file`, and at least one column of numbers.
 
     In the CSV file, names in the column `file` are relative to the CSV file's folder. In the
-    result, the names begin with this folder.
-
-    Raises
-    ------
-    InputError
-        If the table cannot be read, is too large, lacks one of these columns, has no row, or has a
-        row without a file. Also if two columns have one name, if a column has the name of a column
-        of records.csv, or if a number is too large for a map.
+    result, the names begin with this folder. Raise `InputError` if the table cannot be read, is too
+    large, lacks one of these columns, has no row, or has a row without a file, or if two columns
+    have one name, if a column has the name of a column of records.csv, or if a number is too large
+    for a map.
     """
     import pandas as pd
 
@@ -106,12 +102,7 @@ def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
     """Read the rows of the table `replay.table`, if named, that belong to records of the replay.
 
     The column `file` of the result holds the labels of the records; each record has at most one
-    row.
-
-    Raises
-    ------
-    InputError
-        If the table cannot be read, or none of its rows belongs to a record.
+    row. Raise `InputError` if the table cannot be read, or none of its rows belongs to a record.
     """
     if config.replay.table is None:
         return None

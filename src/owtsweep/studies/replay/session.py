@@ -140,12 +140,8 @@ def skip_start(record: ReplayRecord) -> int:
 def run_session(config: ReplayConfig, file: str) -> Session:
     """Run all schemes on replicate 0 of the record in a file, and collect the data for its figures.
 
-    A scheme that fails is left out, and listed in the result's `failed`.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read.
+    A scheme that fails is left out, and listed in the result's `failed`. Raise `InputError` if the
+    file cannot be read.
     """
     record = load_record(config, file)
     sensors = make_sensors(config.sensors)
@@ -173,12 +169,8 @@ def run_scheme(
 ) -> Iterator[Trajectory]:
     """Run a scheme on one replicate of a record; yield its estimates piece by piece.
 
-    `edges` are the steps at which the pieces begin, and the number of steps.
-
-    Raises
-    ------
-    SchemeFailed
-        For any error in the scheme, so that the caller can continue with the other schemes.
+    `edges` are the steps at which the pieces begin, and the number of steps. Raise `SchemeFailed`
+    for any error in the scheme, so that the caller can continue with the other schemes.
     """
     try:
         for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):

@@ -30,10 +30,7 @@ class TowerStudy(DeclaredStudy):
     def complete(self, plain: Plain) -> Plain:
         """Return the keys with the content of a structure in place of its name or file.
 
-        Raises
-        ------
-        InputError
-            If there is no such structure.
+        Raise `InputError` if there is no such structure.
         """
         from owtsweep.config.typed import as_mapping
 

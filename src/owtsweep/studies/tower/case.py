@@ -53,10 +53,7 @@ class Case:
 def make_case(config: TowerConfig, replicate: int) -> Case:
     """Simulate the record with a number, or read the one that `recorded.file` names.
 
-    Raises
-    ------
-    InputError
-        If the structure does not stand, or loads or sensors cannot be used.
+    Raise `InputError` if the structure does not stand, or loads or sensors cannot be used.
     """
     from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
 
@@ -95,12 +92,8 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
 def list_channels(config: TowerConfig, case: Case, direction: str, noise: float) -> list[Channel]:
     """Return the channels of a direction with the noise that schemes assume.
 
-    `noise` is in % of each channel's standard deviation; a GNSS receiver has its own.
-
-    Raises
-    ------
-    InputError
-        If a channel measures a constant, so that its noise would be zero.
+    `noise` is in % of each channel's standard deviation; a GNSS receiver has its own. Raise
+    `InputError` if a channel measures a constant, so that its noise would be zero.
     """
     size = case.signals[direction].std(axis=0)
     channels = []

@@ -70,10 +70,8 @@ class TowerConfig(TunedConfig, ContestConfig):
     def nodes(self) -> Array:
         """The heights of the nodes of the cut structure above the ground, m, shape (nodes,).
 
-        Raises
-        ------
-        InputError
-            If a cut is inside an element, or fewer than two elements lie between the cuts.
+        Raise `InputError` if a cut is inside an element, or fewer than two elements lie between the
+        cuts.
         """
         return np.asarray(list_nodes(self.structure, *self.heights) - self.structure.mudline)
 

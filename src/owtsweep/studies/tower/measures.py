@@ -82,10 +82,7 @@ def compare(
 ) -> dict[str, float]:
     """Compare estimates, by direction, of a record with its truth; return measure -> value.
 
-    Raises
-    ------
-    NotFinite
-        If an estimate is not finite.
+    Raise `NotFinite` if an estimate is not finite.
     """
     settled = slice(config.record.settled, None)
     found: dict[str, float] = {}

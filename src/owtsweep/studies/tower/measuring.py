@@ -29,12 +29,8 @@ class Place(NamedTuple):
 def list_places(sensors: Sensors, nodes: Array) -> list[Place]:
     """Return the channels of each direction: displacements, rotations, accelerations, strains.
 
-    `nodes` are heights of the nodes of the cut structure above the ground in m.
-
-    Raises
-    ------
-    InputError
-        If a sensor's height has no node.
+    `nodes` are heights of the nodes of the cut structure above the ground in m. Raise `InputError`
+    if a sensor's height has no node.
     """
     places = []
     for name, kind in KINDS.items():

@@ -251,10 +251,7 @@ def predict(problem: Problem, chosen: Iterable[int]) -> Choice:
 def choose_exhaustively(problem: Problem, count: int, criterion: Criterion = "stress") -> Choice:
     """Try every set of `count` candidates; return the one with the least predicted error.
 
-    Raises
-    ------
-    InputError
-        If there are fewer candidates, or more sets than can be tried.
+    Raise `InputError` if there are fewer candidates, or more sets than can be tried.
     """
     from math import comb
 
@@ -279,12 +276,8 @@ def choose_greedily(problem: Problem, count: int, criterion: Criterion = "stress
 
     With too few sensors every error is infinite, and no first sensor is better than another. So the
     smallest set with a finite error is chosen exhaustively, and single sensors are added to it.
-    Return the sets of that smallest number of sensors, of one more, ..., of `count`.
-
-    Raises
-    ------
-    InputError
-        If there are fewer candidates, or no set of `count` candidates has a finite error.
+    Return the sets of that smallest number of sensors, of one more, ..., of `count`. Raise
+    `InputError` if there are fewer candidates, or no set of `count` candidates has a finite error.
     """
     _count_candidates(problem, count)
     for fewest in range(count + 1):

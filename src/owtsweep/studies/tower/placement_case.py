@@ -134,6 +134,9 @@ def make_case(
 ) -> PlacementCase:
     """Set up the choice of inclinometers on the substructure between the cuts.
 
+    Raise `InputError` if a height has no node, a sensor measures nothing, or the structure does not
+    stand.
+
     Parameters
     ----------
     config
@@ -147,11 +150,6 @@ def make_case(
         "fa" or "ss".
     records
         Number of records to simulate. The first one gives the scales.
-
-    Raises
-    ------
-    InputError
-        If a height has no node, a sensor measures nothing, or the structure does not stand.
     """
     structure = config.structure
     part = model_substructure(config)

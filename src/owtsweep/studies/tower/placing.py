@@ -37,12 +37,7 @@ def list_defaults(given: Collection[str]) -> list[str]:
     """Return the overrides that `place` puts before those of the user, who sets the keys `given`.
 
     They are one noise and, if the user names no sensor, accelerometers at every node, which `place`
-    thins out.
-
-    Raises
-    ------
-    InputError
-        If a given key has no part in the choice.
+    thins out. Raise `InputError` if a given key has no part in the choice.
     """
     for key in sorted(given):
         parts = key.split(".")
@@ -60,10 +55,8 @@ def list_defaults(given: Collection[str]) -> list[str]:
 def place(config: TowerConfig, question: PlaceQuestion) -> PlacedSensors:
     """Choose inclinometers one by one, and predict the AKF's error with each number of them.
 
-    Raises
-    ------
-    InputError
-        If the configuration or the question cannot be answered; the message says what could.
+    Raise `InputError` if the configuration or the question cannot be answered; the message says
+    what could.
     """
     quantity = question.quantity or next(iter(QUANTITIES))
     require(

@@ -105,10 +105,7 @@ def misjudge(config: TowerConfig) -> Structure:
 def model_substructure(config: TowerConfig) -> Substructure:
     """Model the substructure between the cuts.
 
-    Raises
-    ------
-    InputError
-        If a cut is inside an element, or the model has too many modes.
+    Raise `InputError` if a cut is inside an element, or the model has too many modes.
     """
     structure, (low, high) = misjudge(config), config.heights
     cut = assemble_cut(structure, low, high, gravity=config.model.gravity)

@@ -73,10 +73,8 @@ _passed: set[str] = set()
 def require_sight(config: TowerConfig) -> None:
     """Refuse a set-up at which every scheme of the run is blind or unstable.
 
-    Raises
-    ------
-    InputError
-        If no scheme can work; the message names loads that are unseen, and sensors that would do.
+    Raise `InputError` if no scheme can work; the message names loads that are unseen, and sensors
+    that would do.
     """
     decisive = as_mapping(config) | {"cuts": config.heights, "rate": config.record.rate}
     names = ("structure", "cuts", "rate", "sensors", "filters", "model", "schemes")

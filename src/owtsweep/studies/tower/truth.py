@@ -58,7 +58,9 @@ def make_truth(
 ) -> dict[str, Motion]:
     """Simulate one record of the whole structure, in both directions.
 
-    Return direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh.
+    Return direction ("fa", "ss") -> its motion, at the nodes of the estimators' mesh. Raise
+    `InputError` if the structure does not stand, a cut is inside an element, or a file of loads
+    cannot be used.
 
     Parameters
     ----------
@@ -72,12 +74,6 @@ def make_truth(
         Whether the weight softens the structure (p-delta).
     subdivision
         Into how many elements each element of the estimators' mesh is divided.
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand, a cut is inside an element, or a file of loads cannot be
-        used.
     """
     # Loads act for a while before the record, so that it begins with a motion that has built up.
     lead = steps if wind.file is None else 0

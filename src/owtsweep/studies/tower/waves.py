@@ -54,6 +54,9 @@ def make_wave_loads(
 ) -> WaveLoads:
     """Draw a record of wave loads.
 
+    Raise `InputError` if the structure does not stand in water, or the record is too short for
+    waves.
+
     Parameters
     ----------
     beam
@@ -65,11 +68,6 @@ def make_wave_loads(
     steps, step, lead
         Number of samples, sampling interval (s), and number of samples before the record, at most
         `steps`.
-
-    Raises
-    ------
-    InputError
-        If the structure does not stand in water, or the record is too short for waves.
     """
     require(
         structure.water is not None and structure.mudline < 0.0,

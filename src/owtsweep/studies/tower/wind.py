@@ -40,12 +40,7 @@ def make_top_loads(
 
     They are in N and N m in the order of `NAMES`, shape (lead + steps, 4). `stream` returns a new
     random generator, given a name; `step` is in s. There are at most `steps` samples of `lead`
-    before the record, and none if a file is read.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be used.
+    before the record, and none if a file is read. Raise `InputError` if the file cannot be used.
     """
     if wind.file is not None:
         return read_loads(wind.file, NAMES, steps=steps, step=step)
@@ -99,13 +94,9 @@ def read_loads(file: str, names: Sequence[str], *, steps: int, step: float) -> A
     """Read loads by columns, interpolated linearly at the samples of a record, (steps, names).
 
     `file` is a CSV file with a line of names: time (s), and the loads (N, N m). The record begins
-    at the file's first time; `step` is in s.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, lacks a column, holds something else than finite numbers or an
-        absurdly large one, its times do not rise, or it is shorter than the record.
+    at the file's first time; `step` is in s. Raise `InputError` if the file cannot be read, lacks a
+    column, holds something else than finite numbers or an absurdly large one, its times do not
+    rise, or it is shorter than the record.
     """
     import pandas as pd
 

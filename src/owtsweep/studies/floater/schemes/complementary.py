@@ -72,10 +72,7 @@ def find_crossover(setting: Setting, column: int) -> float:
 def prepare(setting: Setting) -> Complementary:
     """Choose the crossover for a setting.
 
-    Raises
-    ------
-    Unable
-        If accelerations are assumed to have no noise, so that positions never count.
+    Raise `Unable` if accelerations are assumed to have no noise, so that positions never count.
     """
     best = np.array([find_crossover(setting, i) for i in range(len(DOF))])
     if setting.body:

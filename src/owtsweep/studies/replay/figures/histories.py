@@ -40,7 +40,7 @@ def draw(
     """Draw a quantity over time: a panel for x, a panel for y, and a panel for the errors of x.
 
     If the true quantity is unknown, there is no panel of errors. For the position, a panel of the
-    innovations of x takes its place.
+    innovations of x takes its place. Raise `InputError` if no scheme estimates the quantity.
 
     Parameters
     ----------
@@ -52,11 +52,6 @@ def draw(
     advised
         The scheme that the advice recommends: its lines are drawn on top, and its ±1.96 standard
         deviations as a band.
-
-    Raises
-    ------
-    InputError
-        If no scheme estimates the quantity.
     """
     shown = collect_traces(session, states, quantity, zoom=zoom)
     if not shown.lines:

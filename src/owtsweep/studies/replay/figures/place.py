@@ -39,13 +39,8 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
     The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
-    `record` holds the facts about the only record.
-
-    Raises
-    ------
-    InputError
-        If the record has no fitted spectrum with a peak inside the band, or if no errors can be
-        computed for one of the schemes.
+    `record` holds the facts about the only record. Raise `InputError` if the record has no fitted
+    spectrum with a peak inside the band, or if no errors can be computed for one of the schemes.
     """
     from owtsweep.figures import smooth_map
 

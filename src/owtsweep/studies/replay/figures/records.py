@@ -33,12 +33,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     does not matter. The axes are the first two columns of numbers in `replay.table`. If the table
     has only one column of numbers, the vertical axis is the largest displacement (m). Without a
     table, the axes are the fitted natural period (s) and the largest displacement. `records` and
-    `advised` are the tables records.csv and advice.csv.
-
-    Raises
-    ------
-    InputError
-        If no record has values on both axes.
+    `advised` are the tables records.csv and advice.csv. Raise `InputError` if no record has values
+    on both axes.
     """
     from matplotlib.patches import Patch
 

@@ -30,12 +30,8 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw the periodogram of a record's displacement, its running mean, and a fitted spectrum.
 
     The fitted spectrum is Eq. (1) of Ren et al. (2019); it is left out if it could not be fitted.
-    `record` holds the facts about the record.
-
-    Raises
-    ------
-    InputError
-        If the record does not move, or if its periodogram has no frequency in or near the band.
+    `record` holds the facts about the record. Raise `InputError` if the record does not move, or if
+    its periodogram has no frequency in or near the band.
     """
     summary = summarise_motion(config, config.grid.files[0])
     if not summary.size["peak"] > 0.0:

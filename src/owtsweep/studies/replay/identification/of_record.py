@@ -112,13 +112,9 @@ _LOCK = Lock()
 def estimate_noise(config: ReplayConfig, file: str) -> Noise:
     """Estimate the noise of the sensors recorded in a file; the last results stay in memory.
 
-    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read; or if specific force and positions contradict each other, unless
-        `replay.disagreement` is "accept".
+    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions. Raise
+    `InputError` if the file cannot be read; or if specific force and positions contradict each
+    other, unless `replay.disagreement` is "accept".
     """
     replay = changed(config.replay, disagreement="accept", noise="estimate")
     settings = (config.columns, config.units, config.gaps, replay, config.sensors)

@@ -83,10 +83,7 @@ class FilterScheme(Scheme):
     def prepare(self, setting: Setting) -> Filtered:
         """Compute the gains for a setting.
 
-        Raises
-        ------
-        Unable
-            If the filter is unstable there, or does not see how the structure is bent.
+        Raise `Unable` if the filter is unstable there, or does not see how the structure is bent.
         """
         model = self.model(setting)
         if self.any_input:
@@ -136,12 +133,8 @@ def check_seen(name: str, setting: Setting, model: Model) -> None:
 
     Inputs may be anything here, as walks may (Eq. 22). Directions that bend nothing may stay
     unseen: with inclinometers and accelerometers, position and velocity of the rigid translation
-    drift.
-
-    Raises
-    ------
-    Unable
-        If they do not; the message has the rank by the test of Popov, Belevitch and Hautus.
+    drift. Raise `Unable` if they do not; the message has the rank by the test of Popov, Belevitch
+    and Hautus.
     """
     walks = np.eye(len(model.inputs))
     observed = find_unobservable(*augment(model.discrete, walks))
@@ -162,12 +155,8 @@ def check_loop(name: str, setting: Setting, model: Model, loop: Array) -> None:
     """Check that a settled filter forgets its errors, rigid motion that no sensor feels left out.
 
     `loop` is the filter's closed loop; its first 2 x modes states are those of the model. What the
-    sensors do not feel keeps an eigenvalue of 1 there, whatever the gain is.
-
-    Raises
-    ------
-    Unable
-        If errors grow or never fade; the message has the spectral radius.
+    sensors do not feel keeps an eigenvalue of 1 there, whatever the gain is. Raise `Unable` if
+    errors grow or never fade; the message has the spectral radius.
     """
     if not np.all(np.isfinite(loop)):
         raise Unable(f"{name} is unstable: its covariances grow beyond all bounds")

@@ -96,10 +96,8 @@ class MDE(Scheme):
     def prepare(self, setting: Setting) -> Expansion:
         """Compute shapes, and coordinates from sensors.
 
-        Raises
-        ------
-        Unable
-            If there is no accelerometer, or the sensors of a band do not tell its shapes apart.
+        Raise `Unable` if there is no accelerometer, or the sensors of a band do not tell its shapes
+        apart.
         """
         moved = [i for i, channel in enumerate(setting.channels) if channel.kind == "a"]
         others = [i for i, channel in enumerate(setting.channels) if channel.kind != "a"]

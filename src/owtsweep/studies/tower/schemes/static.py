@@ -59,10 +59,7 @@ class QuasiStatic(Scheme):
     def prepare(self, setting: Setting) -> Shapes:
         """Compute static shapes, and their coordinates from sensors.
 
-        Raises
-        ------
-        Unable
-            If the sensors do not tell the shapes apart.
+        Raise `Unable` if the sensors do not tell the shapes apart.
         """
         cut, channels = setting.cut, setting.channels
         height = cut.heights - cut.heights[0]
@@ -129,10 +126,7 @@ class ThrustLever(Scheme):
     def prepare(self, setting: Setting) -> Lever:
         """Choose the sensor and compute the static response.
 
-        Raises
-        ------
-        Unable
-            If there is no sensor but accelerometers, or the sensor does not feel thrust.
+        Raise `Unable` if there is no sensor but accelerometers, or the sensor does not feel thrust.
         """
         whole, at = setting.whole, list_whole_dof(setting)
         standing = whole.mass[np.ix_(at[-2:], at[-2:])] - setting.cut.mass[-2:, -2:]
@@ -156,10 +150,7 @@ class ThrustLever(Scheme):
 def choose_sensor(channels: tuple[Channel, ...]) -> int:
     """Return the number of the channel that gives the thrust.
 
-    Raises
-    ------
-    Unable
-        If all channels are accelerometers.
+    Raise `Unable` if all channels are accelerometers.
     """
     for kind, side in (("theta", 1), ("x", 1), ("strain", -1)):
         those = [i for i, channel in enumerate(channels) if channel.kind == kind]
