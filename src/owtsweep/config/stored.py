@@ -102,7 +102,6 @@ def _check_events(text: str) -> None:
 
 
 def _texts(value: object) -> Iterator[str]:
-    """Yield all texts in nested dicts and lists, including the keys of the dicts."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):

@@ -84,7 +84,6 @@ class Estimate:
         return f"Estimate({said})"
 
     def _replace(self, **changes: Any) -> Estimate:
-        """Return a copy of the estimate in which the attributes named in `changes` are replaced."""
         kept = {"covariance": self.covariance, "innovation": self.innovation}
         return Estimate(**{**self.quantities, **kept, **changes})
 

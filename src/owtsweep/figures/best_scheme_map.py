@@ -211,7 +211,6 @@ def draw_cells(
 def _label_best(
     axes: Axes, fill: str, place: tuple[int, int], best: str, crossing: Crossing | None
 ) -> None:
-    """Write the best scheme into a cell, aside of a line that crosses it."""
     column, line = place
     text = _style_text(fill) | {"fontsize": 7}
     if crossing is None or not crossing.meets(column, line):

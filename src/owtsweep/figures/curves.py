@@ -142,7 +142,6 @@ def _draw_curves(
     along: Condition,
     levels: Sequence[Value],
 ) -> None:
-    """Draw the curve of each scheme with its intervals; `rows` are those of one measure."""
     import seaborn as sns  # takes a second to import
 
     rows = rows[rows["scheme"].isin(list(schemes))].astype({"scheme": object})

@@ -133,7 +133,6 @@ class _Map:
         return Measurement(outer + max(widths) + 1, most).with_maximum(options.max_width)
 
     def _outer_width(self) -> int:
-        """Return the width of the column of labels, with the space around it and the table."""
         return max(map(cell_len, [self._heading(), *self._labels()])) + 2
 
     def _column_widths(self) -> list[int]:
@@ -141,7 +140,6 @@ class _Map:
         return [max(cell_len(shown), longest) for shown in self._headers()]
 
     def _break_columns(self, width: int) -> Iterator[list[int]]:
-        """Yield the columns of each table; each has at least one column."""
         room = 0
         columns: list[int] = []
         for column, wide in enumerate(self._column_widths()):

@@ -63,7 +63,6 @@ class PartedTable:
         ]
 
     def _break_columns(self, widths: Sequence[int], room: int) -> Iterator[list[int]]:
-        """Yield the columns of each part; `room` is the width of the terminal."""
         first = list(range(self.repeated))
         part = list(first)
         for column in range(self.repeated, len(widths)):

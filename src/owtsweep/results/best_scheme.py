@@ -187,6 +187,5 @@ def tell_beaten(
 
 
 def _count(names: pd.Series[str]) -> list[tuple[str, int]]:
-    """Return each name and how often it occurs, the most frequent first."""
     counts = names.value_counts(sort=False).sort_values(ascending=False, kind="stable")
     return [(str(name), int(n)) for name, n in counts.items()]

@@ -192,7 +192,6 @@ class _Environment(TypedDict):
 
 @cache
 def _read_table() -> dict[str, _Environment]:
-    """Read the tables of DNV-RP-C203: environment -> knee, and curves by class."""
     import yaml
 
     source = resources.files("owtsweep.structures") / "data" / "dnv_rp_c203.yaml"

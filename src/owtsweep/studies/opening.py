@@ -49,7 +49,6 @@ def open_run(folder: Path) -> Run:
 
 
 def _find_study(path: Path, plain: dict[str, Any]) -> Study:
-    """Return the study of a stored configuration, which `path` and `plain` name and hold."""
     name = str(plain.get("study", registry.DEFAULT))
     try:
         return registry.get_study(name)

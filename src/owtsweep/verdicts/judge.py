@@ -216,7 +216,6 @@ def _decide_all(
 
 
 def _test_mean(name: str, values: Array, bound: float, side: Side) -> Decision:
-    """Decide by the t test whether the mean of values of any sign lies below (above) a bound."""
     found = gap(values - bound)
     mean, error = float(found.value), np.inf
     if len(values) > 1:

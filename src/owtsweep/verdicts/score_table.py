@@ -154,7 +154,6 @@ class ScoreTable:
 
     @cached_property
     def _by_cell(self) -> dict[tuple[Value, ...], pd.Series[float]]:
-        """The values of every cell, indexed by replicate and sorted."""
         groups = self.table.set_index("replicate").sort_index(kind="stable")
         by_columns = groups.groupby(self.columns, sort=False, observed=True)["value"]
         return {
@@ -164,7 +163,6 @@ class ScoreTable:
 
     @cached_property
     def _only(self) -> dict[str, Value]:
-        """The value of each column that has a single one."""
         values = [set(column) for column in zip(*self._by_cell, strict=True)]
         pairs = zip(self.columns, values, strict=bool(values))
         return {name: next(iter(found)) for name, found in pairs if len(found) == 1}

@@ -304,7 +304,6 @@ def _judge(
     parts: Mapping[str, AnyPart],
     scheme: Readied,
 ) -> Judgement[Any]:
-    """Run a scheme on a record and compare its estimates with the truth."""
     try:
         estimates = {name: scheme.run(part) for name, part in parts.items()}
         for given in estimates.values():

@@ -54,7 +54,6 @@ def check_outside(config: BladeConfig) -> None:
 
 
 def _check_recorded(config: BladeConfig) -> None:
-    """Raise `InputError` for queries that a recorded lift cannot answer."""
     grid = config.grid
     require(
         grid.replicates == 1,

@@ -119,7 +119,6 @@ def find_last_outage(config: BladeConfig, length: float) -> NDArray[np.bool_]:
 
 
 def _draw_prism_times(config: BladeConfig, draw: np.random.Generator, duration: float) -> Array:
-    """Return the times in s at which total stations measure, within the record."""
     mean = 1.0 / config.sensors.prism_rate
     count = int(duration / mean / (1.0 - IRREGULAR)) + 2
     times = np.cumsum(mean * (1.0 + IRREGULAR * draw.uniform(-1.0, 1.0, count))) - 0.5 * mean

@@ -95,7 +95,6 @@ def _say_hold(config: MatingConfig) -> str:
 
 
 def _fill(axes: Axes, shares: Array, colors: str) -> None:
-    """Fill the cells of a panel by shares (rows, columns), and write them in %."""
     axes.grid(visible=False)
     axes.imshow(shares, cmap=colors, vmin=0.0, vmax=1.0, origin="lower", aspect="auto")
     for (row, column), share in np.ndenumerate(shares):

@@ -174,7 +174,6 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
 def _measure_baselines(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
 ) -> list[Row]:
-    """Make the rows of errors of the baselines; the arguments are those of `_run_scheme`."""
     rows: list[Row] = []
     sums = sum_motion(record, sensors, settled)
     for replicate in range(count_replicates(config, record)):

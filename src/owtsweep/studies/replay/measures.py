@@ -173,7 +173,6 @@ def _sum_errors(
 
 
 def _sum_finite(values: Array) -> tuple[float, int]:
-    """Return the sum and the number of those values that are finite."""
     finite = np.isfinite(values)
     count = int(np.count_nonzero(finite))
     return float(np.sum(values if count == len(values) else values[finite])), count

@@ -60,7 +60,6 @@ def write_sentence(row: Mapping[Hashable, object]) -> str:
 
 
 def _recommend(advice: Advice) -> str:
-    """Say what is recommended, its error, and the errors of what comes next."""
     texts, numbers = advice
     chosen, runner_up = texts["recommended"], texts["runner_up"]
     if chosen in BASELINES and texts["baseline"] == chosen:
@@ -85,7 +84,6 @@ def _recommend(advice: Advice) -> str:
 
 
 def _recommend_baseline(advice: Advice) -> str:
-    """Say that a baseline is recommended, and how far the best scheme is from its error."""
     texts, numbers = advice
     chosen, best = texts["baseline"], _name(texts["best"], texts["same_as"].split())
     value, difference = numbers["value_baseline"], numbers["baseline_difference"]
@@ -101,13 +99,11 @@ def _recommend_baseline(advice: Advice) -> str:
 
 
 def _list_ends(advice: Advice, *names: str) -> list[float]:
-    """Return the ends of an interval; [] if there is none, as by the map."""
     numbers = {} if advice.texts["source"] == "map" else advice.numbers
     return [numbers[name] for name in names if name in numbers]
 
 
 def _describe_rival(advice: Advice) -> str:
-    """Say how much larger the error of the best baseline is; "" if no baseline was judged."""
     baseline, least = advice.texts["baseline"], advice.numbers["value_best"]
     if baseline in ("", advice.texts["best"]):
         return ""
@@ -120,7 +116,6 @@ def _name(best: str, same: list[str]) -> str:
 
 
 def _describe_size(criterion: str, value: float) -> str:
-    """Say how large a mean squared error is, with its unit and its root."""
     unit = "m/s" if criterion == "velocity" else "m"
     size = f"{value:.3g} {unit.replace('m', 'm²', 1).replace('/s', '/s²')}"
     if criterion == "fix_residual":

@@ -78,7 +78,6 @@ def list_left_out(refused: pd.DataFrame) -> list[str]:
 
 
 def _count_advice(advised: pd.DataFrame) -> str:
-    """Say in one sentence on how many records what is recommended, by the errors on them."""
     by_record = advised[(advised["source"] != "map") & (advised["noise"] != ESTIMATED)]
     counts = by_record["recommended"].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())

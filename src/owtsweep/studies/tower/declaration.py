@@ -142,7 +142,6 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
 
 
 def _warn(config: TowerConfig) -> None:
-    """Log what the set-up sees, and a warning if it has few inclinometers."""
     for line in describe_sight(config):
         logger.info("%s", line)
     warn_of_few_inclinometers(config)

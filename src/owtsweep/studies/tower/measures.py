@@ -188,7 +188,6 @@ def _heights(case: Case) -> Array:
 def _count(
     config: TowerConfig, case: Case, displacement: Array, inputs: Array, stress: Array
 ) -> Fatigue:
-    """Count the cycles of welds and of loads over the settled part of a record."""
     settled = slice(config.record.settled, None)
     curves = config.fatigue.find_curves(case.part.cut.heights)
     history = displacement[settled] @ stress.T

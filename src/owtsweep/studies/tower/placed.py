@@ -97,7 +97,6 @@ class PlacedSensors:
         return Group(Text(self._tell_enough()), self._make_table(), *(Text(x) for x in lines))
 
     def _steps(self) -> list[tuple[Choice, Choice | None]]:
-        """Return each set of sensors, with the best set that has one more."""
         return list(zip(self.choices, [*self.choices[1:], self.further], strict=True))
 
     def _share(self, choice: Choice) -> float:
@@ -130,7 +129,6 @@ class PlacedSensors:
         return worth[-1] + 1 if worth else 0
 
     def _tell_enough(self) -> str:
-        """Return how many inclinometers are enough, and what one more would buy."""
         enough = self._find_enough()
         what = f"the standard deviation of the error of {self._name_quantity()}"
         if enough == len(self.choices):
@@ -156,7 +154,6 @@ class PlacedSensors:
         )
 
     def _name_number(self, choice: Choice) -> str:
-        """Return the number of inclinometers with its verb, to begin a sentence with."""
         number = len(choice.chosen)
         word = NUMBERS[number] if number < len(NUMBERS) else str(number)
         more = " more" if any(c.kind == "theta" for c in self.case.setting.channels) else ""
@@ -198,7 +195,6 @@ class PlacedSensors:
         return table
 
     def _tell_origin(self) -> list[str]:
-        """Return the truth, the noise, the sensors that are there, and the tuning, in words."""
         config, case = self.config, self.case
         thrust = config.wind.thrust
         lines = [f"Truth: {describe_truth(config)}, fore-aft."]
@@ -245,7 +241,6 @@ class PlacedSensors:
         ]
 
     def _tell_sweep(self, chosen: Choice) -> str:
-        """Return how a sweep runs records with the sensors, or what its mesh lacks for that."""
         there = self.case.list_there()
         sensors = {"inclinometers": sorted([*there.get("theta", ()), *chosen.heights])}
         if self.spread:
@@ -261,7 +256,6 @@ class PlacedSensors:
 
 
 def _find_added(choice: Choice, better: Choice) -> float:
-    """Return the height in m that a set has more than another."""
     return (set(better.heights) - set(choice.heights)).pop()
 
 

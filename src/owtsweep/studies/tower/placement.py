@@ -185,7 +185,6 @@ def _null_space(matrix: Array) -> Array:
 
 
 def _normalise(rows: Array) -> Array:
-    """Return rows of length 1; rows of zeros stay."""
     length = np.linalg.norm(rows, axis=1, keepdims=True)
     return np.asarray(rows / np.where(length > 0.0, length, 1.0))
 

@@ -227,12 +227,10 @@ def _list_offered(
 
 
 def _list_loud(size: Array) -> list[int]:
-    """Return the nodes with a signal, from the standard deviation of the signal at each node."""
     return [int(node) for node in np.flatnonzero(size > SILENT * size.max())]
 
 
 def _require_loud(what: str, nodes: Array, size: Array, node: int) -> None:
-    """Raise `InputError` if a node has no signal; `what` names the argument."""
     require(
         node in _list_loud(size),
         f"{what}: nothing moves at {nodes[node]:g} m above the ground; leave this height out",
@@ -240,7 +238,6 @@ def _require_loud(what: str, nodes: Array, size: Array, node: int) -> None:
 
 
 def _spread(heights: Array, nodes: Sequence[int]) -> list[int]:
-    """Return up to `SPREAD` of the nodes, evenly over the height."""
     own = heights[list(nodes)]
     ideal = np.linspace(own[0], own[-1], SPREAD)
     nearest = np.argmin(np.abs(own[:, None] - ideal), axis=0)

@@ -125,7 +125,6 @@ def _observe(setting: Setting) -> tuple[Observability, list[str]]:
 
 
 def _name_states(setting: Setting) -> list[str]:
-    """Return the names of the states of AKF's model: coordinates, their rates, loads."""
     numbers: dict[str, int] = {}
     coordinates = []
     for kind in setting.reduced.kinds:
@@ -151,13 +150,11 @@ def _sees_bending(setting: Setting) -> bool:
 
 
 def _count_unseen(setting: Setting) -> int:
-    """Return how many directions of state and load are unseen."""
     seen, _ = _observe(setting)
     return seen.states - seen.rank
 
 
 def _advise(setting: Setting, places: Sequence[Place], ground: float) -> str:
-    """Say which further inclinometers, chosen one after another, make all loads seen."""
     heights = setting.cut.heights
     chosen: list[Place] = []
     while not _sees_bending(setting):

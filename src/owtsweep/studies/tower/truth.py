@@ -126,7 +126,6 @@ def _simulate(
     lead: int,
     subdivision: int,
 ) -> Motion:
-    """Simulate one direction, with a share of the waves' loads, and leave out the lead."""
     size = len(whole.mass)
     first = 2 * whole.find_node(cut.heights[0])
     inside = np.arange(first, first + len(cut.mass))  # of the cut structure, in the whole

@@ -116,7 +116,6 @@ def _make_values_panel(
 
 
 def _widen(low: float, high: float) -> tuple[float, float]:
-    """Return the limits of an axis for values from `low` to `high`."""
     margin = 0.3 * (high - low)
     return low - margin, high + margin
 

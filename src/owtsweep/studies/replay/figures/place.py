@@ -80,13 +80,11 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
 
 
 def _name_left_out(config: ReplayConfig) -> str:
-    """Say which schemes are not in the map; "" if all are."""
     names = list_left_out(config)
     return f" Not in the map: {', '.join(names)}." if names else ""
 
 
 def _describe_coverage(record: Mapping[str, float]) -> str:
-    """Say in a title how much of a record's variance the fitted spectrum covers."""
     share = record["fit_share"]
     told = f"the fit of Eq. (1) covers {100.0 * share:.0f} % of this record's variance"
     return told if share >= LEAST_COVERED else f"{told}: no advice for the record"

@@ -147,7 +147,6 @@ def _compare(noise: pd.DataFrame) -> list[str]:
 
 
 def _format_estimate(estimate: float, low: float, high: float, unit: str) -> str:
-    """Return an estimate with its interval and unit, or only the bound that the record sets."""
     open_below = np.isnan(low) or (low == 0.0 and unit != "s")
     if open_below and np.isnan(high):
         return "nothing about it"
