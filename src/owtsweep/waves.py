@@ -83,14 +83,9 @@ class Waves:
     The elevation at the structure is Re sum_m elevation[m] exp(2 pi i f_m t), f_m = numbers[m] /
     period.
 
-    Attributes
-    ----------
-    numbers, elevation
-        Numbers of the lines, and their complex amplitudes in m, shape (lines,) each.
-    period
-        Time in s after which the waves repeat.
-    depth, gravity
-        Water depth in m, and acceleration of gravity in m/s^2.
+    `numbers`, `elevation`: numbers of the lines, and their complex amplitudes in m, shape (lines,)
+    each. `period`: time in s after which the waves repeat. `depth`, `gravity`: water depth in m,
+    and acceleration of gravity in m/s^2.
     """
 
     numbers: NDArray[np.int64]

@@ -57,6 +57,10 @@ def compare_cells(
     intersection-union test) passes Holm's correction over all cells that have a best scheme in both
     runs.
 
+    Return one row per changed cell: the conditions and `CHANGED_COLUMNS` without `criterion`.
+    `change` is the gap in the second run minus the gap in the first; `_low` and `_high` are the
+    ends of 95 % intervals.
+
     Parameters
     ----------
     first, second
@@ -64,13 +68,6 @@ def compare_cells(
         scheme did not finish a replicate. Both tables have the same rows and columns.
     paired
         Whether equal replicates have the same motion and noise in both runs.
-
-    Returns
-    -------
-    list of dict
-        One row per changed cell: the conditions and `CHANGED_COLUMNS` without `criterion`. `change`
-        is the gap in the second run minus the gap in the first; `_low` and `_high` are the ends of
-        95 % intervals.
     """
     import pandas as pd
 
@@ -107,14 +104,10 @@ def compare_schemes(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) 
 
     Parameters are as in `compare_cells`.
 
-    Returns
-    -------
-    list of dict
-        One row per scheme and cell: scheme, conditions and `SCHEME_COLUMNS` without `criterion`.
-        `difference` is second minus first, `ratio` second over first. `verdict` is "better" if the
-        MSE is shown to be smaller in the second run, and "worse" if it is shown to be larger, both
-        under Holm's correction over all rows; otherwise "". Rows without a finite difference are
-        left out.
+    Return one row per scheme and cell: scheme, conditions and `SCHEME_COLUMNS` without `criterion`.
+    `difference` is second minus first, `ratio` second over first. `verdict` is "better" if the MSE
+    is shown to be smaller in the second run, and "worse" if it is shown to be larger, both under
+    Holm's correction over all rows; otherwise "". Rows without a finite difference are left out.
     """
     a, b = first.to_numpy(), second.to_numpy()
     if paired:
@@ -147,18 +140,11 @@ def compare_boundaries(first: pd.DataFrame, second: pd.DataFrame, *, paired: boo
     same records for both runs, among those that both schemes finished in both runs. Otherwise each
     run's records are resampled independently.
 
-    Parameters
-    ----------
-    first, second
-        For each run, the difference of the two schemes' results in every record, as
-        `results.boundary.subtract_schemes` returns it.
-    paired
-        Whether equal replicates have the same motion and noise in both runs.
+    `first`, `second`: for each run, the difference of the two schemes' results in every record, as
+    `results.boundary.subtract_schemes` returns it. `paired`: whether equal replicates have the same
+    motion and noise in both runs.
 
-    Returns
-    -------
-    list of dict
-        One row per cell with a boundary in both runs: the cell's conditions and `SHIFT_COLUMNS`.
+    Return one row per cell with a boundary in both runs: the cell's conditions and `SHIFT_COLUMNS`.
     """
     if paired:
         common = first.index.intersection(second.index)

@@ -24,11 +24,8 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
     Raise `InputError` if the runs have no scheme or no value of some condition in common, have
     different conditions or criteria, or if some have records and others expected values only.
 
-    Returns
-    -------
-    tuple
-        The description of the first run with only those schemes and values; and sentences for the
-        user on what was left out, and what runs without records lack.
+    Return the description of the first run with only those schemes and values; and sentences for
+    the user on what was left out, and what runs without records lack.
     """
     first = aspects[0]
     without = " or ".join(

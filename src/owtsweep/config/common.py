@@ -176,12 +176,8 @@ TREES = "studies"
 class Tree:
     """A folder of YAML files from which Hydra composes a configuration.
 
-    Attributes
-    ----------
-    primary
-        The name, without .yaml, of the file in `folder` with which Hydra begins.
-    model
-        The configuration's model, from which error messages take the names of keys.
+    `primary`: the name, without .yaml, of the file in `folder` with which Hydra begins. `model`:
+    the configuration's model, from which error messages take the names of keys.
     """
 
     folder: Path

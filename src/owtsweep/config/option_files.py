@@ -38,11 +38,8 @@ def place_files(
     The model's `tuned` and `from_files` say what files may set. Raise `InputError` if a file cannot
     be read, holds anything but values, or sets another key.
 
-    Yields
-    ------
-    tuple
-        The overrides, with the name of an option in place of each file's path; and the folders that
-        Hydra has to search for these options, none or one.
+    Yield the overrides, with the name of an option in place of each file's path; and the folders
+    that Hydra has to search for these options, none or one.
     """
     options: dict[tuple[str, str], str] = {}
     for override in overrides:

@@ -52,15 +52,9 @@ def run_estimator(
     Raise `TypeError` if `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
     Raise `ValueError` if an estimate lacks a quantity, has the wrong shape or is not finite.
 
-    Parameters
-    ----------
-    estimator
-        The estimator, before its first step.
-    inputs, fixes
-        Shape (steps, i), and shape (fixes, m); fix j belongs to step j * fix_interval, and is NaN
-        if it did not arrive.
-    judged
-        The quantities to take from the estimates, in the order of the result's columns.
+    `estimator`: the estimator, before its first step. `inputs`, `fixes`: shape (steps, i), and
+    shape (fixes, m); fix j belongs to step j * fix_interval, and is NaN if it did not arrive.
+    `judged`: the quantities to take from the estimates, in the order of the result's columns.
     """
     arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
     arrived[::fix_interval] = fixes

@@ -61,15 +61,9 @@ def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[
     innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Without a covariance
     from step `first` on, "nees" is left out; without an innovation, "nis" is.
 
-    Parameters
-    ----------
-    judged
-        The quantities in the columns of `errors.state`, in order.
+    `judged`: the quantities in the columns of `errors.state`, in order.
 
-    Returns
-    -------
-    dict
-        Name of a component, a quantity, "nees" or "nis" -> mean of the measure.
+    Return name of a component, a quantity, "nees" or "nis" -> mean of the measure.
     """
     state = [part[first:] for part in errors.state]
     components = [name for quantity in judged for name in quantity.components]

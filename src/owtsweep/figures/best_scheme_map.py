@@ -51,12 +51,9 @@ ASIDE = 0.3
 class Crossing:
     """A line across a map, with a vertical bar in the middle of each column that it passes.
 
-    Attributes
-    ----------
-    columns
-        The columns with a point of the line, increasing, shape (n,).
-    heights, low, high
-        The line there, and the ends of its bars, shape (n,) each, in the coordinates of a `Plane`.
+    `columns`: the columns with a point of the line, increasing, shape (n,). `heights`, `low`,
+    `high`: the line there, and the ends of its bars, shape (n,) each, in the coordinates of a
+    `Plane`.
     """
 
     columns: Array

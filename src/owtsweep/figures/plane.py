@@ -29,13 +29,9 @@ LETTERS_PER_LINE = 8
 class Plane:
     """The axes of a map. The cell in column i and line j has its centre at x = i and y = j, from 0.
 
-    Attributes
-    ----------
-    across, columns
-        The condition on the horizontal axis, and its values from left to right.
-    upwards, lines
-        The condition on the vertical axis, and its values from bottom to top; None and a single ""
-        if the map has a single line.
+    `across`, `columns`: the condition on the horizontal axis, and its values from left to right.
+    `upwards`, `lines`: the condition on the vertical axis, and its values from bottom to top; None
+    and a single "" if the map has a single line.
     """
 
     across: Condition

@@ -102,12 +102,8 @@ def _choose_signs(schemes: Sequence[str]) -> dict[str, str]:
 class _Map:
     """The cells of one map; the width and the colours are chosen when it is printed.
 
-    Attributes
-    ----------
-    rows
-        (column, line) of a cell -> its row of best_scheme.csv.
-    signs
-        Scheme that is best in some cell -> what stands for it there.
+    `rows`: (column, line) of a cell -> its row of best_scheme.csv. `signs`: scheme that is best in
+    some cell -> what stands for it there.
     """
 
     rows: Mapping[tuple[int, int], Row]

@@ -45,14 +45,9 @@ def refuse_links(folder: Path, *, but: Collection[str] = (), deep: bool = True) 
 
     Raise `InputError` if a link is there, or a folder cannot be read.
 
-    Parameters
-    ----------
-    folder
-        The folder of a run, or of several; it may be a link itself, and need not exist.
-    but
-        Names of subfolders whose content is not looked at.
-    deep
-        Whether to look into subfolders.
+    `folder`: the folder of a run, or of several; it may be a link itself, and need not exist.
+    `but`: names of subfolders whose content is not looked at. `deep`: whether to look into
+    subfolders.
     """
     todo = [folder]
     while todo:

@@ -62,6 +62,11 @@ def compute_points(
     Raise `InputError` if the structure does not stand in water or has no such modes, or the records
     are too short.
 
+    Return one row per sea, number of blades and friction angle (NaN: as described): hs (m), tp (s),
+    blades, friction_angle (degrees), natural_period (s, of the first mode), fitted_period (s, of
+    the peak of Eq. (1) of Ren et al. fitted to the record), amplitude (m, the largest displacement
+    along the waves), rms (m).
+
     Parameters
     ----------
     structure
@@ -76,14 +81,6 @@ def compute_points(
     friction_angles
         Friction angles (degrees) of every layer; None keeps those of the description. Ignored if
         the structure has no soil.
-
-    Returns
-    -------
-    DataFrame
-        One row per sea, number of blades and friction angle (NaN: as described): hs (m), tp (s),
-        blades, friction_angle (degrees), natural_period (s, of the first mode), fitted_period (s,
-        of the peak of Eq. (1) of Ren et al. fitted to the record), amplitude (m, the largest
-        displacement along the waves), rms (m).
     """
     import pandas as pd
 
@@ -146,10 +143,7 @@ def find_region(points: pd.DataFrame, share: float = SHARE) -> tuple[Array, Arra
     alike. Points with the same blades and soil have the same natural period. Between these periods
     the edges are straight lines. `points` are those of `compute_points`.
 
-    Returns
-    -------
-    natural_period, low, high
-        Natural periods (s), increasing, and the edges of the region there (m), shape (periods,).
+    Return natural periods (s), increasing, and the edges of the region there (m), shape (periods,).
     """
     period, amplitude = points["natural_period"].to_numpy(), points["amplitude"].to_numpy()
     places = np.unique(period)

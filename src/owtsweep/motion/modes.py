@@ -57,15 +57,10 @@ class Mode:
 class Modes:
     """The peaks of a record's spectrum.
 
-    Attributes
-    ----------
-    found
-        The peaks, the one with the largest share of the variance first.
-    slow_share
-        The share (0 to 1) of the variance at frequencies below `resolution`, where a period is too
-        long for this record to tell.
-    resolution
-        Peaks nearer to each other, or to the frequency zero, than this are merged, Hz.
+    `found`: the peaks, the one with the largest share of the variance first. `slow_share`: the
+    share (0 to 1) of the variance at frequencies below `resolution`, where a period is too long for
+    this record to tell. `resolution`: peaks nearer to each other, or to the frequency zero, than
+    this are merged, Hz.
     """
 
     found: tuple[Mode, ...]

@@ -31,12 +31,8 @@ class Modulation:
     there is no point, an entry is not two finite numbers, times do not rise, or a factor is not
     above zero.
 
-    Parameters
-    ----------
-    points
-        Pairs of time (s) and factor; times rise, factors are above zero.
-    name
-        The name of the points in error messages.
+    `points`: pairs of time (s) and factor; times rise, factors are above zero. `name`: the name of
+    the points in error messages.
     """
 
     def __init__(self, points: Sequence[Sequence[float]], name: str = "envelope") -> None:

@@ -47,14 +47,8 @@ class PlantMotion(Motion):
 class Plant:
     """A source of hub motion along the waves: a structure in a sea.
 
-    Attributes
-    ----------
-    structure
-        The structure; it must stand in water.
-    blades
-        Number of mounted blades.
-    modes
-        Number of modes that answer.
+    `structure`: the structure; it must stand in water. `blades`: number of mounted blades. `modes`:
+    number of modes that answer.
     """
 
     structure: Structure
@@ -132,11 +126,8 @@ def compute_forces(structure: Structure, waves: Waves) -> tuple[Array, NDArray[n
 
     The forces depend on tubes and water alone: soil and blades change none of them.
 
-    Returns
-    -------
-    heights, forces
-        Heights in m, shape (heights,), and complex amplitudes of the forces in N, shape (heights,
-        lines from 0 on), line m at the frequency m / waves.period.
+    Return heights in m, shape (heights,), and complex amplitudes of the forces in N, shape
+    (heights, lines from 0 on), line m at the frequency m / waves.period.
     """
     water = structure.water
     assert water is not None  # a Plant has checked it

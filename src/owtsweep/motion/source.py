@@ -45,12 +45,8 @@ class Motion:
         """Return `count` positions, at the steps first, first + stride, first + 2 stride, ...
 
         Steps are counted from t = 0; `first` may be negative. The result has shape (count,) or
-        (count, axes); it is shorter if the record ends earlier.
-
-        Raises
-        ------
-        ValueError
-            If the record begins after the step `first`.
+        (count, axes); it is shorter if the record ends earlier. Raise `ValueError` if the record
+        begins after the step `first`.
         """
         if first < -len(self.before):
             raise ValueError(
@@ -93,6 +89,9 @@ class Source(Protocol):
     ) -> Motion:
         """Return one realisation of the motion.
 
+        Raise `InputError` if the source cannot give a record of this length; the message says what
+        would work.
+
         Parameters
         ----------
         stream
@@ -102,10 +101,5 @@ class Source(Protocol):
         history
             Number of steps before t = 0 for which positions are needed: the longest delay of a
             sensor.
-
-        Raises
-        ------
-        InputError
-            If the source cannot give a record of this length; the message says what would work.
         """
         ...

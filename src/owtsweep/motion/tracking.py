@@ -151,6 +151,8 @@ def compute_log_likelihood(
 ) -> Array:
     """Compute the Whittle log likelihood of candidates, up to a constant.
 
+    The shape is (periods, bandwidths, variances), or (variances,) for the candidates of one shape.
+
     Parameters
     ----------
     force
@@ -163,11 +165,6 @@ def compute_log_likelihood(
         Specific force by leaning, s^-2, and edges of the band of the motion, Hz.
     shape
         Indices of the period and the bandwidth of the candidates; () for those of all shapes.
-
-    Returns
-    -------
-    array
-        Shape (periods, bandwidths, variances), or (variances,) for the candidates of one shape.
     """
     inverse, constant, inside = _make_models(len(force), step, noise, lean, band)
     periodogram = compute_periodogram(force, step, inside)

@@ -83,12 +83,9 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
 
     `position` is in m, shape (n,), or (axes, n): the periodograms of the axes are added.
 
-    Returns
-    -------
-    frequency, density
-        Frequencies in Hz and spectral densities in m^2/Hz, shape (n // 2,) each, without the
-        frequency zero. The sum of density / (n step) is the variance. Of a record with more than
-        `LONG` samples, up to 4 in 1000 samples at the end may be left out.
+    Return frequencies in Hz and spectral densities in m^2/Hz, shape (n // 2,) each, without the
+    frequency zero. The sum of density / (n step) is the variance. Of a record with more than `LONG`
+    samples, up to 4 in 1000 samples at the end may be left out.
     """
     from scipy.fft import rfft
 

@@ -45,6 +45,17 @@ def find_best_schemes(
     runner-up is the best of the other schemes; if all schemes of a cell agree, the runner-up is
     another of these schemes. Raise `InputError` if a criterion or the window was not measured.
 
+    Return the conditions, `VERDICT_COLUMNS` and, if there are baselines, `BASELINE_COLUMNS`, sorted
+    by conditions, then in the order of `criteria`. `difference` is the runner-up's mean minus the
+    best scheme's; `ci_low` and `ci_high` are the ends of its 95 % confidence interval by the paired
+    t-test in that cell alone. `distinguishable` applies Holm's step-down correction at 5 % to all
+    cells of the criterion. In a cell with one scheme, `runner_up` is empty and the numbers that
+    need a runner-up are NaN. In a cell with one replicate, the interval is NaN. In both cases
+    `distinguishable` is false. `baseline` is the baseline of least mean, and `mse_baseline` its
+    mean. `baseline_wins` says whether `mse_baseline` is less than the best scheme's mean and the
+    paired difference is significant, with Holm's correction as above. If a scheme was unable to
+    work in any cell, there are also the columns `status` and `reason`.
+
     Parameters
     ----------
     window
@@ -54,20 +65,6 @@ def find_best_schemes(
     baselines
         Those of `cube.schemes` that do not compete. In each cell, the best scheme is compared with
         the baseline of least mean, over the replicates that decide between the schemes.
-
-    Returns
-    -------
-    DataFrame
-        The conditions, `VERDICT_COLUMNS` and, if there are baselines, `BASELINE_COLUMNS`, sorted by
-        conditions, then in the order of `criteria`. `difference` is the runner-up's mean minus the
-        best scheme's; `ci_low` and `ci_high` are the ends of its 95 % confidence interval by the
-        paired t-test in that cell alone. `distinguishable` applies Holm's step-down correction at 5
-        % to all cells of the criterion. In a cell with one scheme, `runner_up` is empty and the
-        numbers that need a runner-up are NaN. In a cell with one replicate, the interval is NaN. In
-        both cases `distinguishable` is false. `baseline` is the baseline of least mean, and
-        `mse_baseline` its mean. `baseline_wins` says whether `mse_baseline` is less than the best
-        scheme's mean and the paired difference is significant, with Holm's correction as above. If
-        a scheme was unable to work in any cell, there are also the columns `status` and `reason`.
     """
     import pandas as pd
 

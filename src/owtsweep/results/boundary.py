@@ -44,14 +44,9 @@ def find_boundary(
 
     Raise `InputError` if a scheme, the measure or the window is not among superposed rows.
 
-    Parameters
-    ----------
-    rows
-        The rows of a run's cases, of which only superposed ones are used.
-    conditions
-        The study's conditions; the last one expands.
-    schemes
-        The scheme that is expected to be better below the boundary, then the one above.
+    `rows`: the rows of a run's cases, of which only superposed ones are used. `conditions`: the
+    study's conditions; the last one expands. `schemes`: the scheme that is expected to be better
+    below the boundary, then the one above.
 
     Returns
     -------
@@ -166,23 +161,20 @@ def divide_crossings(
 ) -> tuple[float, float, float]:
     """Compute the ratio of the boundaries in two cells, with its confidence interval.
 
+    Return the ratio and the ends of its 95 % confidence interval. All three are NaN if a cell has
+    no boundary; the ends are NaN if a cell has a single record. Otherwise the ends are percentiles
+    of the ratios in resampled records. In a resample the boundary counts as 0 if the second scheme
+    is better at every amplitude, and as infinite if the first scheme is. A ratio that is undefined,
+    such as 0 / 0, counts as lying below the lower end and above the upper end. If the lower end
+    falls on an undefined ratio, the lower end is NaN; if the upper end does, the upper end is
+    infinite.
+
     Parameters
     ----------
     above, below
         Numerator and denominator. Each is a cell, and the first scheme's products motion, cross and
         noise minus the second scheme's, shape (records, 3). If the two cells are equal, the same
         records are drawn for both, but not with `apart`.
-
-    Returns
-    -------
-    tuple of float
-        The ratio and the ends of its 95 % confidence interval. All three are NaN if a cell has no
-        boundary; the ends are NaN if a cell has a single record. Otherwise the ends are percentiles
-        of the ratios in resampled records. In a resample the boundary counts as 0 if the second
-        scheme is better at every amplitude, and as infinite if the first scheme is. A ratio that is
-        undefined, such as 0 / 0, counts as lying below the lower end and above the upper end. If
-        the lower end falls on an undefined ratio, the lower end is NaN; if the upper end does, the
-        upper end is infinite.
     """
     a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):

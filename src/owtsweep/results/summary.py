@@ -25,14 +25,10 @@ def name_columns(conditions: Sequence[str]) -> list[str]:
 def summarise(cube: Cube) -> pd.DataFrame:
     """Compute the mean of each measure over the replicates, with its 95 % confidence interval.
 
-    Returns
-    -------
-    DataFrame
-        The columns of `name_columns`, sorted by scheme, conditions, measure, window. `ci_low` and
-        `ci_high` are the ends of the interval by Student's t, NaN for a single replicate. `n` is
-        the number of replicates that the scheme finished. If a scheme was unable to work under some
-        conditions, there are also the columns `status` and `reason`, and a line without measure for
-        it.
+    Return the columns of `name_columns`, sorted by scheme, conditions, measure, window. `ci_low`
+    and `ci_high` are the ends of the interval by Student's t, NaN for a single replicate. `n` is
+    the number of replicates that the scheme finished. If a scheme was unable to work under some
+    conditions, there are also the columns `status` and `reason`, and a line without measure for it.
     """
     import pandas as pd
 

@@ -21,14 +21,9 @@ class Losses:
     stream is the same, all samples that were lost before are lost again. Raise `InputError` if the
     probability is not between 0 and 1, or the length is less than 1.
 
-    Attributes
-    ----------
-    generator
-        The random stream, from which one uniform number per sample is drawn.
-    probability
-        Probability that an outage begins at a sample.
-    length, remaining
-        Length of an outage, and what remains of the present one, in samples.
+    `generator`: the random stream, from which one uniform number per sample is drawn.
+    `probability`: probability that an outage begins at a sample. `length`, `remaining`: length of
+    an outage, and what remains of the present one, in samples.
     """
 
     generator: np.random.Generator

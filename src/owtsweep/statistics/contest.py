@@ -80,15 +80,10 @@ class Challenge(NamedTuple):
 
     In cells in which no replicate counts, the fields have no meaning.
 
-    Attributes
-    ----------
-    baseline, mse_baseline
-        Index of the baseline of least mean, and this mean; -1 and NaN if no baseline has all values
-        that count.
-    gain
-        By how much this mean is less than the best scheme's; NaN if there is none.
-    p_baseline
-        Two-sided p-value of the paired t-test of `gain`; 1 if there are too few replicates.
+    `baseline`, `mse_baseline`: index of the baseline of least mean, and this mean; -1 and NaN if no
+    baseline has all values that count. `gain`: by how much this mean is less than the best
+    scheme's; NaN if there is none. `p_baseline`: two-sided p-value of the paired t-test of `gain`;
+    1 if there are too few replicates.
     """
 
     baseline: Places
@@ -177,14 +172,9 @@ def _average(values: Array, common: Flags) -> Array:
 def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
     """Find the best scheme and the runner-up in each cell.
 
-    Parameters
-    ----------
-    means
-        The values to compare, shape (schemes, cells); the least is the best.
-    alike
-        Whether two schemes coincide, shape (schemes, schemes, cells).
-    took_part
-        Whether a scheme takes part in a cell, shape (schemes, cells).
+    `means`: the values to compare, shape (schemes, cells); the least is the best. `alike`: whether
+    two schemes coincide, shape (schemes, schemes, cells). `took_part`: whether a scheme takes part
+    in a cell, shape (schemes, cells).
     """
     best, like_best = find_least(means, took_part, alike)
     others = took_part & ~like_best

@@ -22,15 +22,9 @@ Counts = NDArray[np.intp]
 class Contrast(NamedTuple):
     """An estimated difference or ratio with its uncertainty.
 
-    Attributes
-    ----------
-    value, low, high
-        The estimate and the ends of its 95 % confidence interval; the ends are NaN where there is
-        too little data.
-    p
-        Two-sided p-value; 1 where there is too little data.
-    n_first, n_second
-        Numbers of replicates of the first and of the second sample.
+    `value`, `low`, `high`: the estimate and the ends of its 95 % confidence interval; the ends are
+    NaN where there is too little data. `p`: two-sided p-value; 1 where there is too little data.
+    `n_first`, `n_second`: numbers of replicates of the first and of the second sample.
     """
 
     value: Array

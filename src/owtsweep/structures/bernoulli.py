@@ -39,14 +39,9 @@ NEAR = 1e-6
 class PlaneBeam:
     """The matrices of a beam in a plane.
 
-    Attributes
-    ----------
-    heights
-        Heights of the nodes above mean sea level in m, upwards, shape (nodes,).
-    mass, stiffness
-        Matrices of w0, theta0, w1, theta1, ... in SI units, shape (2 nodes, 2 nodes).
-    free
-        Degrees of freedom that are not clamped.
+    `heights`: heights of the nodes above mean sea level in m, upwards, shape (nodes,). `mass`,
+    `stiffness`: matrices of w0, theta0, w1, theta1, ... in SI units, shape (2 nodes, 2 nodes).
+    `free`: degrees of freedom that are not clamped.
     """
 
     heights: Array

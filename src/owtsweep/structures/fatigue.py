@@ -19,13 +19,8 @@ ULTIMATE_STRENGTH = 5e8
 class Cycles:
     """The cycles of a history, counted by rainflow; three arrays of the same length.
 
-    Attributes
-    ----------
-    ranges, means
-        Largest less smallest value of each cycle, above zero, and the middle between both, in the
-        history's unit.
-    counts
-        1 for a closed cycle, 0.5 for one of the residue.
+    `ranges`, `means`: largest less smallest value of each cycle, above zero, and the middle between
+    both, in the history's unit. `counts`: 1 for a closed cycle, 0.5 for one of the residue.
     """
 
     ranges: Array
@@ -96,14 +91,8 @@ def compute_damage(
     infinite for a weld whose mean stress in some cycle is at or above the ultimate strength (see
     `correct_means`). Raise `InputError` if the shapes do not fit, or a stress is not finite.
 
-    Parameters
-    ----------
-    stress
-        Stress in Pa, tension positive, shape (steps, welds).
-    curves
-        One S-N curve for all welds, or one for each.
-    ultimate_strength
-        For Goodman's correction, in Pa; infinite for none.
+    `stress`: stress in Pa, tension positive, shape (steps, welds). `curves`: one S-N curve for all
+    welds, or one for each. `ultimate_strength`: for Goodman's correction, in Pa; infinite for none.
     """
     require(stress.ndim == 2, f"stress: must have the shape (steps, welds), not {stress.shape}")
     welds = stress.shape[1]

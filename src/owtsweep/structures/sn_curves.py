@@ -32,14 +32,9 @@ PAPER = (5.0, 13.617)
 class SNCurve:
     """An S-N curve of one or two branches, log10 N = log_a - m log10(S / 1 MPa).
 
-    Attributes
-    ----------
-    name
-        Name of the curve, for legends and messages.
-    m, log_a
-        Exponent of each branch, and log10 of the cycles to failure at a stress range of 1 MPa.
-    knee
-        Number of cycles up to which the first branch holds; infinite for a single branch.
+    `name`: name of the curve, for legends and messages. `m`, `log_a`: exponent of each branch, and
+    log10 of the cycles to failure at a stress range of 1 MPa. `knee`: number of cycles up to which
+    the first branch holds; infinite for a single branch.
     """
 
     name: str

@@ -27,12 +27,7 @@ def check_hub_scheme(
 ) -> None:
     """Run all checks on a scheme with each of `sensors`, by default `example_sensors()`.
 
-    `config` has one tuning.
-
-    Raises
-    ------
-    AssertionError
-        If a check fails.
+    `config` has one tuning. Raise `AssertionError` if a check fails.
     """
     for example in example_sensors() if sensors is None else sensors:
         known = Known(example, config, *MOTION) if scheme.told_motion else Known(example, config)
@@ -77,12 +72,8 @@ def check_estimates(scheme: Scheme, known: Known) -> None:
     """Check that estimates are finite and have the right shapes, and that covariances are valid.
 
     A covariance is valid if it is symmetric and has no negative eigenvalue. A linear scheme's
-    estimate must also stay at zero while all measurements are zero.
-
-    Raises
-    ------
-    AssertionError
-        If an estimate breaks one of these rules.
+    estimate must also stay at zero while all measurements are zero. Raise `AssertionError` if an
+    estimate breaks one of these rules.
     """
     for size in (1.0, 1e3):
         force, fixes = _data(known.sensors, size)
@@ -106,11 +97,8 @@ def check_estimates(scheme: Scheme, known: Known) -> None:
 def check_starts(scheme: Scheme, known: Known) -> None:
     """Check that each call of a scheme's `start` returns a new, independent estimator.
 
-    Raises
-    ------
-    AssertionError
-        If `start` returns the same estimator twice, or if another estimator, run in turn with it,
-        changes the estimates.
+    Raise `AssertionError` if `start` returns the same estimator twice, or if another estimator, run
+    in turn with it, changes the estimates.
     """
     force, fixes = _data(known.sensors)
     alone = _states(_run(scheme, known, force, fixes))
@@ -130,10 +118,8 @@ def check_starts(scheme: Scheme, known: Known) -> None:
 def check_inputs(scheme: Scheme, known: Known) -> None:
     """Check that an estimator's `update` neither changes nor keeps the arrays that it is given.
 
-    Raises
-    ------
-    AssertionError
-        If `update` changes an array, or if estimates change when the caller reuses the arrays.
+    Raise `AssertionError` if `update` changes an array, or if estimates change when the caller
+    reuses the arrays.
     """
     force, fixes = _data(known.sensors)
     expected = _states(_run(scheme, known, force, fixes))
@@ -160,10 +146,7 @@ def check_inputs(scheme: Scheme, known: Known) -> None:
 def check_superposition(scheme: Scheme, known: Known) -> None:
     """Check that a linear scheme's estimate for a sum of data is the sum of the estimates.
 
-    Raises
-    ------
-    AssertionError
-        If it is not, or is always zero.
+    Raise `AssertionError` if it is not, or is always zero.
     """
     force_a, fixes_a = _data(known.sensors, seed=1)
     force_b, fixes_b = _data(known.sensors, seed=2)
@@ -181,10 +164,7 @@ def check_superposition(scheme: Scheme, known: Known) -> None:
 def check_kernel(scheme: Scheme, known: Known) -> None:
     """Check that a scheme's kernel for the batch engine gives the estimates that `update` gives.
 
-    Raises
-    ------
-    AssertionError
-        If it does not.
+    Raise `AssertionError` if it does not.
     """
 
     force, fixes = _data(known.sensors)

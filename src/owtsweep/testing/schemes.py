@@ -28,7 +28,11 @@ def check_scheme(scheme: Scheme[Any, Any, Any], overrides: Sequence[str] = ()) -
     """Check a scheme of any study: what it states of itself, and its estimates.
 
     A scheme of the hub runs step by step on random data, with several sets of sensors; another one
-    runs twice on a record of the first cell of the grid. A scheme that says `Unable` passes.
+    runs twice on a record of the first cell of the grid. A scheme that says `Unable` passes. Raise
+    `AssertionError` if the scheme states something wrong of itself; if an estimate is missing, not
+    finite, or not of the declared shape; if a second run gives other estimates; if measurements are
+    changed; or if a scheme of the hub that says so is not linear, or its kernel has other estimates
+    than its estimator. The message is one line.
 
     Parameters
     ----------
@@ -36,14 +40,6 @@ def check_scheme(scheme: Scheme[Any, Any, Any], overrides: Sequence[str] = ()) -
         The scheme, which derives from `owtsweep.schemes.<study>.Scheme`.
     overrides
         Hydra overrides of its study, e.g. a tuning, or a short record.
-
-    Raises
-    ------
-    AssertionError
-        If the scheme states something wrong of itself; if an estimate is missing, not finite, or
-        not of the declared shape; if a second run gives other estimates; if measurements are
-        changed; or if a scheme of the hub that says so is not linear, or its kernel has other
-        estimates than its estimator. The message is one line.
     """
     try:
         scheme.check_declared()

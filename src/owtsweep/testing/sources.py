@@ -29,6 +29,9 @@ def check_source(
 ) -> None:
     """Run all checks on a source of motion.
 
+    Raise `AssertionError` if a check fails. The message is one line that names the source and the
+    broken part of the contract.
+
     Parameters
     ----------
     source
@@ -40,12 +43,6 @@ def check_source(
         Largest allowed difference between velocity and the slope of position, relative to the
         largest velocity; also between acceleration and the slope of velocity, relative to the
         largest acceleration.
-
-    Raises
-    ------
-    AssertionError
-        If a check fails. The message is one line that names the source and the broken part of the
-        contract.
     """
     name = type(source).__name__
     lacks = {"streams", "duration", "realise"} - {*dir(source)}
@@ -64,11 +61,9 @@ def check_source(
 def check_streams(source: Source, *, steps: int, step: float, history: int) -> None:
     """Check that a source draws only from the random streams that it names.
 
-    Raises
-    ------
-    AssertionError
-        If the streams that the source uses are not exactly those in `source.streams`. Also if equal
-        streams give motions that differ in any bit, or different streams give equal motions.
+    Raise `AssertionError` if the streams that the source uses are not exactly those in
+    `source.streams`, or if equal streams give motions that differ in any bit, or different streams
+    give equal motions.
     """
     name = type(source).__name__
     asked: set[str] = set()
@@ -96,12 +91,8 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
 
     A slope is a central difference of a series. For a motion of the angular frequency omega
     (rad/s), the slope's relative error is about (omega step)^2 / 6. `tolerance` is relative to the
-    largest velocity or acceleration.
-
-    Raises
-    ------
-    AssertionError
-        If velocity or acceleration differs from the slope by more than allowed.
+    largest velocity or acceleration. Raise `AssertionError` if velocity or acceleration differs
+    from the slope by more than allowed.
     """
     steps = len(motion.position)
     inner = slice(1 + int(EDGE * steps), steps - 1 - int(EDGE * steps))
@@ -119,13 +110,9 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
 def check_delayed_positions(name: str, motion: Motion) -> None:
     """Check that the positions before t = 0 lead into the record without a jump.
 
-    A delayed sensor reports positions from before t = 0 at the beginning of the record.
-
-    Raises
-    ------
-    AssertionError
-        If the positions jump before or at t = 0, or if `motion.position_at` does not return the
-        positions before t = 0 followed by those of the record.
+    A delayed sensor reports positions from before t = 0 at the beginning of the record. Raise
+    `AssertionError` if the positions jump before or at t = 0, or if `motion.position_at` does not
+    return the positions before t = 0 followed by those of the record.
     """
     history, steps = len(motion.before), len(motion.position)
     whole = np.concatenate([motion.before, motion.position])

@@ -49,6 +49,9 @@ def check_study(
 ) -> None:
     """Run all checks on a study.
 
+    Raise `AssertionError` if a check fails. The message is one line that names the study and the
+    broken part of the contract.
+
     Parameters
     ----------
     config
@@ -58,12 +61,6 @@ def check_study(
     failing
         A configuration with which some cases fail and others succeed. If None, the handling of
         failures is not checked.
-
-    Raises
-    ------
-    AssertionError
-        If a check fails. The message is one line that names the study and the broken part of the
-        contract.
     """
     if config is None:
         with TemporaryDirectory() as folder:
@@ -83,11 +80,8 @@ def check_study(
 def check_plan(study: Study, config: Config) -> None:
     """Check that planning a configuration twice gives equal blocks, whatever the order of the grid.
 
-    Raises
-    ------
-    AssertionError
-        If two plans differ in the blocks' keys, or if reversing an axis of the grid changes the set
-        of these keys.
+    Raise `AssertionError` if two plans differ in the blocks' keys, or if reversing an axis of the
+    grid changes the set of these keys.
     """
     keys = _keys(study, config)
     assert keys == _keys(study, config), f"{study.name}: two plans of one configuration differ"
@@ -102,11 +96,8 @@ def check_keys(study: Study, config: Config) -> list[str]:
     """Check that each configuration key changes blocks of the plan, unless the key is inert.
 
     Return the keys that were not checked, because the study accepted none of the values tried.
-
-    Raises
-    ------
-    AssertionError
-        If changing an inert key changes the blocks' hashes, or changing another does not.
+    Raise `AssertionError` if changing an inert key changes the blocks' hashes, or changing another
+    does not.
     """
     keys = set(_keys(study, config))
     untried = []
@@ -128,11 +119,8 @@ def check_keys(study: Study, config: Config) -> list[str]:
 def check_run(study: Study, config: Config) -> Run:
     """Run a study twice; check that the second run computes nothing, and that results can be shown.
 
-    Raises
-    ------
-    AssertionError
-        If a case fails, if the second run computes a case, if the terminal shows nothing, or if no
-        figure is drawn.
+    Raise `AssertionError` if a case fails, if the second run computes a case, if the terminal shows
+    nothing, or if no figure is drawn.
     """
     cases = count_cases(make_plan(study, config))
     first = sweep(study, config)
@@ -156,11 +144,9 @@ def check_run(study: Study, config: Config) -> Run:
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     """Check that rows have the required columns and a valid status, and that no row appears twice.
 
-    Raises
-    ------
-    AssertionError
-        If a column is missing, if two rows agree in all `sort_columns` of the engine, if a status
-        is unknown, if a row with the status "ok" has a reason, or if another row has none.
+    Raise `AssertionError` if a column is missing, if two rows agree in all `sort_columns` of the
+    engine, if a status is unknown, if a row with the status "ok" has a reason, or if another row
+    has none.
     """
     identity = study.engine(config).sort_columns()
     conditions = [c.name for c in study.conditions(config) if not c.expands]
@@ -181,10 +167,8 @@ def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
 def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) -> None:
     """Check that a run has tables, and that `summary` and `best_scheme` have the required columns.
 
-    Raises
-    ------
-    AssertionError
-        If the run has no table, or if one of these two, which may be absent, has other columns.
+    Raise `AssertionError` if the run has no table, or if one of these two, which may be absent, has
+    other columns.
     """
     assert tables, f"{study.name}: a run has no table"
     conditions = [condition.name for condition in study.conditions(config)]
@@ -201,12 +185,8 @@ def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) 
 def check_blocks_alone(study: Study, config: Config) -> None:
     """Check that each block gives the same rows whether it runs alone or together with its group.
 
-    The first block of each group is not run alone.
-
-    Raises
-    ------
-    AssertionError
-        If a block gives other rows when it runs alone.
+    The first block of each group is not run alone. Raise `AssertionError` if a block gives other
+    rows when it runs alone.
     """
     engine = study.engine(config)
     for task in make_tasks(make_plan(study, config)):
@@ -222,10 +202,7 @@ def check_blocks_alone(study: Study, config: Config) -> None:
 def check_failures(study: Study, config: Config) -> None:
     """Check that a failed case has a reason, and that other cases succeed in spite of it.
 
-    Raises
-    ------
-    AssertionError
-        If no case fails, if no case succeeds, or if a failed case has no reason.
+    Raise `AssertionError` if no case fails, if no case succeeds, or if a failed case has no reason.
     """
     outcome = sweep(study, config)
     rows = outcome.run.cases()

@@ -165,15 +165,10 @@ class Statement:
 class ClaimsFile:
     """The content of a file of claims.
 
-    Attributes
-    ----------
-    study, paper, script, note
-        Name of the study, name of the paper, module that makes scores which the rows of a run are
-        not, and a sentence on the origin of the tests; "" where the file says nothing.
-    words
-        Value of a column -> how labels tell it.
-    statements, goals
-        What the paper says, and what the project wants to reach.
+    `study`, `paper`, `script`, `note`: name of the study, name of the paper, module that makes
+    scores which the rows of a run are not, and a sentence on the origin of the tests; "" where the
+    file says nothing. `words`: value of a column -> how labels tell it. `statements`, `goals`: what
+    the paper says, and what the project wants to reach.
     """
 
     study: str

@@ -179,12 +179,8 @@ def all_of(claims: Sequence[JudgedClaim]) -> str:
 class JudgedStatement:
     """A statement of a paper and the run's verdict on the statement.
 
-    Attributes
-    ----------
-    name, text
-        E.g. "F1", and what the paper says.
-    definition
-        The test of the statement in words, written before any run was judged.
+    `name`, `text`: e.g. "F1", and what the paper says. `definition`: the test of the statement in
+    words, written before any run was judged.
     """
 
     name: str

@@ -97,20 +97,14 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
     def prepare(self, known: Known, /) -> Ready[Measured, Estimates]:
         """Make the scheme ready for what it knows.
 
-        Raises
-        ------
-        Unable
-            If the scheme cannot work there; the message says why.
+        Raise `Unable` if the scheme cannot work there; the message says why.
         """
 
     def check_declared(self) -> None:
         """Check what a user's class states of itself, before anything runs.
 
-        Raises
-        ------
-        InputError
-            If the name cannot be shown in tables and figures, or another attribute is of a wrong
-            type.
+        Raise `InputError` if the name cannot be shown in tables and figures, or another attribute
+        is of a wrong type.
         """
         try:
             name: object = self.name
@@ -143,11 +137,8 @@ class Part(Generic[K, M]):
 def check_name(name: object) -> str:
     """Check that a scheme's name can be shown in tables, figures and a terminal; return it.
 
-    Raises
-    ------
-    InputError
-        If it is no text, is empty, has more than `LONGEST_NAME` characters, or one that cannot be
-        printed.
+    Raise `InputError` if it is no text, is empty, has more than `LONGEST_NAME` characters, or one
+    that cannot be printed.
     """
     if isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable():
         return name

@@ -31,14 +31,8 @@ SPREAD = 0.03
 class Trial:
     """Values that were tried.
 
-    Attributes
-    ----------
-    score
-        The score, less is better; infinite if there is none.
-    details
-        The details that the objective returned.
-    reason
-        Why the objective could not be computed; else empty.
+    `score`: the score, less is better; infinite if there is none. `details`: the details that the
+    objective returned. `reason`: why the objective could not be computed; else empty.
     """
 
     values: Plain

@@ -28,15 +28,10 @@ LEAST = 1e-6
 class Case(NamedTuple):
     """One record of a cell.
 
-    Attributes
-    ----------
-    truth
-        The motion; of a recorded lift the estimates of the smoother with all fixes.
-    start, start_sigma, geometry
-        As of `contract.Setting`.
-    withheld
-        Fixes of the first antenna that a record has and `measured` has not, m, shape (steps, 3),
-        NaN at other samples; None if the lift is simulated.
+    `truth`: the motion; of a recorded lift the estimates of the smoother with all fixes. `start`,
+    `start_sigma`, `geometry`: as of `contract.Setting`. `withheld`: fixes of the first antenna that
+    a record has and `measured` has not, m, shape (steps, 3), NaN at other samples; None if the lift
+    is simulated.
     """
 
     truth: Truth
@@ -54,12 +49,8 @@ class Case(NamedTuple):
 class World(NamedTuple):
     """What moves in a record: a simulated blade, or the one of a recorded lift.
 
-    Attributes
-    ----------
-    motion
-        The simulated motion; None if the lift is recorded.
-    lift, reference
-        The recorded lift, and what stands for its truth; None if the lift is simulated.
+    `motion`: the simulated motion; None if the lift is recorded. `lift`, `reference`: the recorded
+    lift, and what stands for its truth; None if the lift is simulated.
     """
 
     replicate: int

@@ -29,13 +29,9 @@ TO_BLADE = np.array([[1.0, 0.0], [0.0, -1.0], [0.0, 0.0]])
 class Relative(NamedTuple):
     """The motion of the root relative to the hub.
 
-    Attributes
-    ----------
-    position, velocity
-        In m and m/s, shape (steps, 3); the position is zero where they are together.
-    covariance
-        Of the error of the position, m^2, shape (steps, 3, 3); None for a truth, or if one of both
-        estimates states none.
+    `position`, `velocity`: in m and m/s, shape (steps, 3); the position is zero where they are
+    together. `covariance`: of the error of the position, m^2, shape (steps, 3, 3); None for a
+    truth, or if one of both estimates states none.
     """
 
     position: Array

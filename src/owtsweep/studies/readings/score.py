@@ -42,20 +42,12 @@ def scheme_products(
 ) -> dict[float, Array]:
     """Run one scheme; average the products of its errors from motion and noise over the records.
 
-    Parameters
-    ----------
-    config
-        `measures.window` selects the part of each record that counts.
-    scheme
-        Name of a scheme with a batch kernel.
-    lanes
-        Natural period (s) -> records, as `make_lanes` returns them.
+    `config`: `measures.window` selects the part of each record that counts. `scheme`: name of a
+    scheme with a batch kernel. `lanes`: natural period (s) -> records, as `make_lanes` returns
+    them.
 
-    Returns
-    -------
-    dict
-        Natural period (s) -> products, shape (4, 3): rows x, y, vx, vy, columns motion, cross,
-        noise.
+    Return natural period (s) -> products, shape (4, 3): rows x, y, vx, vy, columns motion, cross,
+    noise.
     """
     resolved = resolve(scheme)
     result: dict[float, Array] = {}

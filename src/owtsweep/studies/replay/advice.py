@@ -64,6 +64,10 @@ def compare(
     error, is at least `LEAST_MARGIN`. With a single sample there is no interval, and only the
     margin decides.
 
+    Return the columns of the table of advice from `best` to `matters` (see `COLUMNS`). None if no
+    scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters` is
+    False, and the numbers on the runner-up are left out.
+
     Parameters
     ----------
     samples
@@ -72,13 +76,6 @@ def compare(
     whole
         The mean squared errors by which schemes are ranked, shape (schemes,); by default the means
         of the samples. Needed if the samples are parts of a record, which only give the interval.
-
-    Returns
-    -------
-    dict or None
-        The columns of the table of advice from `best` to `matters` (see `COLUMNS`). None if no
-        scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters`
-        is False, and the numbers on the runner-up are left out.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -195,6 +192,11 @@ def choose_simplest(
 ) -> dict[str, object]:
     """Choose the simplest of the schemes and baselines that are not worse than another.
 
+    Return the columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline`
+    is what is recommended if that is a baseline, otherwise the baseline of the least error; without
+    baselines it is "", and the numbers on it are left out. `baseline_difference` is the best
+    scheme's error minus that of the baseline, so it is positive where the baseline is better.
+
     Parameters
     ----------
     samples
@@ -208,15 +210,6 @@ def choose_simplest(
     whole
         The mean squared errors of the whole record, shape (schemes and baselines,); by default the
         means of the samples.
-
-    Returns
-    -------
-    dict
-        The columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline` is
-        what is recommended if that is a baseline, otherwise the baseline of the least error;
-        without baselines it is "", and the numbers on it are left out. `baseline_difference` is the
-        best scheme's error minus that of the baseline, so it is positive where the baseline is
-        better.
     """
     at_best = list(names).index(best)
     common = np.isfinite(samples[at_best])
@@ -272,21 +265,13 @@ def relate_to_record(
 ) -> dict[str, object]:
     """Say whether the expected map advises for a record, and whether it contradicts the record.
 
-    Parameters
-    ----------
-    values
-        Name of a scheme or baseline -> its error by the expected map.
-    by_record
-        The row of the table of advice by the record's own errors, if there is one.
-    share
-        The share of the record's variance that the fitted spectrum covers.
+    `values`: name of a scheme or baseline -> its error by the expected map. `by_record`: the row of
+    the table of advice by the record's own errors, if there is one. `share`: the share of the
+    record's variance that the fitted spectrum covers.
 
-    Returns
-    -------
-    dict
-        The columns fit_share, advises and contradicts_record of the table of advice. The map
-        contradicts the record if what the record recommends has, by the map, an error that is
-        larger than the least one by `LEAST_MARGIN` or more.
+    Return the columns fit_share, advises and contradicts_record of the table of advice. The map
+    contradicts the record if what the record recommends has, by the map, an error that is larger
+    than the least one by `LEAST_MARGIN` or more.
     """
     contradicts = False
     chosen = "" if by_record is None else str(by_record["recommended"])

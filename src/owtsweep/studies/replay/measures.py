@@ -37,14 +37,9 @@ class Tally:
     The pieces always begin and end at the steps of `cut_into_parts`. So the sums are equal to the
     last bit, however the estimates were computed.
 
-    Parameters
-    ----------
-    record
-        The record, with the true motion if it is known.
-    fixes
-        Fixes measured in this replicate, shape (fixes, 2) in m; NaN where no fix came.
-    settled
-        The first step after the settling time.
+    `record`: the record, with the true motion if it is known. `fixes`: fixes measured in this
+    replicate, shape (fixes, 2) in m; NaN where no fix came. `settled`: the first step after the
+    settling time.
     """
 
     def __init__(self, record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int) -> None:

@@ -39,12 +39,8 @@ NODES = 64
 class Expectation:
     """The errors expected of a scheme.
 
-    Attributes
-    ----------
-    spectrum
-        The part that motion causes, per unit of motion, at frequencies of the band.
-    floor
-        The part that sensor noise causes, whatever the motion.
+    `spectrum`: the part that motion causes, per unit of motion, at frequencies of the band.
+    `floor`: the part that sensor noise causes, whatever the motion.
     """
 
     spectrum: ErrorSpectrum

@@ -165,6 +165,9 @@ def execute(
     Raise `InputError` if no record or not the configuration can be used; nothing has been written
     then.
 
+    Return what was computed, reused and failed. In `failed` are also the cases of a record that
+    cannot be used, if there are others that can, and estimates that could not be written.
+
     Parameters
     ----------
     fresh, progress, argv
@@ -172,12 +175,6 @@ def execute(
     say
         Shows the user a line: notes on the records before anything runs, and announcements of slow
         work.
-
-    Returns
-    -------
-    Outcome
-        What was computed, reused and failed. In `failed` are also the cases of a record that cannot
-        be used, if there are others that can, and estimates that could not be written.
     """
     from owtsweep.studies.replay import estimates
     from owtsweep.sweep.rows import Setback

@@ -197,14 +197,9 @@ def observe(
 ) -> tuple[Array, Array]:
     """Return G and J of Eq. (13) for channels.
 
-    Parameters
-    ----------
-    shapes
-        Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, modes).
-    strain
-        Strains for unit degrees of freedom, shape (nodes, dof).
-    rate, drive
-        The coordinates' acceleration is rate x + drive p; shapes (modes, 2 modes), (modes, inputs).
+    `shapes`: displacements of the cut's degrees of freedom for unit coordinates, shape (dof,
+    modes). `strain`: strains for unit degrees of freedom, shape (nodes, dof). `rate`, `drive`: the
+    coordinates' acceleration is rate x + drive p; shapes (modes, 2 modes), (modes, inputs).
     """
     modes = shapes.shape[1]
     G, J = np.zeros((len(channels), 2 * modes)), np.zeros((len(channels), drive.shape[1]))

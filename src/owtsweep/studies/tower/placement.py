@@ -83,15 +83,10 @@ class Problem:
 class Choice:
     """A set of candidate sensors with its predicted errors.
 
-    Attributes
-    ----------
-    chosen, heights
-        Numbers of the candidates, increasing, and their heights above ground in m.
-    stress, weld
-        Standard deviation of the stress over its scale at the worst weld, inf if it never settles;
-        and the number of this weld.
-    moment
-        Standard deviation of M0 over its scale; inf if it never settles.
+    `chosen`, `heights`: numbers of the candidates, increasing, and their heights above ground in m.
+    `stress`, `weld`: standard deviation of the stress over its scale at the worst weld, inf if it
+    never settles; and the number of this weld. `moment`: standard deviation of M0 over its scale;
+    inf if it never settles.
     """
 
     chosen: tuple[int, ...]

@@ -27,14 +27,9 @@ from owtsweep.waves import Sea, draw_waves
 class WaveLoads:
     """Wave loads along the direction of the waves.
 
-    Attributes
-    ----------
-    dof
-        Numbers of the degrees of freedom that are loaded, shape (loaded,).
-    series
-        Loads on them in N and N m, shape (lead + steps, loaded).
-    force
-        Their sum of forces in N, shape (lead + steps,).
+    `dof`: numbers of the degrees of freedom that are loaded, shape (loaded,). `series`: loads on
+    them in N and N m, shape (lead + steps, loaded). `force`: their sum of forces in N, shape (lead
+    + steps,).
     """
 
     dof: NDArray[np.int64]

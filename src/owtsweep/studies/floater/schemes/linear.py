@@ -90,14 +90,9 @@ def find_age(setting: Setting, measured: Measured) -> Array:
 class Inputs(NamedTuple):
     """What a scheme takes of a record, one degree of freedom per row.
 
-    Attributes
-    ----------
-    position
-        Reported positions, shape (6, steps), NaN where the scheme uses no report.
-    acceleration
-        In the basin's frame, shape (6, steps).
-    rate
-        For each degree of freedom its measured rate (steps,), or an empty array.
+    `position`: reported positions, shape (6, steps), NaN where the scheme uses no report.
+    `acceleration`: in the basin's frame, shape (6, steps). `rate`: for each degree of freedom its
+    measured rate (steps,), or an empty array.
     """
 
     position: Array

@@ -201,19 +201,11 @@ class Problem:
     def whiten(self, noise: Array, residual: Array) -> tuple[Array, float]:
         """Return residuals divided by their stated deviation, and their log likelihood.
 
-        Parameters
-        ----------
-        noise
-            Standard deviation of an IMU sample (m/s^2) and of a position (m), and the bias walk
-            (m/s^2/sqrt(s)), shape (3,).
-        residual
-            What `residual` returns.
+        `noise`: standard deviation of an IMU sample (m/s^2) and of a position (m), and the bias
+        walk (m/s^2/sqrt(s)), shape (3,). `residual`: what `residual` returns.
 
-        Returns
-        -------
-        tuple
-            The innovations, shape (m, 2), independent with variance 1 if the noise is right; and
-            the logarithm of their likelihood, minus infinity where it cannot be computed.
+        Return the innovations, shape (m, 2), independent with variance 1 if the noise is right; and
+        the logarithm of their likelihood, minus infinity where it cannot be computed.
         """
         parts, density = self.differences, self.integral.step * noise[0] ** 2
         covariance = (

@@ -84,14 +84,10 @@ class Estimated:
 class Noise:
     """What a record says about its sensors.
 
-    Attributes
-    ----------
-    parameters
-        The estimated parameters; empty if nothing was recorded or the record is too short.
-    heavy_tails
-        Excess kurtosis of the innovations if it is more than Gaussian noise explains, else 0.
-    disagreement
-        Why the specific force and the positions contradict each other; "" if they do not.
+    `parameters`: the estimated parameters; empty if nothing was recorded or the record is too
+    short. `heavy_tails`: excess kurtosis of the innovations if it is more than Gaussian noise
+    explains, else 0. `disagreement`: why the specific force and the positions contradict each
+    other; "" if they do not.
     """
 
     parameters: tuple[Estimated, ...] = ()

@@ -45,15 +45,10 @@ MARGIN = 10.0
 class Expander:
     """Shapes in one band, and how sensors give their coordinates.
 
-    Attributes
-    ----------
-    decompose
-        Coordinates (or their accelerations) for unit signals, shape (shapes, channels).
-    shapes
-        Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, shapes).
-    loads
-        Interface loads for unit displacement, velocity and acceleration of the coordinates, each of
-        shape (4, shapes).
+    `decompose`: coordinates (or their accelerations) for unit signals, shape (shapes, channels).
+    `shapes`: displacements of the cut's degrees of freedom for unit coordinates, shape (dof,
+    shapes). `loads`: interface loads for unit displacement, velocity and acceleration of the
+    coordinates, each of shape (4, shapes).
     """
 
     decompose: Array

@@ -30,14 +30,9 @@ from owtsweep.studies.tower.models import list_whole_dof, respond_statically, se
 class Shapes:
     """Static shapes and what the sensors say of them, for one setting.
 
-    Attributes
-    ----------
-    decompose
-        Coordinates of the shapes for unit signals, shape (shapes, channels).
-    shapes
-        Displacements of the cut's degrees of freedom for unit coordinates, shape (dof, shapes).
-    loads
-        Interface loads for unit coordinates, shape (4, shapes).
+    `decompose`: coordinates of the shapes for unit signals, shape (shapes, channels). `shapes`:
+    displacements of the cut's degrees of freedom for unit coordinates, shape (dof, shapes).
+    `loads`: interface loads for unit coordinates, shape (4, shapes).
     """
 
     decompose: Array
@@ -96,14 +91,9 @@ class QuasiStatic(Scheme):
 class Lever:
     """The static response to a thrust, for one setting.
 
-    Attributes
-    ----------
-    channel, per_reading
-        Number of the sensor that gives the thrust, and thrust over its reading, N per unit.
-    shape
-        Displacements of the cut's degrees of freedom for a unit thrust, shape (dof,).
-    loads
-        Interface loads for a unit thrust, shape (4,).
+    `channel`, `per_reading`: number of the sensor that gives the thrust, and thrust over its
+    reading, N per unit. `shape`: displacements of the cut's degrees of freedom for a unit thrust,
+    shape (dof,). `loads`: interface loads for a unit thrust, shape (4,).
     """
 
     channel: int
