@@ -114,7 +114,7 @@ def compare_schemes(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) 
         both = np.isfinite(a) & np.isfinite(b)
         a, b = np.where(both, a, np.nan), np.where(both, b, np.nan)
     change = difference(a, b, paired=paired)
-    told = np.where(change.value < 0.0, "better", "worse")
+    words = np.where(change.value < 0.0, "better", "worse")
     table = first.index.to_frame(index=False).assign(
         mse_from=gap(a).value,
         mse_to=gap(b).value,
@@ -122,7 +122,7 @@ def compare_schemes(first: pd.DataFrame, second: pd.DataFrame, *, paired: bool) 
         **_name_columns("ratio", ratio(a, b, paired=paired)),
         n_from=change.n_first,
         n_to=change.n_second,
-        verdict=np.where(holm(change.p), told, ""),
+        verdict=np.where(holm(change.p), words, ""),
     )
     return table[np.isfinite(change.value)].to_dict("records")
 

@@ -99,9 +99,9 @@ def _tell_changes(changed: pd.DataFrame) -> str:
     rows = []
     for (one, other), cells in changed.groupby(["from_run", "to_run"], sort=False):
         moves = (cells["best_from"] + " -> " + cells["best_to"]).value_counts(sort=False)
-        told = ", ".join(f"{move}: {count}" for move, count in moves.items())
+        text = ", ".join(f"{move}: {count}" for move, count in moves.items())
         established = str(int(cells["established"].sum()))
-        rows.append([str(one), str(other), str(len(cells)), established, told])
+        rows.append([str(one), str(other), str(len(cells)), established, text])
     return markdown.table(["from", "to", "cells", "established", "from -> to"], rows)
 
 

@@ -72,8 +72,10 @@ def explain_key_of_list(words: Sequence[str], model: type[Section]) -> str:
         if 0 < len(fields) < len(path) and get_origin(bare_type(fields[-1].annotation)) is list:
             key = ".".join(path[: len(fields)])
             unit = read_facts(fields[-1])["unit"]
-            told = f" in {unit}" if unit else ""
-            return f"{'.'.join(path)}: there is no such key; {key} is a list{told}: use {key}=[...]"
+            where = f" in {unit}" if unit else ""
+            return (
+                f"{'.'.join(path)}: there is no such key; {key} is a list{where}: use {key}=[...]"
+            )
     return ""
 
 

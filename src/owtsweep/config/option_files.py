@@ -58,10 +58,10 @@ def place_files(
         try:
             yield [_replace(override, options) for override in overrides], [Path(folder)]
         except InputError as error:  # in the user's words
-            told = str(error)
+            text = str(error)
             for (_, word), option in options.items():
-                told = told.replace(option, word)
-            raise InputError(told) from error
+                text = text.replace(option, word)
+            raise InputError(text) from error
 
 
 def _split(override: str) -> tuple[str, list[str]]:

@@ -153,8 +153,8 @@ def _beyond(kind: str, limits: Mapping[str, object], value: object, unit: str, a
     if kind == "greater_than_equal":
         if limit == 0:
             whole = isinstance(limit, int)
-            told = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
-            return f"{number} {told}"
+            text = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
+            return f"{number} {text}"
         return f"{shown} must be at least {f'{limit:g} {unit}'.strip()}"
     if kind in ("less_than", "less_than_equal"):
         return f"{value} is more than {limit}; lower it"

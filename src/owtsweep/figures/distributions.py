@@ -100,8 +100,8 @@ def draw(
         for value, axes in zip(columns, row, strict=True):
             cell = {across: value, **line}
             _draw_panel(axes, _select(errors, cell), schemes)
-            told = ", ".join(f"{c.word} {c.show(v)}" for c, v in cell.items())
-            axes.set_title(told, loc="left", fontsize=9)
+            named = ", ".join(f"{c.word} {c.show(v)}" for c, v in cell.items())
+            axes.set_title(named, loc="left", fontsize=9)
     for row in grid:
         _scale(row[0])
     for axes in grid[-1]:

@@ -80,8 +80,8 @@ def grid(
     holes = False
     for cells in groups:
         if further:
-            told = (f"{c.word} {c.show(cells[c.name].iloc[0])}" for c in further)
-            parts.append(Text(", ".join(told)))
+            words = (f"{c.word} {c.show(cells[c.name].iloc[0])}" for c in further)
+            parts.append(Text(", ".join(words)))
         plane = Plane.of(cells, conditions[:2])
         rows = {plane.place(row): row for row in cells.to_dict("records")}
         parts.append(_Map(rows, schemes, signs, plane))

@@ -85,15 +85,15 @@ def find_best_schemes(
                 for some in (competing, beside)
             )
             result = contest(np.stack(values))
-            told = result._asdict() | {
+            verdict = result._asdict() | {
                 "best": names[result.best],
                 "runner_up": names[result.runner_up],
             }
             if others:
                 duel = challenge(np.stack(values), result.best, np.stack(others))
-                told |= duel._asdict() | {"baseline": beside_names[duel.baseline]}
+                verdict |= duel._asdict() | {"baseline": beside_names[duel.baseline]}
             cells = cube.name_outer(place) | {last: cube.levels[-1], "criterion": criterion}
-            part = pd.DataFrame(cells | {"window": window} | told)
+            part = pd.DataFrame(cells | {"window": window} | verdict)
             parts.append(part[result.judged])
         table = pd.concat(parts)
         table = table.assign(distinguishable=holm(table["p"]))

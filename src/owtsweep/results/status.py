@@ -62,9 +62,9 @@ def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
     """
     import pandas as pd
 
-    told = table.assign(status=OK, reason="")
-    lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=told.columns)
-    return pd.concat([told, lines]) if len(told) else lines
+    marked = table.assign(status=OK, reason="")
+    lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=marked.columns)
+    return pd.concat([marked, lines]) if len(marked) else lines
 
 
 def tell_in_best_scheme(
@@ -79,7 +79,7 @@ def tell_in_best_scheme(
         return table
     who = unable["scheme"] + ": " + unable["reason"]
     reasons = who.groupby([unable[name] for name in names]).agg("; ".join).rename("reason")
-    told = table.merge(reasons, how="left", left_on=list(names), right_index=True)
-    told["reason"] = told["reason"].fillna("")
-    told["status"] = [UNABLE if reason else OK for reason in told["reason"]]
-    return told[[*table.columns, "status", "reason"]]
+    marked = table.merge(reasons, how="left", left_on=list(names), right_index=True)
+    marked["reason"] = marked["reason"].fillna("")
+    marked["status"] = [UNABLE if reason else OK for reason in marked["reason"]]
+    return marked[[*table.columns, "status", "reason"]]

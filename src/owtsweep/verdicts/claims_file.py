@@ -208,8 +208,8 @@ def read_claims(path: Path) -> ClaimsFile:
         for name in ("statements", "goals")
     )
     require(bool(statements + goals), f"{where}: it has no statements; write [[statements]]")
-    told = {n: " ".join(_take(found, n, str, where, "").split()) for n in _OF_FILE[:4]}
-    return ClaimsFile(**told, words=words, statements=statements, goals=goals)
+    texts = {n: " ".join(_take(found, n, str, where, "").split()) for n in _OF_FILE[:4]}
+    return ClaimsFile(**texts, words=words, statements=statements, goals=goals)
 
 
 def _make_statement(found: Plain, shared: Plain, where: str) -> Statement:

@@ -143,13 +143,13 @@ class JudgedClaim:
         are missing or there is no decision; else "reproduced" if the test shows that every decision
         holds; else "undecided".
         """
-        told = holm([c.p for c in self.decisions])
+        rejected = holm([c.p for c in self.decisions])
         held = np.array([c.t > 0.0 for c in self.decisions], dtype=bool)
-        if np.any(told & ~held):
+        if np.any(rejected & ~held):
             return NOT_REPRODUCED
         if self.missing or not self.decisions:
             return MISSING
-        return REPRODUCED if np.all(told & held) else UNDECIDED
+        return REPRODUCED if np.all(rejected & held) else UNDECIDED
 
     @property
     def deciding(self) -> Decision:

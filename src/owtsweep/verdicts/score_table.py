@@ -110,8 +110,8 @@ class RunRows:
 
     def tell(self, place: Place) -> str:
         """Return the values of all conditions but the last in words."""
-        told = zip(self.conditions[:-1], place, strict=True)
-        return ", ".join(condition.show(value) for condition, value in told)
+        pairs = zip(self.conditions[:-1], place, strict=True)
+        return ", ".join(condition.show(value) for condition, value in pairs)
 
 
 @dataclass(frozen=True)

@@ -123,10 +123,10 @@ def plan_blocks(
             key = (scheme.name, first, *known.values())
             if key in blocks:
                 continue
-            told = [scheme.name, *axes.tell(known, named)]
+            lines = [scheme.name, *axes.tell(known, named)]
             blocks[key] = Block(
-                ", ".join(told) if scheme.alone else group,
-                ", ".join([*told, numbers]),
+                ", ".join(lines) if scheme.alone else group,
+                ", ".join([*lines, numbers]),
                 {**content, **known, "replicates": [first, last]},
                 cases * (last - first),
                 cases,
@@ -137,8 +137,8 @@ def plan_blocks(
 
 def find_ignored(declaration: AnyDeclaration, scheme: AnyScheme) -> list[str]:
     """Return the axes of knowledge on which the estimates of a scheme do not depend."""
-    told = declaration.axes.find_entering("knowledge")
-    return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in told]
+    entering = declaration.axes.find_entering("knowledge")
+    return [axis for axis in declaration.schemes.list_ignored(scheme) if axis in entering]
 
 
 def _find_expanded(
@@ -256,13 +256,13 @@ class Records:
             truths = self._truths[world]
             self._records = {sensed: [made.measure(given, cell, truth) for truth in truths]}
             self._parts = {}
-        told = (config.tuning_name, *cell.items())
+        key = (config.tuning_name, *cell.items())
         records = self._records[sensed]
-        if told not in self._parts:
+        if key not in self._parts:
             # kept besides: those of a cell without the axes that some scheme ignores
             self._parts = dict([*self._parts.items()][-1:])
-            self._parts[told] = [made.inform(config, cell, record) for record in records]
-        return list(zip(records, self._parts[told], strict=True))
+            self._parts[key] = [made.inform(config, cell, record) for record in records]
+        return list(zip(records, self._parts[key], strict=True))
 
     def gather(self, cell: Cell) -> object:
         """Return all records of a cell as the one object that kernels run on."""
@@ -292,8 +292,8 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
         if len(shape) != len(wanted) or any(
             size not in (-1, found) for found, size in zip(shape, wanted, strict=True)
         ):
-            told = ", ".join("any" if size == -1 else str(size) for size in wanted)
-            raise NotFinite(f"{name} has the shape {shape}, not ({told})")
+            text = ", ".join("any" if size == -1 else str(size) for size in wanted)
+            raise NotFinite(f"{name} has the shape {shape}, not ({text})")
 
 
 def _judge(

@@ -76,9 +76,9 @@ def describe_draws(config: ContestConfig) -> str:
 
 def describe_origin(contest: Contest[C], config: C) -> str:
     """Return in one line the tuning, the truth, the sensors, the records and their seed."""
-    told = list_origin(contest, config)
+    origin = list_origin(contest, config)
     return (
-        f"Tuning {told['tuning']}; truth: {told['truth']}; sensors: {told['sensors']}; "
+        f"Tuning {origin['tuning']}; truth: {origin['truth']}; sensors: {origin['sensors']}; "
         f"{describe_draws(config)}"
     )
 

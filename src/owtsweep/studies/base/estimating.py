@@ -30,8 +30,8 @@ def estimate_record(
     failures = {}
     for scheme in declaration.schemes.choose(config):
         ignored = find_ignored(declaration, scheme)
-        told = {axis: value for axis, value in cell.items() if axis not in ignored}
-        ((record, parts),) = made.take(config, told)
+        known = {axis: value for axis, value in cell.items() if axis not in ignored}
+        ((record, parts),) = made.take(config, known)
         readied = Readied(declaration, scheme)
         try:
             estimates = {name: readied.run(part) for name, part in parts.items()}

@@ -83,16 +83,16 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
     schemes = [name for name in names if name not in waiting] or names
     conditions = contest.find_conditions(config)
     shown = grid(best, schemes, conditions, config.criterion, WINDOW, score="error")
-    told = [
+    lines = [
         f"By {criterion.replace('_', ' ')}: {tell_winners(cells)}"
         for criterion in contest.criteria
         if len(cells := best[best["criterion"] == criterion])
     ]
     if len(schemes) < len(names):
-        told.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
-    told += contest.tell_more(config, tables)
+        lines.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
+    lines += contest.tell_more(config, tables)
     return Group(
-        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in told)
+        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in lines)
     )
 
 
@@ -101,8 +101,8 @@ def tell_unable(unable: pd.DataFrame) -> list[str]:
     if unable.empty:
         return []
     counts = unable["scheme"].astype(str).value_counts(sort=False)
-    told = ", ".join(f"{name} in {n} cell{'s' * (n != 1)}" for name, n in counts.items())
-    return [f"Unable to work, with its reason in summary.csv: {told}."]
+    text = ", ".join(f"{name} in {n} cell{'s' * (n != 1)}" for name, n in counts.items())
+    return [f"Unable to work, with its reason in summary.csv: {text}."]
 
 
 def tell_waiting(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
@@ -110,8 +110,8 @@ def tell_waiting(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     waits = find_waits(rows)
     if not waits or list_competing(config, rows) == list_names(config.schemes):
         return []
-    told = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in waits.items())
-    return [f"In summary.csv, but not in the contest, because estimates wait: {told}."]
+    text = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in waits.items())
+    return [f"In summary.csv, but not in the contest, because estimates wait: {text}."]
 
 
 def _draw_map(

@@ -321,9 +321,9 @@ def blame_code(target: str, advice: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        told = str(error)
+        text = str(error)
         raise InputError(
-            told if told.startswith("schemes: ") else f"schemes: {target} is no scheme: {told}"
+            text if text.startswith("schemes: ") else f"schemes: {target} is no scheme: {text}"
         ) from None
     except KeyboardInterrupt:
         raise

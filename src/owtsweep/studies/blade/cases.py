@@ -101,23 +101,23 @@ def believe(
     """Return what schemes know of a case that begins at `start`, by the section `filters`."""
     tuning, sensors = config.filters, config.sensors
     receiver = sensors.receiver
-    told = tuning if tuning.noise == "declared" else config.unit
+    priors = tuning if tuning.noise == "declared" else config.unit
     vertical = np.array([1.0, 1.0, sensors.vertical])
     declared = tuning.noise == "declared"
     fix_sigma = np.array(tuning.fix_sigma) if declared else cell["sigma"] * vertical
     freedoms = list(choose_freedoms(config, cell).values())[:3]
     walk = 1.0 / np.sqrt(WALK_TIME)
-    rate_sigma = np.deg2rad(told.rate_sigma)
+    rate_sigma = np.deg2rad(priors.rate_sigma)
     return Setting(
         step=1.0 / config.record.rate,
         fix_sigma=fix_sigma,
         float_sigma=fix_sigma if declared else np.hypot(fix_sigma, receiver.float_sigma * vertical),
-        force_sigma=told.force_sigma,
+        force_sigma=priors.force_sigma,
         rate_sigma=rate_sigma,
-        force_bias=max(told.force_bias, LEAST * told.force_sigma),
-        rate_bias=max(np.deg2rad(told.rate_bias), LEAST * rate_sigma),
-        force_walk=walk * told.force_walk,
-        rate_walk=walk * np.deg2rad(told.rate_walk),
+        force_bias=max(priors.force_bias, LEAST * priors.force_sigma),
+        rate_bias=max(np.deg2rad(priors.rate_bias), LEAST * rate_sigma),
+        force_walk=walk * priors.force_walk,
+        rate_walk=walk * np.deg2rad(priors.rate_walk),
         start=start,
         start_sigma=start_sigma,
         offset_sigma=tuning.offset_sigma,

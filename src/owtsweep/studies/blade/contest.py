@@ -39,20 +39,20 @@ def describe_truth(config: BladeConfig) -> str:
         parts.append(f"{(config.grid.period or [swing.period])[0]:g} s")
     if "amplitude" not in config.axes:
         parts.append(f"{(config.grid.amplitude or [swing.sigma])[0]:g} m rms")
-    told = f", swing of {' and '.join(parts)}" if parts else ""
-    return f"rigid blade on a hook{told}; {record.duration:g} s at {record.rate:g} Hz"
+    text = f", swing of {' and '.join(parts)}" if parts else ""
+    return f"rigid blade on a hook{text}; {record.duration:g} s at {record.rate:g} Hz"
 
 
 def describe_sensors(config: BladeConfig) -> str:
     """Return in words what sensors do, the axes that have one value among it."""
-    told = [f"inertial unit of grade {config.grade}", f"GNSS at {config.sensors.fix_rate:g} Hz"]
+    words = [f"inertial unit of grade {config.grade}", f"GNSS at {config.sensors.fix_rate:g} Hz"]
     for condition in CONDITIONS:
         if condition.name in config.axes:
             continue
         values = getattr(config.grid, condition.name)
         if values and values[0] != USUAL.get(condition.name):
-            told.append(f"{condition.label} {condition.show(values[0])}")
-    return ", ".join(told)
+            words.append(f"{condition.label} {condition.show(values[0])}")
+    return ", ".join(words)
 
 
 CONTEST = Contest(

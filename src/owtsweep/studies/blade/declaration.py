@@ -91,9 +91,9 @@ def _show(config: BladeConfig, cell: Cell, case: Case) -> Shown:
 
 def _state(case: Case, estimates: Mapping[str, Estimates]) -> Stated:
     given = estimates[""]
-    told = {"root": given.root, "root_velocity": given.root_velocity, "rotation": given.rotation}
+    found = {"root": given.root, "root_velocity": given.root_velocity, "rotation": given.rotation}
     stated = {"root": given.root_covariance, "rotation": given.attitude_covariance}
-    return Stated(told, {name: P for name, P in stated.items() if P is not None}, given.wait)
+    return Stated(found, {name: P for name, P in stated.items() if P is not None}, given.wait)
 
 
 DECLARATION = Declaration(

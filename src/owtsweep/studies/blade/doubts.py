@@ -93,7 +93,7 @@ def find_wander(setting: Setting, truth: Truth) -> tuple[Array, Array]:
         window = min(max(round(period / truth.step), 1), steps)
         total = np.concatenate([[0.0], np.cumsum(under_hook[:, axis])])
         wander[axis] = np.ptp(total[window:] - total[:-window]) / window
-    told = setting.gust_sigma * np.sqrt(2.0 * steps * truth.step / setting.gust_time)
-    told = np.hypot(told, setting.tuning.agreement)
-    told[:2] = told[:2].max()
-    return wander, told
+    assumed = setting.gust_sigma * np.sqrt(2.0 * steps * truth.step / setting.gust_time)
+    assumed = np.hypot(assumed, setting.tuning.agreement)
+    assumed[:2] = assumed[:2].max()
+    return wander, assumed

@@ -31,13 +31,13 @@ def describe_truth(config: MatingConfig) -> str:
 
 def describe_sensors(config: MatingConfig) -> str:
     """Return in words the hub's scheme, and the axes that have one value."""
-    told = [f"hub estimated by {config.hub_scheme}"]
+    lines = [f"hub estimated by {config.hub_scheme}"]
     for condition in CONDITIONS:
         if condition.name not in config.axes:
-            told.append(
+            lines.append(
                 f"{condition.label} {condition.show(getattr(config.grid, condition.name)[0])}"
             )
-    return ", ".join(told)
+    return ", ".join(lines)
 
 
 CONTEST = Contest(

@@ -53,10 +53,10 @@ class ReplayStudy(HubKeys, Engine):
             "motion: a replay takes its motion from the record; leave out "
             f"motion={config.motion.kind}",
         )
-        told = None not in (config.skf.natural_period, config.skf.amplitude)
+        known = None not in (config.skf.natural_period, config.skf.amplitude)
         for scheme in resolve_all(config.schemes):
             require(
-                told or not (scheme.told_motion and "skf" in scheme.sections),
+                known or not (scheme.told_motion and "skf" in scheme.sections),
                 f"skf.natural_period, skf.amplitude: {scheme.name} must be told the motion of the "
                 "record; give the period of its peak and its amplitude, or leave "
                 f"{scheme.name} out of schemes",

@@ -147,8 +147,8 @@ def advise_from_record(
         return None
     names = [*schemes, *BASELINE_ROWS.values()]
     chosen = choose_simplest(samples, names, str(compared["best"]), whole=whole)
-    told = {"source": source, "criterion": criterion, "window": window}
-    return {**told, **compared, **chosen, "advises": True}
+    row = {"source": source, "criterion": criterion, "window": window}
+    return {**row, **compared, **chosen, "advises": True}
 
 
 def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
@@ -176,15 +176,15 @@ def recommend(advised: pd.DataFrame) -> str:
     what_to_do = f"{INSTEAD[chosen]} ({chosen})" if chosen in INSTEAD else f"run {chosen}"
     if row["noise"] == ESTIMATED:
         what_to_do += " with the noise that the record shows (noise.csv), not the stated one"
-    told = f"{what_to_do}; its {what} is {size:.3g} {unit}"
-    told = f"recommended: {told} (root mean square)"
+    text = f"{what_to_do}; its {what} is {size:.3g} {unit}"
+    text = f"recommended: {text} (root mean square)"
     best = [row["best"], *row.get("same_as", "").split()]
     if chosen not in best:
-        return f"{told}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
+        return f"{text}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
     if not row.get("runner_up"):
-        return told
-    told += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
-    return told if row["matters"] else f"{told}; the difference does not matter"
+        return text
+    text += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
+    return text if row["matters"] else f"{text}; the difference does not matter"
 
 
 def choose_simplest(

@@ -137,15 +137,15 @@ def explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
     found = [quantity for quantity in INSTEAD if recording.has(quantity)]
     if not found or recording.has("specific_force"):
         return f"{recording.path}: no position: set columns.position_x and columns.position_y"
-    told = f"{recording.path}: no position and no specific force"
+    text = f"{recording.path}: no position and no specific force"
     for quantity in found:
         role, when = INSTEAD[quantity]
         names = [recording.names[f"{quantity}_{a}"] for a in _axes(recording, quantity)]
-        told += f"; {' and '.join(names)}, taken as {quantity}, can be {role}, {when}"
+        text += f"; {' and '.join(names)}, taken as {quantity}, can be {role}, {when}"
     if found == ["acceleration"]:
-        return f"{told}, and beside fixes (columns.fix_x) or a reference (columns.reference_x)"
+        return f"{text}, and beside fixes (columns.fix_x) or a reference (columns.reference_x)"
     kind = "an IMU and a GNSS" if "acceleration" in found else "motion"
-    return f"{told}. For {kind}: {_write_command(config, recording, found[0])}"
+    return f"{text}. For {kind}: {_write_command(config, recording, found[0])}"
 
 
 def _write_command(config: ReplayConfig, recording: Recording, quantity: str) -> str:

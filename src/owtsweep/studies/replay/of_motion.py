@@ -95,13 +95,15 @@ def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
     but not compared: a constant lean is a constant bias of the accelerometer, which schemes
     estimate; what changes cannot be told from motion. "" if no platform turns.
     """
-    told = []
+    sentences = []
     start = gridded.grid.start + begin
     for axis, (name, angle) in recording.leans.items():
         if f"position_{axis}" not in recording.channels:
             continue
         if angle is None:
-            told.append(f"g sin({name}) along {axis} is not known, as {name} has no unit of angle")
+            sentences.append(
+                f"g sin({name}) along {axis} is not known, as {name} has no unit of angle"
+            )
             continue
         there = angle[np.isfinite(angle) & (recording.time >= start)]
         if len(there) == 0 or np.ptp(there) <= LEAST["angle"]:
@@ -111,13 +113,13 @@ def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
         after = gridded.pairs["acceleration"][round(begin * gridded.grid.rate) :, "xy".index(axis)]
         moved = float(np.std(after))
         ratio = f"{felt.std() / moved:.2g} times" if moved > 0.0 else "beside"
-        told.append(
+        sentences.append(
             f"g sin({name}) along {axis} varies by {felt.std():.2g} m/s² (standard deviation; mean "
             f"{mean:.2g}), {ratio} the motion's acceleration of {moved:.2g} m/s²"
         )
-    if not told:
+    if not sentences:
         return ""
     return (
         "the file holds the platform's angles, but the simulated IMU does not turn with it: "
-        f"{'; '.join(told)}; so the advice holds for a levelled IMU only"
+        f"{'; '.join(sentences)}; so the advice holds for a levelled IMU only"
     )

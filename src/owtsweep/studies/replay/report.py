@@ -151,22 +151,22 @@ def _describe_many(records: pd.DataFrame) -> str:
 
 
 def _tell_leans(config: ReplayConfig) -> list[str]:
-    told = []
+    lines = []
     for label, file in label_files(config.grid.files).items():
         try:
             lean = tell_lean(config, file)
         except InputError:  # a record that was left out
             continue
-        told += [f"- {_escape(f'{label}: {lean}')}"] if lean else []
-    return ["", *told] if told else []
+        lines += [f"- {_escape(f'{label}: {lean}')}"] if lean else []
+    return ["", *lines] if lines else []
 
 
 def _tell_refused(refused: pd.DataFrame) -> list[str]:
     if refused.empty:
         return []
     both = zip(refused["file"], refused["reason"], strict=True)
-    told = [f"- {_escape(str(file))}: {_escape(str(reason))}" for file, reason in both]
-    return ["\n## Records left out\n", *told]
+    lines = [f"- {_escape(str(file))}: {_escape(str(reason))}" for file, reason in both]
+    return ["\n## Records left out\n", *lines]
 
 
 def _escape(text: str) -> str:

@@ -76,8 +76,8 @@ def _recommend(advice: Advice) -> str:
         return f"no difference that matters: run {chosen}, the simplest, {size}; {less}{more}"
     if not runner_up:
         return f"{best}, {size}; there is nothing to compare it with{more}"
-    told = _describe_difference(numbers["margin"] * least, least, *ends)
-    margin = f"{runner_up} has {told}"
+    words = _describe_difference(numbers["margin"] * least, least, *ends)
+    margin = f"{runner_up} has {words}"
     if not numbers["matters"]:
         return f"no difference that matters; {best}, {size}; {margin}{more}"
     return f"run {best}, {size}; {margin}{more}"
@@ -88,14 +88,14 @@ def _recommend_baseline(advice: Advice) -> str:
     chosen, best = texts["baseline"], _name(texts["best"], texts["same_as"].split())
     value, difference = numbers["value_baseline"], numbers["baseline_difference"]
     ends = _list_ends(advice, "baseline_ci_low", "baseline_ci_high")
-    told = _describe_difference(difference, value, *ends)
+    words = _describe_difference(difference, value, *ends)
     better = "no scheme is better"
     if difference < 0.0:
         better += " by a difference that matters"
     size = _describe_size(texts["criterion"], value)
     if best == chosen:  # a baseline that stands among the schemes
         return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}"
-    return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}; {best}, the best scheme, has {told}"
+    return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}; {best}, the best scheme, has {words}"
 
 
 def _list_ends(advice: Advice, *names: str) -> list[float]:
@@ -107,8 +107,8 @@ def _describe_rival(advice: Advice) -> str:
     baseline, least = advice.texts["baseline"], advice.numbers["value_best"]
     if baseline in ("", advice.texts["best"]):
         return ""
-    told = _describe_difference(advice.numbers["value_baseline"] - least, least)
-    return f"{baseline}, the best baseline, has {told}"
+    words = _describe_difference(advice.numbers["value_baseline"] - least, least)
+    return f"{baseline}, the best baseline, has {words}"
 
 
 def _name(best: str, same: list[str]) -> str:
@@ -146,15 +146,15 @@ def _describe_difference(difference: float, base: float, *ends: float) -> str:
 def describe_modes(config: ReplayConfig, record: Mapping[str, float]) -> str:
     """Name the peaks of a record's spectrum: period, share of the variance, whether in the band."""
     low, high = config.fit_band
-    told = []
+    peaks = []
     for number in range(1, MOST_MODES + 1):
         period = record[f"mode_{number}_period"]
         if np.isfinite(period):
             outside = "" if low <= 1.0 / period <= high else ", outside the band"
             share = 100.0 * record[f"mode_{number}_share"]
-            told.append(f"{period:.3g} s ({share:.0f} % of the variance{outside})")
-    text = f"peaks of the spectrum: {', '.join(told)}"
-    if not told:
+            peaks.append(f"{period:.3g} s ({share:.0f} % of the variance{outside})")
+    text = f"peaks of the spectrum: {', '.join(peaks)}"
+    if not peaks:
         text = f"the spectrum has no peak that is more than scatter (p < {LEVEL:g})"
     slow = record["slow_share"]
     if slow >= LEAST_SHARE:
@@ -172,15 +172,15 @@ def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
     tilt = config.sensors.imu.tilt
     if isinstance(tilt, str) or tilt == 0.0:
         return ""
-    told = f"a tilt of {tilt:g} rad/m"
+    text = f"a tilt of {tilt:g} rad/m"
     try:
         unaware, aware = (
             expect_at_record(believe(config, belief), record) for belief in (0.0, tilt)
         )
     except InputError as error:
-        return f"{told}: what it costs cannot be computed: {error}"
+        return f"{text}: what it costs cannot be computed: {error}"
     if not unaware or not aware:
-        return f"{told}: the record has no place in the map, so what it costs is not known"
+        return f"{text}: the record has no place in the map, so what it costs is not known"
     lean = make_sensors(config.sensors).lean
     period = record["natural_period"]
     share = abs(lean) * (period / (2.0 * np.pi)) ** 2
@@ -195,7 +195,7 @@ def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
     elif known > (1.0 + LEAST_MARGIN) * without:
         verdict = "the motion is so small that filters do better if they take the IMU for level"
     return (
-        f"{told} is {100.0 * share:.2g} % of the acceleration at {period:.3g} s; the least "
+        f"{text} is {100.0 * share:.2g} % of the acceleration at {period:.3g} s; the least "
         f"expected error is {np.sqrt(without):.3g} {unit} ({best_without}) if the filters do not "
         f"know it, {np.sqrt(known):.3g} {unit} ({best_known}) if they do: {verdict}"
     )

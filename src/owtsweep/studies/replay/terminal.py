@@ -101,10 +101,10 @@ def tell_windows(advised: pd.DataFrame) -> list[str]:
     """Return sentences on the part of a record that the advice judges, and on the other part."""
     of_map = advised["source"] == "map"
     windows = list(dict.fromkeys(advised.loc[~of_map, "window"]))
-    told = [OTHER_WINDOW[window] for window in windows or dict.fromkeys(advised["window"])]
+    lines = [OTHER_WINDOW[window] for window in windows or dict.fromkeys(advised["window"])]
     if of_map.any() and "full" in windows:
-        told.append("The expected map judges the settled part.")
-    return told
+        lines.append("The expected map judges the settled part.")
+    return lines
 
 
 def list_spectrum_notes(config: ReplayConfig) -> list[str]:

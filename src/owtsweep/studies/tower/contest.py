@@ -53,38 +53,40 @@ def describe_errors(config: TowerConfig) -> str:
         "damping": model.damping,
         "rotor mass": model.rotor_mass,
     }
-    told = [f"{name} x {factor:g}" for name, factor in factors.items() if factor != 1.0]
+    errors = [f"{name} x {factor:g}" for name, factor in factors.items() if factor != 1.0]
     if model.water_level:
-        told.append(f"water level {model.water_level:+g} m")
+        errors.append(f"water level {model.water_level:+g} m")
     faults = config.faults
-    told += [
+    errors += [
         f"{name} {size:g} of sigma"
         for name, size in (("bias", faults.bias), ("drift", faults.drift))
         if size
     ]
     if faults.loss:
-        told.append(f"loss {faults.loss:g}")
+        errors.append(f"loss {faults.loss:g}")
     if faults.tilted_accelerometers:
-        told.append("accelerometers feel tilt")
+        errors.append("accelerometers feel tilt")
     if faults.accelerated_inclinometers:
-        told.append("inclinometers feel acceleration")
-    return ", ".join(told)
+        errors.append("inclinometers feel acceleration")
+    return ", ".join(errors)
 
 
 def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
     """Return in words what 1 % of noise is, and the assumed noise of inclinometers."""
     lines: list[str] = []
-    told = []
+    sentences = []
     for name, words, unit, size in (
         (QUIETEST["theta"], "inclinometer", "microrad", 1e-6),
         (QUIETEST["a"], "accelerometer", "micro-g", 1e-6 * GRAVITY),
     ):
         part = summary[summary["measure"] == name]
         if len(part):
-            told.append(f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}")
-    if told:
+            sentences.append(
+                f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}"
+            )
+    if sentences:
         lines.append(
-            f"At 1 % of noise the quietest {', the quietest '.join(told)}, fore-aft "
+            f"At 1 % of noise the quietest {', the quietest '.join(sentences)}, fore-aft "
             f"(standard deviation per sample at {config.record.rate:g} Hz)."
         )
     if config.sensors.inclinometers or "inclinometers" in config.sensors.every_node:

@@ -98,9 +98,9 @@ def _require_sight(config: TowerConfig) -> None:
         else:
             return
     loads = [name for name in INPUTS if name in _missed(*_observe(setting))]
-    told = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
+    text = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
     raise InputError(
-        f"sensors: no scheme can work with the set-up {config.sensors.name}: {told}; "
+        f"sensors: no scheme can work with the set-up {config.sensors.name}: {text}; "
         f"{_advise(setting, places, config.structure.mudline)}"
     )
 

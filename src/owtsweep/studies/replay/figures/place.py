@@ -86,8 +86,8 @@ def _name_left_out(config: ReplayConfig) -> str:
 
 def _describe_coverage(record: Mapping[str, float]) -> str:
     share = record["fit_share"]
-    told = f"the fit of Eq. (1) covers {100.0 * share:.0f} % of this record's variance"
-    return told if share >= LEAST_COVERED else f"{told}: no advice for the record"
+    text = f"the fit of Eq. (1) covers {100.0 * share:.0f} % of this record's variance"
+    return text if share >= LEAST_COVERED else f"{text}: no advice for the record"
 
 
 def _make_field(
