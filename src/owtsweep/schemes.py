@@ -1,6 +1,6 @@
 """What a scheme of your own imports: `from owtsweep.schemes import Unable, blade`.
 
-`blade`, `floater` and `tower` hold the study's `Setting` (what a scheme is told), `Measured` (what
+`blade`, `floater` and `tower` hold the study's `Setting` (what a scheme knows), `Measured` (what
 it gets of a record; the tower's is an array) and `Estimates` (what it returns). A scheme of the hub
 study returns `owtsweep.Estimate`. `owtsweep.testing.check_declared_scheme` says whether a scheme
 keeps the contract.

@@ -118,9 +118,9 @@ def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
     samples = _arrange_samples(cube, aspects.window, shared)
     if shared.boundary is None:
         return Judged(run, aspects, best, samples)
-    asked = shared.conditions, shared.boundary, criterion, aspects.window
+    query = shared.conditions, shared.boundary, criterion, aspects.window
     try:
-        boundaries, products = find_boundary(rows, *asked), subtract_schemes(rows, *asked)
+        boundaries, products = find_boundary(rows, *query), subtract_schemes(rows, *query)
     except InputError as error:  # a scheme is missing, or amplitudes were run one by one
         reason = f"{run.label}: no {'/'.join(shared.boundary)} boundary ({error})"
         return Judged(run, aspects, best, samples, no_boundary=reason)

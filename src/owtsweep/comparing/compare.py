@@ -39,7 +39,7 @@ def compare(
 
     aspects = [describe(run) for run in comparison.runs]
     shared, left_out = find_common(comparison.runs, aspects)
-    runs = [judge(run, told, shared) for run, told in zip(comparison.runs, aspects, strict=True)]
+    runs = [judge(run, own, shared) for run, own in zip(comparison.runs, aspects, strict=True)]
     require(
         any(run.samples.shape[1] > 0 for run in runs),
         f"runs: none has a finite number of {', '.join(shared.schemes)} in a cell; sweep them "

@@ -128,10 +128,10 @@ def describe_origins(aspects: Sequence[Aspects]) -> str:
     One lists the settings that have one value in all runs, another those that differ. The text is
     empty if the study does not say where its numbers come from.
     """
-    names = dict.fromkeys(name for told in aspects for name in told.origin)
+    names = dict.fromkeys(name for own in aspects for name in own.origin)
     common, different = [], []
     for name in names:
-        values = list(dict.fromkeys(told.origin.get(name, "none") for told in aspects))
+        values = list(dict.fromkeys(own.origin.get(name, "none") for own in aspects))
         if len(values) == 1:
             common.append(f"{name} {values[0]}")
             continue

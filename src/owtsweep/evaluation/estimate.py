@@ -127,7 +127,7 @@ class EstimatedRecord:
         Scheme -> quantity -> covariance of the error, shape (steps, n, n). A quantity that is
         missing here has none.
     waits
-        Scheme -> time in s that a user waits for an estimate; 0 for what runs in real time.
+        Scheme -> latency in s; 0 for what runs in real time.
     units
         Unit of each quantity and of each signal, and its frame where this needs saying.
     failures

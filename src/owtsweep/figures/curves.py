@@ -25,7 +25,7 @@ CLOSEST_TICKS = 0.045
 #: A logarithmic axis cannot show zero, so the lower end of an interval is at least this fraction of
 #: its mean.
 LOWEST = 0.1
-#: The look of points from other sources, drawn beside the curves.
+#: The style of points from other sources, drawn beside the curves.
 HOLLOW: style.Look = {
     "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
 }  # fmt: skip

@@ -60,9 +60,9 @@ def ratio_of(row: Row) -> float:
     return float(row["mse_runner_up"]) / best if best > 0.0 else float("nan")
 
 
-def fill_cell(look: SchemeStyle, ratio: float) -> str:
+def fill_cell(style: SchemeStyle, ratio: float) -> str:
     """Return the fill "#RRGGBB" of a cell; `ratio` is as in `share_of_color`."""
-    return mix_with_white(look.color, float(share_of_color(ratio)))
+    return mix_with_white(style.color, float(share_of_color(ratio)))
 
 
 def fill_regions(best: NDArray[np.intp], ratio: Array, colors: Sequence[str]) -> Array:

@@ -45,10 +45,10 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 )
 
 
-def reserve(looks: Mapping[str, SchemeStyle]) -> None:
+def reserve(styles: Mapping[str, SchemeStyle]) -> None:
     """Reserve styles for schemes, by name; of several for one name the first counts."""
-    for name, look in looks.items():
-        _reserved.setdefault(name, look)
+    for name, style in styles.items():
+        _reserved.setdefault(name, style)
 
 
 def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:

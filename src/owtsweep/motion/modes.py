@@ -99,10 +99,10 @@ def find_modes(position: Array, step: float) -> Modes:
     below = np.searchsorted(np.cumsum(power), (1.0 - 0.5 * LEAST_SHARE) * np.sum(power))
     pairs = max(float(frequency[below]) / resolution, 1.0) ** 2
     least = np.log(f_distribution.isf(LEVEL / pairs, nu, nu))
-    # A spectrum that falls from its first line on has a peak there: motion slower than can be told.
+    # A spectrum that falls from its first line on has a peak there: motion too slow to resolve.
     padded = np.concatenate([[height.min()], height, [height.min()]])
-    at, told = find_peaks(padded, prominence=least)
-    at, prominence = np.maximum(at - 1, 0), told["prominences"]
+    at, properties = find_peaks(padded, prominence=least)
+    at, prominence = np.maximum(at - 1, 0), properties["prominences"]
     if len(at) == 0:
         return Modes((), slow_share, resolution)
     valleys = [a + int(np.argmin(height[a:b])) for a, b in itertools.pairwise(at)]

@@ -66,18 +66,18 @@ def check_streams(source: Source, *, steps: int, step: float, history: int) -> N
     give equal motions.
     """
     name = type(source).__name__
-    asked: set[str] = set()
+    drawn: set[str] = set()
 
     def listen(stream: str) -> np.random.Generator:
-        asked.add(stream)
+        drawn.add(stream)
         return _streams(0)(stream)
 
     first, again, other = (
         source.realise(streams, steps=steps, step=step, history=history)
         for streams in (listen, _streams(0), _streams(1))
     )
-    assert asked == set(source.streams), (
-        f"{name}: draws from {sorted(asked)}, but `streams` names {sorted(source.streams)}"
+    assert drawn == set(source.streams), (
+        f"{name}: draws from {sorted(drawn)}, but `streams` names {sorted(source.streams)}"
     )
     assert _is_same(first, again), f"{name}: the same streams give another motion"
     if source.streams:

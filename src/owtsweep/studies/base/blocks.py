@@ -33,7 +33,7 @@ class Planned(NamedTuple):
         The axes whose values one run of the scheme serves.
     content
         What its rows depend on, besides what the rows of all schemes do.
-    anew
+    recompute
         Why stored rows must be recomputed; "" if they can be used.
     alone
         Whether its blocks form groups of their own, one per cell: its gains are dearer than the
@@ -43,7 +43,7 @@ class Planned(NamedTuple):
     name: str
     ignored: Sequence[str] = ()
     content: Mapping[str, object] = MappingProxyType({})
-    anew: str = ""
+    recompute: str = ""
     alone: bool = False
 
 
@@ -130,7 +130,7 @@ def plan_blocks(
                 {**content, **known, "replicates": [first, last]},
                 cases * (last - first),
                 cases,
-                scheme.anew,
+                scheme.recompute,
             )
     return list(blocks.values())
 

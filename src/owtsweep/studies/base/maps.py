@@ -19,7 +19,7 @@ from owtsweep.studies.base.contest import (
     describe_draws,
 )
 from owtsweep.studies.base.schemes import list_names
-from owtsweep.studies.base.tables import find_waits, list_competing, make_cube
+from owtsweep.studies.base.tables import find_latencies, list_competing, make_cube
 
 #: Letters of the lines above a map that fit into an inch.
 LETTERS_PER_INCH = 9.5
@@ -46,7 +46,7 @@ def list_maps(
     from owtsweep.figures import distributions
 
     cube = make_cube(contest, config, rows, list_competing(config, rows))
-    notes = [*tell_unable(cube.unable), *tell_waiting(config, rows)]
+    notes = [*tell_unable(cube.unable), *tell_latencies(config, rows)]
     failures = int(((rows["status"] == FAILED) & rows["scheme"].isin(list(cube.schemes))).sum())
     drawings = {
         f"map_{criterion}": save_figure(
@@ -105,12 +105,12 @@ def tell_unable(unable: pd.DataFrame) -> list[str]:
     return [f"Unable to work, with its reason in summary.csv: {text}."]
 
 
-def tell_waiting(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
+def tell_latencies(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     """Return a sentence on schemes with a latency, if others have none."""
-    waits = find_waits(rows)
-    if not waits or list_competing(config, rows) == list_names(config.schemes):
+    latencies = find_latencies(rows)
+    if not latencies or list_competing(config, rows) == list_names(config.schemes):
         return []
-    text = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in waits.items())
+    text = " and ".join(f"{name} ({wait:.3g} s)" for name, wait in latencies.items())
     return [f"In summary.csv, but not in the contest, because estimates wait: {text}."]
 
 

@@ -56,7 +56,7 @@ def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFra
     return pd.concat([rows[~free], everywhere[rows.columns]], ignore_index=True)
 
 
-def find_waits(rows: pd.DataFrame) -> dict[str, float]:
+def find_latencies(rows: pd.DataFrame) -> dict[str, float]:
     """Return the schemes with a latency, each with its latency, s."""
     waiting = rows[rows["measure"] == WAIT]
     return {
@@ -67,9 +67,9 @@ def find_waits(rows: pd.DataFrame) -> dict[str, float]:
 
 def list_competing(config: ContestConfig, rows: pd.DataFrame) -> list[str]:
     """Return the schemes without a latency; all of them if every one has one."""
-    waits = find_waits(rows)
+    latencies = find_latencies(rows)
     names = list_names(config.schemes)
-    return [name for name in names if name not in waits] or names
+    return [name for name in names if name not in latencies] or names
 
 
 def describe_run(contest: Contest[C], run: Candidate) -> Aspects:

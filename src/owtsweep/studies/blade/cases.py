@@ -43,7 +43,7 @@ class Case(NamedTuple):
 
     def tell(self, config: BladeConfig, cell: Cell) -> Setting:
         """Return what schemes know of the case, by the tuning of a configuration."""
-        return believe(config, cell, self.start, self.start_sigma, self.geometry)
+        return make_setting(config, cell, self.start, self.start_sigma, self.geometry)
 
 
 class World(NamedTuple):
@@ -67,7 +67,9 @@ def make_world(config: BladeConfig, cell: Cell, replicate: int) -> World:
     if config.recorded.imu is None:
         return World(replicate, make_truth(config, replicate, cell))
     lift = load_lift(config)
-    return World(replicate, lift=lift, reference=find_reference(lift, tell_of_lift(config, lift)))
+    return World(
+        replicate, lift=lift, reference=find_reference(lift, make_lift_setting(config, lift))
+    )
 
 
 def observe(config: BladeConfig, cell: Cell, world: World) -> Case:
@@ -91,7 +93,7 @@ def observe(config: BladeConfig, cell: Cell, world: World) -> Case:
     )
 
 
-def believe(
+def make_setting(
     config: BladeConfig,
     cell: Cell,
     start: tuple[Array, Array],
@@ -132,10 +134,10 @@ def believe(
     )
 
 
-def tell_of_lift(config: BladeConfig, lift: Lift) -> Setting:
+def make_lift_setting(config: BladeConfig, lift: Lift) -> Setting:
     """Return what schemes know of a recorded lift, at the grid's first cell."""
     cell = CONTEST.list_cells(config)[0]
-    return believe(config, cell, lift.start, lift.start_sigma, config.recorded.geometry)
+    return make_setting(config, cell, lift.start, lift.start_sigma, config.recorded.geometry)
 
 
 def find_start_sigma(config: BladeConfig) -> Array:

@@ -29,7 +29,7 @@ DOF = ("u", "v", "w", "heading", "pitch", "roll")
 ROOT = np.array([-17.93, 0.0, 0.0])
 #: The inertial unit, m. The paper shows it in a picture only: on top of the blade near the root.
 UNIT = np.array([-16.0, 0.0, 1.6])
-#: Antennas, m: on the unit's box, and two more for who asks for them, on the prisms 2 and 3.
+#: Antennas, m: on the unit's box, and two more for schemes that use them, on the prisms 2 and 3.
 ANTENNAS = np.array([[-16.0, 0.0, 2.0], [4.0, -2.0, 1.0], [12.0, 2.2, 0.5]])
 #: Prisms of the total stations, m (the paper's are only drawn; these are those of our plan).
 PRISMS = np.array([[-14.0, 1.8, 1.2], [4.0, -2.0, 1.0], [12.0, 2.2, 0.5]])

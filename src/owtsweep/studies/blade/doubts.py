@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.blade.cases import tell_of_lift
+from owtsweep.studies.blade.cases import make_lift_setting
 from owtsweep.studies.blade.contract import Setting, Truth
 from owtsweep.studies.blade.recorded_case import find_reference, load_lift
 from owtsweep.studies.blade.schemes import HOOK_AT_REST
@@ -35,7 +35,7 @@ def warn_of_doubts(config: BladeConfig) -> None:
     if config.recorded.imu is None:
         return
     lift = load_lift(config)
-    setting = tell_of_lift(config, lift)
+    setting = make_lift_setting(config, lift)
     longest = float(np.linalg.norm(setting.geometry.levers, axis=1).max())
     if longest > LONGEST_RECORDED:
         logger.warning(

@@ -146,8 +146,8 @@ def _search(config: ReadingsConfig, block: Block) -> pd.DataFrame:
     def objective(chosen: Plain) -> tuple[float, Plain]:
         values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
         tried = with_values(base, values)
-        anew = tried.sensors != base.sensors  # what the sensors are is a parameter
-        records = make_lanes(tried, replicates, periods) if anew else lanes
+        own_records = tried.sensors != base.sensors  # what the sensors are is a parameter
+        records = make_lanes(tried, replicates, periods) if own_records else lanes
         return JUDGES[target["kind"]](tried, target["schemes"], records)
 
     trials = search(

@@ -20,7 +20,7 @@ from owtsweep.studies.replay.loading import load_record, tell_lean
 from owtsweep.studies.replay.record import ReplayRecord
 from owtsweep.studies.replay.sentences import describe_modes, describe_tilt
 from owtsweep.studies.replay.terminal import (
-    BASELINES_TOLD,
+    BASELINES_NOTE,
     list_fit_warnings,
     make_error_cells,
     make_sentences,
@@ -100,7 +100,7 @@ def _describe_one(
         "much of the position error lies within what the scheme states (95 % if it knows its "
         "noise). *To later fix*: squared distance of the estimate from the fix that tells of the "
         "same moment later, noise of the fix included. *NIS* is 2 and *white p* not small where "
-        f"the filter's innovations are as it expects them to be. {BASELINES_TOLD}.",
+        f"the filter's innovations are as it expects them to be. {BASELINES_NOTE}.",
         *describe_table(tables),
     ]
 

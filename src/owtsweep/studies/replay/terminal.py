@@ -28,7 +28,7 @@ SHOWN = {
     "innovation_white_p": "white p",
 }
 #: What the table of errors says below it.
-BASELINES_TOLD = (
+BASELINES_NOTE = (
     "NONE, HOLD, DELTA: no IMU, but zero, the last fix, or the line through the last two fixes"
 )
 
@@ -156,4 +156,4 @@ def _make_table(config: ReplayConfig, errors: pd.DataFrame) -> RenderableType:
 
     headings, rows = make_error_cells(config, errors)
     title = f"errors, {config.measures.window} record, tuning {config.tuning}"
-    return PartedTable(headings, rows, title=title, caption=f"{BASELINES_TOLD}.")
+    return PartedTable(headings, rows, title=title, caption=f"{BASELINES_NOTE}.")

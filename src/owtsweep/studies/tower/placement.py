@@ -145,8 +145,8 @@ def pose(
     bent *= size / np.broadcast_to(stress_scale, len(stress))[:, None]
     moment = np.concatenate([model.loads_of_state[1], model.loads_of_input[1]])
     moment = moment * size / moment_scale
-    asked = np.vstack([rows, bent, moment])
-    kept = _leave_out_translation(transition, asked, modes)
+    wanted = np.vstack([rows, bent, moment])
+    kept = _leave_out_translation(transition, wanted, modes)
     transition = transition[kept][:, kept]
     given = rows[: len(setting.channels), kept]
     nodes = [channel.node for channel in candidates]
@@ -184,16 +184,16 @@ def _normalise(rows: Array) -> Array:
     return np.asarray(rows / np.where(length > 0.0, length, 1.0))
 
 
-def _leave_out_translation(transition: Array, asked: Array, modes: int) -> list[int]:
+def _leave_out_translation(transition: Array, wanted: Array, modes: int) -> list[int]:
     """Return the numbers of the states that stay when the rigid translation is left out.
 
-    The translation is the first mode. Its position and velocity stay, too, if a row of `asked`
+    The translation is the first mode. Its position and velocity stay, too, if a row of `wanted`
     (sensors and wanted quantities) or another state's equation holds one of them.
     """
     pair = [0, modes]
     kept = [number for number in range(len(transition)) if number not in pair]
     others = np.abs(transition[kept][:, pair]).max()
-    read = np.abs(asked[:, pair]) / np.abs(asked).max(axis=1, keepdims=True)
+    read = np.abs(wanted[:, pair]) / np.abs(wanted).max(axis=1, keepdims=True)
     if others <= NOTHING and read.max() <= NOTHING:
         return kept
     return list(range(len(transition)))

@@ -30,7 +30,7 @@ from owtsweep.studies.tower.setting import make_believed, make_setting, model_su
 #: matter for what is seen.
 NOMINAL: dict[Kind, float] = {"x": 1e-3, "theta": 1e-5, "a": 1e-3, "strain": 1e-6}
 #: Least part of an unseen direction that names a state or a load.
-TOLD = 0.05
+NAMED = 0.05
 SHIFT, LEAN = "rigid translation", "rigid rotation"
 
 
@@ -137,7 +137,7 @@ def _name_states(setting: Setting) -> list[str]:
 def _missed(seen: Observability, names: Sequence[str]) -> set[str]:
     """Return the names of states that have a part in what is unseen."""
     parts = [np.abs(found.directions).max(axis=1) for found in seen.unseen]
-    return {name for part in parts for name, size in zip(names, part, strict=True) if size > TOLD}
+    return {name for part in parts for name, size in zip(names, part, strict=True) if size > NAMED}
 
 
 def _sees_bending(setting: Setting) -> bool:
