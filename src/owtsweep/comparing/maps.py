@@ -99,11 +99,11 @@ def draw(
             hatched |= not all(cell["distinguishable"] for cell in cells)
             holes |= len(cells) < shared.size
             line |= _draw_boundary(axes, judged.boundaries, plane)
-        for row, indices in enumerate(panels):  # label the leftmost panel
+        for row, indices in enumerate(panels):
             leftmost = next(c for c, index in enumerate(indices) if index is not None)
             grid[row][leftmost].tick_params(labelleft=True)
             grid[row][leftmost].set_ylabel(plane.upwards.title if plane.upwards else "")
-        for column in range(columns):  # label the lowest panel
+        for column in range(columns):
             lowest = max(row for row in range(rows) if panels[row][column] is not None)
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)

@@ -79,7 +79,7 @@ def conf_directory() -> Path:
 
 
 def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> DictConfig:
-    """Return what Hydra composes from YAML files and overrides, with `settings` Hydra's own too.
+    """Return what Hydra composes; with `settings`, the object also holds Hydra's own settings.
 
     Raise `InputError` if Hydra or OmegaConf refuses a file or an override; the message is one line.
     """
@@ -216,8 +216,8 @@ def _find_folder(config_dir: str) -> Path:
 def _require_storable(key: str, value: object, depth: int = 2) -> None:
     """Raise `InputError` if a value, once stored in a run's config.yaml, could not be read again.
 
-    That is a text that contains "${", or one more than `DEEPEST` lists and mappings deep. `depth`
-    is the number of lists and mappings in which the value lies, itself included.
+    That is a text that contains "${", or a value inside more than `DEEPEST` lists and mappings.
+    `depth` is the number of lists and mappings in which the value lies, itself included.
     """
     if isinstance(value, str):
         require("${" not in value, f"{key}: {value!r} holds ${{, which cannot be stored")

@@ -43,7 +43,7 @@ def typed(model: type[S], plain: object) -> S:
 def checked(model: type[C], plain: object) -> C:
     """Turn plain data into a frozen configuration of the class `model`, after `Config.check`.
 
-    Raise `InputError` as `typed`, and if values do not fit together.
+    Raise `InputError` as `typed` does, and if values do not fit together.
     """
     config = typed(model, plain)
     config.check()
@@ -68,7 +68,7 @@ def value_at(plain: object, key: str) -> object:
 
 
 def with_values(section: S, values: Mapping[str, object]) -> S:
-    """Return a copy with some keys set, e.g. "compute.workers", each checked by itself.
+    """Return a copy of a section with some keys set, e.g. "compute.workers", each checked.
 
     Raise `InputError` if a key is unknown, a type is wrong, or a value is out of bounds.
     """

@@ -113,8 +113,6 @@ def draw(
     failures
         Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
         records.
-    notes
-        Sentences at the end of the footnote.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:

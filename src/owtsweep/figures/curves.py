@@ -93,8 +93,6 @@ def draw(
         Text for the points in the legend; "" leaves them out of it.
     coinciding
         Groups of names of schemes with equal results, which the footnote lists.
-    notes
-        Sentences at the end of the footnote.
     thin
         Further schemes, drawn behind the others as thin lines without intervals. The vertical axis
         shows the range of the others.

@@ -88,8 +88,6 @@ def draw(
     coinciding
         Groups of names of schemes with equal values. The map shows each group under the last of its
         names; the footnote says so of the groups that are best somewhere.
-    notes
-        Sentences at the end of the footnote.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()

@@ -63,8 +63,6 @@ def grid(
         Names of all schemes and baselines that the table names; they determine the colours.
     score
         What the number is called by which schemes are judged.
-    notes
-        Sentences below the map.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:

@@ -78,8 +78,6 @@ class Panel:
 
     Attributes
     ----------
-    label
-        Label of the vertical axis.
     marks
         The lines and areas to draw; later ones are drawn over earlier ones.
     view
@@ -200,8 +198,6 @@ def show_errors(
         First and last time on the horizontal axis, in s.
     bound
         A bound on the absolute error, drawn as two dotted lines, above and below zero.
-    note
-        Text above the panel.
     """
     marks: list[Curve | Level] = [
         show_estimate(name, names, make_line(*clip(time, error[:, 0], view)))

@@ -136,7 +136,7 @@ def hash_file(path: Path) -> str:
 def read_text(path: Path, most: int) -> str:
     """Read a UTF-8 file of at most `most` bytes; return its text.
 
-    Raise `InputError` as `read_bytes`, or if it is no text in UTF-8.
+    Raise `InputError` as `read_bytes` does, or if it is no text in UTF-8.
     """
     try:
         return read_bytes(path, most).decode("utf-8")
@@ -147,7 +147,7 @@ def read_text(path: Path, most: int) -> str:
 def read_json(path: Path, most: int) -> object:
     """Read a JSON file of at most `most` bytes; return its data, which may be of any type.
 
-    Raise `InputError` as `read_text`, or if it is no JSON, or nests too deeply for Python's parser.
+    Raise `InputError` as `read_text` does, or if it is no JSON or nests too deeply for the parser.
     """
     import json
 

@@ -247,7 +247,7 @@ def _arrange(
     axes: Sequence[str],
     columns: Sequence[str],
 ) -> Array:
-    """Arrange numbers of the chosen rows as an array with the axes (columns, *axes), or NaN.
+    """Arrange numbers of the chosen rows as an array (columns, *axes), NaN where there is no row.
 
     `labels` maps each of `axes` to its labels in order; the column of the same name says where on
     the axis a row belongs. Raise `InputError` if two rows belong to the same element, or if the

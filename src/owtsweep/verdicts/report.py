@@ -56,8 +56,6 @@ def write_report(
     folder
         Made if it does not exist. The tables, fidelity.md and fidelity.html go into this folder,
         the figures into its subfolder `figures`.
-    title
-        Title of the HTML file.
     tables, figures
         File name without suffix -> table, or function that draws the figure.
     contents

@@ -25,19 +25,9 @@ def align(
 ) -> tuple[tuple[Array, Array], Array]:
     """Return the start, and its standard deviations, as of `contract.Setting`.
 
-    Raise `InputError` if the heading is unknown.
-
-    Parameters
-    ----------
-    recorded
-        The section `recorded`.
-    force
-        Specific force in the blade's axes, m/s^2, shape (steps, 3).
-    fixes
-        Positions of antennas in the frame, m, shape (steps, k, 3); NaN where none is, but for the
-        first antenna at the first sample.
-    step
-        Sampling interval in s.
+    `force` is the specific force in the blade's axes, m/s^2, shape (steps, 3). `fixes` are
+    positions of antennas in the frame, m, shape (steps, k, 3); NaN where none is, but for the first
+    antenna at the first sample. Raise `InputError` if the heading is unknown.
     """
     rotation = find_attitude(recorded, force, fixes, step)
     lever = recorded.geometry.levers[0]

@@ -74,10 +74,10 @@ def average_errors(
 ) -> pd.DataFrame:
     """Average results over the replicates, with 95 % intervals.
 
-    `rows` has no failed ones. One row per file, scheme, measure and window ("full" or "settled"),
-    in the order of `files` and `schemes`; columns file, scheme, measure, window, mean, ci_low,
-    ci_high, n. The interval (ci_low, ci_high) is NaN for a single replicate; n is the number of
-    replicates.
+    `rows` has no failed ones. Return one row per file, scheme, measure and window ("full" or
+    "settled"), in the order of `files` and `schemes`; columns file, scheme, measure, window, mean,
+    ci_low, ci_high, n. The interval (ci_low, ci_high) is NaN for a single replicate; n is the
+    number of replicates.
     """
     import pandas as pd
 
