@@ -29,7 +29,7 @@ SCHEME_COLUMNS = (
 )  # fmt: skip
 SHIFT_COLUMNS = ("ratio", "ratio_low", "ratio_high")
 
-#: Cell (one value of each condition) -> name of the best scheme.
+#: Cell -> name of the best scheme.
 Winners = Mapping[tuple[Value, ...], str]
 #: A row of a table: column -> value.
 Row = dict[Hashable, object]

@@ -14,7 +14,7 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.public import HubConfig, Known, Scheme, Sensors, trajectories
 
-#: IMU steps of a check: enough for several position fixes with each of `example_sensors()`.
+#: IMU steps of a check: enough for several fixes with each of `example_sensors()`.
 STEPS = 64
 #: Largest allowed difference of values that must be equal, relative to the largest magnitude.
 TOLERANCE = 1e-9

@@ -1,4 +1,4 @@
-"""Make a record from recorded sensors: specific force, position fixes, perhaps a reference."""
+"""Make a record from recorded sensors: specific force, fixes, perhaps a reference."""
 
 from __future__ import annotations
 
