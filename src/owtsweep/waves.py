@@ -118,7 +118,7 @@ class Waves:
         return np.asarray(self.omega * ratio * self.elevation)
 
     def acceleration(self, height: float) -> NDArray[np.complex128]:
-        """Compute the complex amplitudes of the horizontal acceleration, m/s^2, as `velocity`."""
+        """Compute the complex amplitudes of the acceleration, m/s^2, as `velocity` does in m/s."""
         return np.asarray(1j * self.omega * self.velocity(height))
 
 

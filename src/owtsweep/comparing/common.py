@@ -105,7 +105,7 @@ class Judged:
 
 
 def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
-    """Compute a run's results in what all compared runs have (`shared`, from `find_common`)."""
+    """Compute a run's results in the cells and schemes of `shared`, from `find_common`."""
     rows, criterion = run.rows, shared.criterion
     for condition in shared.conditions:
         if not condition.expands:

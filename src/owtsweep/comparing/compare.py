@@ -82,7 +82,7 @@ def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) ->
 def _compare_pairs(
     pairs: Sequence[Pair], runs: Sequence[Judged], shared: Aspects
 ) -> tuple[dict[str, pd.DataFrame], list[str]]:
-    """Return tables that compare pairs of runs, by name, and a note if some pair is not paired."""
+    """Return the tables of pairs of runs, and a note if some differ in motion and noise."""
     import pandas as pd
 
     from owtsweep.comparing import changes

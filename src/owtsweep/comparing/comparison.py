@@ -56,7 +56,7 @@ def identify(value: object) -> str:
 
 
 def rank_values(values: Sequence[object]) -> list[int]:
-    """Return the index of each value among the distinct values in order.
+    """Return the rank of each value: its index among the distinct values in order.
 
     If all are numbers, they are ordered by size, otherwise by their first appearance.
     """

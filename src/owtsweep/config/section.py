@@ -134,7 +134,7 @@ def bare_type(annotation: object) -> object:
 
 
 def item_type(annotation: object) -> object:
-    """Return the type of a list's items, or of what is no list, without bounds and `| None`."""
+    """Return the type of a list's items, else the type itself, without bounds and `| None`."""
     kind = bare_type(annotation)
     return bare_type(get_args(kind)[0]) if get_origin(kind) is list else kind
 

@@ -127,7 +127,7 @@ def draw(
 
 
 def _place(column: pd.Series[float], levels: Sequence[Value]) -> Array:
-    """Return places on the horizontal axis: numbers unchanged, of a text its index in `levels`."""
+    """Return places on the horizontal axis: a number itself, the index of a text in `levels`."""
     if isinstance(levels[0], str):
         return column.map(levels.index).to_numpy()
     return column.to_numpy()

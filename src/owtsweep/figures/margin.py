@@ -125,7 +125,7 @@ def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, score: s
 
 
 def list_in_legend(rows: Sequence[Row], schemes: Sequence[str]) -> list[str]:
-    """Return the schemes of a map's legend: all, or of many those that are best somewhere."""
+    """Return the schemes of a map's legend: all or, if they are many, those best somewhere."""
     if len(schemes) <= MOST_LISTED:
         return list(schemes)
     winners = {row["best"] for row in rows}

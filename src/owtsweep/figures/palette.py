@@ -46,7 +46,7 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 
 
 def reserve(styles: Mapping[str, SchemeStyle]) -> None:
-    """Reserve styles for schemes, by name; of several for one name the first counts."""
+    """Reserve styles for schemes, by name; a name that has a style keeps it."""
     for name, style in styles.items():
         _reserved.setdefault(name, style)
 

@@ -53,7 +53,7 @@ class Plane:
 
     @classmethod
     def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
-        """Make the axes of a map, as `of`, with the values in `grid`."""
+        """Make the axes of a map as `of` does, but with the values in `grid`."""
         varied = [condition for condition in conditions if len(grid[condition.name]) > 1]
         if len(varied) > 2:
             names = ", ".join(condition.name for condition in varied)
@@ -87,7 +87,7 @@ class Plane:
         return _place_between(values, self.lines, self.upwards.scale if self.upwards else "")
 
     def column_of(self, values: Array) -> Array:
-        """Return x coordinates for values of the horizontal condition, as `height_of`."""
+        """Return x coordinates for values of the horizontal condition, as `height_of` does."""
         return _place_between(values, self.columns, self.across.scale)
 
     @property

@@ -57,7 +57,7 @@ WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Set matplotlib to this package's settings inside a `with` block, and restore it then."""
+    """Set matplotlib to this package's settings inside a `with` block."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)

@@ -34,7 +34,7 @@ Errors = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Curve:
-    """A line in a panel; with the property "label" in `look` (matplotlib's) it is in the legend."""
+    """A line in a panel with matplotlib's properties; "label" puts it into the legend."""
 
     line: Line
     look: Look

@@ -53,7 +53,7 @@ def scale_to_one(
 
 
 def sample(lines: NDArray[np.complex128], steps: int, step: float, lead: int) -> Series:
-    """Sample lines and their exact derivatives, at `steps` samples of `step` s after `lead` more.
+    """Sample lines and their exact derivatives every `step` s: `lead` times, then `steps` times.
 
     `lines` are complex amplitudes at `find_frequencies`, shape (steps + 1, columns); `lead` is at
     most `steps`.

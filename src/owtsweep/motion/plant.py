@@ -83,7 +83,7 @@ class Plant:
         step: float,
         history: int = 0,
     ) -> PlantMotion:
-        """Draw one record of any length, as `Source.realise`, from the stream "phase".
+        """Draw one record of any length, as `Source.realise` says; the stream is "phase".
 
         Raise `InputError` if the record is too short for waves, or the structure has no such modes.
         """

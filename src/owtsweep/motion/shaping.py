@@ -61,7 +61,7 @@ class Sections:
         return self.states // 2
 
     def bounds(self) -> tuple[Array, Array]:
-        """Return bounds of the free numbers: frequencies show the resonances between them."""
+        """Return bounds of the free numbers, between which the frequencies show the resonances."""
         slowest, fastest = 2.0 * np.pi * self.frequency[[0, -1]]
         least, greatest = np.empty((2, 2 * self.poles - 2, 2))
         least[:, 0], greatest[:, :] = slowest, fastest

@@ -252,7 +252,7 @@ class SpectralSource:
         step: float,
         history: int = 0,
     ) -> Motion:
-        """Draw one record of any length, as `Source.realise`, from the stream "phase".
+        """Draw one record of any length, as `Source.realise` says; the stream is "phase".
 
         Raise `InputError` if no spectral line lies in the band, or `normalise` is neither "peak"
         nor "rms".

@@ -195,7 +195,7 @@ def _make_models(
 
 @lru_cache(64)
 def _list_above(length: int, step: float, edge: float) -> tuple[slice[int], Array, Array]:
-    """Return where the ordinates above an edge (Hz) are, and powers 2 and 4 of their rad/s."""
+    """Return where the ordinates above an edge (Hz) are, and their (rad/s)^2 and (rad/s)^4."""
     frequency = np.fft.rfftfreq(length, step)
     above = _find_ordinates(frequency, ABOVE * edge, 0.4 / step)
     omega = 2.0 * np.pi * frequency[above]
@@ -210,5 +210,5 @@ def _find_ordinates(frequency: Array, low: float, high: float) -> slice[int]:
 
 
 def _list_lengths(step: float) -> list[int]:
-    """Return the few numbers of samples of which periodograms are made: models are kept."""
+    """Return the numbers of samples of periodograms: few, because their models are kept."""
     return [round(seconds / step) for seconds in (LEAST, OF_VARIANCE, 90.0, 120.0, 180.0, OF_SHAPE)]

@@ -116,7 +116,7 @@ def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
     def coincide(i: int, j: int) -> bool:
-        """Return whether values agree wherever both schemes have one, and there is such a place."""
+        """Return whether values agree wherever both schemes have one, which is somewhere."""
         compared = False
         for place in cube.outer_places():
             one, other = cube.values(i, place, judged), cube.values(j, place, judged)

@@ -43,7 +43,7 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """Return the rows but those of schemes in cells where they were unable in some replicate."""
+    """Return the rows without schemes in cells where they were unable in some replicate."""
     import pandas as pd
 
     unable = rows["status"] == UNABLE

@@ -83,7 +83,7 @@ def p_value(value: ArrayLike, error: ArrayLike, freedom: ArrayLike) -> Array:
 
 
 def holm(p_values: ArrayLike) -> NDArray[np.bool_]:
-    """Return a mask (n,) of the hypotheses that Holm's test rejects, at 5 % for the family."""
+    """Return a mask (n,) of the hypotheses that Holm's test rejects, family-wise at 5 %."""
     p = np.asarray(p_values, dtype=float)
     order = np.argsort(p, kind="stable")
     passed = p[order] <= (1.0 - CONFIDENCE) / (p.size - np.arange(p.size))

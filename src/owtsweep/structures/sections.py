@@ -109,7 +109,7 @@ def list_bodies(
 
 
 def initial_modulus(friction_angle: float, fit: str) -> float:
-    """Compute the initial modulus of subgrade reaction k of sand (N/m^3) at an angle in degrees.
+    """Compute the initial modulus of subgrade reaction k of sand, N/m^3; the angle is in degrees.
 
     `fit` names a reading of the API's diagram (see the module).
     """

@@ -217,7 +217,7 @@ def _keys(study: Study, config: Config) -> list[str]:
 
 
 def variations(study: Study, config: Config) -> Iterator[tuple[str, bool, Config | None]]:
-    """Yield the configuration with one key changed, for each key in turn but `NOT_VARIED`.
+    """Yield the configuration with one key changed, for each key in turn except `NOT_VARIED`.
 
     Yield the dotted key, whether it may change numbers (is not inert), and the changed
     configuration, or None if the study accepts none of the values tried.

@@ -33,7 +33,7 @@ LONGEST_LEVER = 50.0
 
 
 def check(config: BladeConfig) -> None:
-    """Raise `InputError` if values cannot work together, as far as known beforehand."""
+    """Raise `InputError` if two values cannot work together, as seen before a record is made."""
     SCHEMES.resolve_all(config.schemes)
     check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))
     config.record.check_samples(MOST_SAMPLES)

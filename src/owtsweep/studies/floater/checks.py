@@ -20,7 +20,7 @@ LEAST_RATIO, MOST_RATIO = -100.0, 400.0
 
 
 def check(config: FloaterConfig) -> None:
-    """Raise `InputError` if values cannot work together, as far as known beforehand."""
+    """Raise `InputError` if two values cannot work together, as seen before a record is made."""
     SCHEMES.resolve_all(config.schemes)
     config.record.check_samples(MOST_SAMPLES)
     check_axes(config.axes, config.grid, CONTEST.names, len(config.schemes))

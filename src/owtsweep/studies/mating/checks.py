@@ -35,7 +35,7 @@ def check(config: MatingConfig) -> None:
 
 
 def check_outside(config: MatingConfig) -> None:
-    """Raise `InputError` if a configuration of another study is refused, or they do not fit."""
+    """Raise `InputError` if a configuration of another study is refused, or both do not fit."""
     for name in ("blade", "hub"):
         for override in getattr(config, name):
             key = override.lstrip("+~").partition("=")[0]

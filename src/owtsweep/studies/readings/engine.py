@@ -73,7 +73,7 @@ class SearchEngine(Engine):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """Return "score_over_parameters": the scores of each target against each parameter."""
+        """Return the figure "score_over_parameters": scores against each parameter, per target."""
 
         def draw(folder: Path, name: str) -> list[Path]:
             from owtsweep.figures import style

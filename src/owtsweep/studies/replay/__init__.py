@@ -45,7 +45,7 @@ class ReplayStudy(HubKeys, Engine):
         return ReplayConfig
 
     def check(self, config: HubConfig) -> None:
-        """Raise `InputError` if motion is not left to the record, or schemes lack knowledge."""
+        """Raise `InputError` if motion is not left to the record, or a scheme lacks knowledge."""
         from owtsweep.studies.hub.public import find_world, resolve_all
 
         require(

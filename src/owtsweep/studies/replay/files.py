@@ -32,7 +32,7 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Return the hash of a file's contents; the pair NAME.sel, NAME.dat of HAWC2 shares one hash.
+    """Return the hash of a file's contents; NAME.sel and NAME.dat of HAWC2 share one hash.
 
     Raise `InputError` if the file cannot be read.
     """

@@ -70,7 +70,7 @@ class Tally:
             self._innovations.append((begin + at, innovation[at], variance))
 
     def measures(self) -> Iterator[Measured]:
-        """Yield (measure, window, value, number of samples) of all, after the last piece."""
+        """Yield all as (measure, window, value, number of samples), after the last piece."""
         yield from _average_errors(self._sums)
         at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
         for window, begin in {"full": 0, "settled": self.settled}.items():

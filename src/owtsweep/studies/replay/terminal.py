@@ -89,7 +89,7 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
 
 def make_sentences(advised: pd.DataFrame) -> list[str]:
-    """Write a sentence for each row of the table of advice, with the name of one of several."""
+    """Write a sentence per row of the table of advice; it names the record if there are several."""
     many = advised["file"].nunique() > 1
     return [
         (f"{row['file']}: " if many else "") + write_sentence(row)

@@ -23,7 +23,7 @@ MOST_SAMPLES = 1_000_000
 
 
 def check(config: TowerConfig) -> None:
-    """Raise `InputError` if values cannot work together, as far as known beforehand."""
+    """Raise `InputError` if two values cannot work together, as seen before a record is made."""
     config.structure.check()
     config.wind.check()
     config.fatigue.check()

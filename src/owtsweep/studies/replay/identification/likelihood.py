@@ -96,7 +96,7 @@ def take_differences(time: Array) -> Differences:
 
 
 def _noise_of_intervals(length: Array) -> tuple[Array, Array]:
-    """Return the covariance of position, velocity and bias that each interval (s, (n,)) adds.
+    """Return the covariance of position, velocity and bias that each of n intervals (s) adds.
 
     Return that of white acceleration noise and that of a bias walk, of unit density, (n, 3, 3)
     each.
