@@ -25,17 +25,10 @@ def run(overrides: Sequence[str] = ()) -> Run:
     If a run of the same configuration was interrupted, only what is missing is computed.
     `overrides` are Hydra's as on the command line, e.g. `["grid.replicates=2", "tuning=matched"]`.
 
-    Returns
-    -------
-    Run
-        Its methods `cases()`, `summary()` and `best_scheme()` return tables; `config` is its
+    Returns: Its methods `cases()`, `summary()` and `best_scheme()` return tables; `config` is its
         configuration. In `cases()`, the status is "failed" where a scheme failed, and "unable"
         where it cannot work under the conditions; the column `reason` says why.
-
-    Raises
-    ------
-    InputError
-        If an override is wrong. Nothing has been written in this case.
+    Raises InputError if an override is wrong. Nothing has been written in this case.
     """
     from owtsweep.sweep.run import sweep
 
@@ -46,10 +39,8 @@ def run(overrides: Sequence[str] = ()) -> Run:
 def load(path: str | PathLike[str]) -> Run:
     """Open the run in a folder, without importing or executing any code that the folder names.
 
-    Raises
-    ------
-    InputError
-        If the folder holds no run, or a run that this version of owtsweep cannot read.
+    Raises InputError if the folder holds no run, or a run that this version of owtsweep cannot
+        read.
     """
     from owtsweep.studies.opening import open_run
 
@@ -60,27 +51,15 @@ def load(path: str | PathLike[str]) -> Run:
 def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] = ()) -> Replay:
     """Run the schemes on recorded motion or recorded sensors.
 
-    Parameters
-    ----------
-    files
-        A path, a pattern such as "data/*.csv", or a list of paths and patterns. An empty list
+    files: a path, a pattern such as "data/*.csv", or a list of paths and patterns. An empty list
         stands for the files of the table that the override `replay.table=FILE.csv` names.
-    overrides
-        Hydra overrides as on the command line, e.g. `["columns.position_x=TwHt1TPxi",
+    overrides: Hydra overrides as on the command line, e.g. `["columns.position_x=TwHt1TPxi",
         "sensors.gnss.rate=5"]`.
-
-    Returns
-    -------
-    Replay
-        Its methods `errors()`, `advice()`, `records()` and `estimates()` return DataFrames; its
-        attribute `run` is the run. Of several records, those that cannot be used are left out;
+    Returns: Its methods `errors()`, `advice()`, `records()` and `estimates()` return DataFrames;
+        its attribute `run` is the run. Of several records, those that cannot be used are left out;
         `refused()` lists them with the reason.
-
-    Raises
-    ------
-    InputError
-        If no file can be used, a file does not exist, or an override is wrong. Nothing has been
-        written in this case.
+    Raises InputError if no file can be used, a file does not exist, or an override is wrong.
+        Nothing has been written in this case.
     """
     from owtsweep.studies.composing import require_texts
     from owtsweep.studies.replay.running import Replay, configure, execute

@@ -19,15 +19,11 @@ def stream(
     longer record or a faster GNSS) changes no other stream. Changing a standard deviation, a delay
     or a setting of a scheme changes no stream at all.
 
-    Parameters
-    ----------
-    conditions
-        Values of those of the record's conditions that must change the random numbers. All calls
-        for a study give the same conditions in the same order. Numbers are rounded to a millionth.
-    replicate
-        Number of the record among the records with equal conditions.
-    name
-        What is drawn, e.g. "phase" or "imu_x".
+    conditions: Values of those of the record's conditions that must change the random numbers. All
+        calls for a study give the same conditions in the same order. Numbers are rounded to a
+        millionth.
+    replicate: Number of the record among the records with equal conditions.
+    name: What is drawn, e.g. "phase" or "imu_x".
     """
     key = (crc32(study.encode()), *map(encode_value, conditions), replicate, crc32(name.encode()))
     return np.random.Generator(np.random.SFC64(np.random.SeedSequence(seed, spawn_key=key)))

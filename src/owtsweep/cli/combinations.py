@@ -24,10 +24,7 @@ class Combination(NamedTuple):
 def parse(overrides: Sequence[str], tree: Tree) -> list[Override]:
     """Return the overrides as objects of Hydra, without Hydra's own settings.
 
-    Raises
-    ------
-    InputError
-        If an override cannot be read.
+    Raises InputError if an override cannot be read.
     """
     from hydra.core.override_parser.overrides_parser import OverridesParser
 
@@ -67,10 +64,7 @@ def _count_values(override: Override) -> float:
 def combine(parsed: Sequence[Override], tree: Tree) -> list[Combination]:
     """Return the combinations of the values of parsed overrides, as Hydra's basic sweeper does.
 
-    Raises
-    ------
-    InputError
-        If the values cannot be listed.
+    Raises InputError if the values cannot be listed.
     """
     from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 

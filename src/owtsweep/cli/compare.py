@@ -16,10 +16,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     `options` are the parsed arguments of the command; `argv` is not used.
 
-    Raises
-    ------
-    InputError
-        If a run cannot be read, the runs cannot be compared, or a file cannot be written.
+    Raises InputError if a run cannot be read, the runs cannot be compared, or a file cannot be
+        written.
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line

@@ -26,12 +26,9 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     folder; with several tunings, each has a folder of its own: fidelity/<tuning>/. `argv` is not
     used.
 
-    Raises
-    ------
-    InputError
-        If there is no such file, it cannot be used, it is about another study, or the rows of a run
-        can judge none of its statements; if the run holds expected values instead of records, or no
-        case of it has succeeded.
+    Raises InputError if there is no such file, it cannot be used, it is about another study, or the
+        rows of a run can judge none of its statements; if the run holds expected values instead of
+        records, or no case of it has succeeded.
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
@@ -79,10 +76,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 def find_claims(study: str) -> ClaimsFile:
     """Return the claims of a study's paper.
 
-    Raises
-    ------
-    InputError
-        If this is no checkout, or no paper there is about this study.
+    Raises InputError if this is no checkout, or no paper there is about this study.
     """
     from owtsweep.verdicts.claims_file import read_claims
 

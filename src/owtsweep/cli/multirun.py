@@ -56,19 +56,11 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     folders lie in one folder, the multirun folder. Its name depends only on the overrides, so a
     repeated command finds the folder again.
 
-    Parameters
-    ----------
-    options
-        The parsed arguments of the command `sweep`. With `options.cfg`, the configurations are
+    options: the parsed arguments of the command `sweep`. With `options.cfg`, the configurations are
         printed, and nothing is run.
-    argv
-        The words of the command line, which each run stores.
-
-    Raises
-    ------
-    InputError
-        If `--fresh` is given, an override is refused, two runs would share a folder, or the
-        multirun folder cannot be written.
+    argv: the words of the command line, which each run stores.
+    Raises InputError if `--fresh` is given, an override is refused, two runs would share a folder,
+        or the multirun folder cannot be written.
     """
     if options.fresh:
         raise InputError("--fresh: this does not work with --multirun; leave out one of the two")
@@ -123,18 +115,11 @@ class Job:
     launcher's other runs. Only an interrupt is raised. The task is a plain object, not a closure,
     so that launchers can pickle it.
 
-    Attributes
-    ----------
-    folder
-        The multirun folder, in which all run folders lie.
-    argv
-        The words of the command line.
-    study
-        The study that the overrides name; None if they name none.
-    config_dir
-        The folder with further config groups; None if the user names none.
-    coordinator
-        The id of the process that started the multirun.
+    folder: the multirun folder, in which all run folders lie.
+    argv: the words of the command line.
+    study: the study that the overrides name; None if they name none.
+    config_dir: the folder with further config groups; None if the user names none.
+    coordinator: the id of the process that started the multirun.
     """
 
     folder: str
@@ -184,16 +169,10 @@ def _tell(
 ) -> list[JobOutcome]:
     """Print to stderr which runs failed, why, and how to retry each; return all outcomes.
 
-    Parameters
-    ----------
-    folder
-        The multirun folder, from which the outcomes are read.
-    planned
-        The runs of the multirun. A planned run without a stored outcome counts as failed.
-    options
-        The parsed arguments of the command.
-    stopped
-        Whether the user has stopped the multirun. If so, also print how many runs are done.
+    folder: the multirun folder, from which the outcomes are read.
+    planned: the runs of the multirun. A planned run without a stored outcome counts as failed.
+    options: the parsed arguments of the command.
+    stopped: whether the user has stopped the multirun. If so, also print how many runs are done.
     """
     silent = NOT_FINISHED if stopped else NO_OUTCOME
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
@@ -247,17 +226,10 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
 
     Two runs in one run folder would overwrite each other's tables.
 
-    Parameters
-    ----------
-    configs
-        The configuration of each run.
-    combinations
-        The overrides of each run, for the error message.
-
-    Raises
-    ------
-    InputError
-        If two runs would share a run folder, or the runs name different results folders.
+    configs: the configuration of each run.
+    combinations: the overrides of each run, for the error message.
+    Raises InputError if two runs would share a run folder, or the runs name different results
+        folders.
     """
     require(
         len({config.results for config in configs}) <= 1,
@@ -281,10 +253,8 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[Combination]:
     The list is empty if the overrides choose another sweeper than Hydra's basic one, because the
     combinations of other sweepers are not known in advance.
 
-    Raises
-    ------
-    InputError
-        If an override cannot be read, or there are more than `MOST_RUNS` combinations.
+    Raises InputError if an override cannot be read, or there are more than `MOST_RUNS`
+        combinations.
     """
     require_readable(overrides)
     if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):

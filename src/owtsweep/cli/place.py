@@ -21,10 +21,8 @@ MOST_HEIGHTS = 300
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Choose sensors, write the table and the configuration, print the answer, and return 0.
 
-    Raises
-    ------
-    InputError
-        If the study has no sensors to place, or the configuration or the question is refused.
+    Raises InputError if the study has no sensors to place, or the configuration or the question is
+        refused.
     """
     from owtsweep.config import dump
     from owtsweep.io.files import check_writable, refuse_in_one_line, write_all
@@ -77,10 +75,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 def _read_heights(text: str | None) -> tuple[float, ...] | None:
     """Return heights in m, upwards, from a text such as "10,25,40"; None if there is none.
 
-    Raises
-    ------
-    InputError
-        If the text is no list of different numbers.
+    Raises InputError if the text is no list of different numbers.
     """
     if text is None:
         return None

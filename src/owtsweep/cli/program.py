@@ -38,10 +38,7 @@ floater, a hoisted blade, its mating with the hub (`owtsweep list` has them)."""
 class Parser(argparse.ArgumentParser):
     """An argument parser that raises `InputError` with one line, instead of exiting.
 
-    Attributes
-    ----------
-    commands
-        Name of a subcommand -> its parser. Only the parser of the whole command line has this
+    commands: Name of a subcommand -> its parser. Only the parser of the whole command line has this
         attribute.
     """
 

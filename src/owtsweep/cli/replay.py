@@ -19,19 +19,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     A replay runs all schemes on the records, and writes tables, estimates, figures and a report.
 
-    Parameters
-    ----------
-    options
-        The parsed arguments of the command. `options.words` are the files and the overrides. With
-        `options.describe` the files are described; with `options.cfg` the configuration is
+    options: the parsed arguments of the command. `options.words` are the files and the overrides.
+        With `options.describe` the files are described; with `options.cfg` the configuration is
         printed; with `options.sample` the sample records are written. Then nothing is run.
-    argv
-        The words of the command line.
-
-    Raises
-    ------
-    InputError
-        If a file or an override is refused.
+    argv: the words of the command line.
+    Raises InputError if a file or an override is refused.
     """
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]

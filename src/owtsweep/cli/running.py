@@ -35,17 +35,9 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
     Without `--fresh`, with `--yes`, or if the run has no stored cases, return True and ask
     nothing. If the user says no, print that nothing was done, and return False.
 
-    Parameters
-    ----------
-    options
-        The parsed arguments of the command.
-    config
-        The configuration of the run.
-
-    Raises
-    ------
-    InputError
-        If the user would have to be asked, but stdin is no terminal.
+    options: the parsed arguments of the command.
+    config: the configuration of the run.
+    Raises InputError if the user would have to be asked, but stdin is no terminal.
     """
     from owtsweep.sweep.keys import run_folder
 
@@ -69,14 +61,9 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     The result is printed only if stdout is a terminal. The exit code is 1 if a case failed or the
     figure or the result could not be made, otherwise 0.
 
-    Parameters
-    ----------
-    config
-        The configuration of the run.
-    argv
-        The words of the command line, which the run stores.
-    fresh
-        Whether to delete the run's stored cases first.
+    config: the configuration of the run.
+    argv: the words of the command line, which the run stores.
+    fresh: whether to delete the run's stored cases first.
     """
     from owtsweep.studies import get_study
     from owtsweep.sweep.progress import make_progress
@@ -116,10 +103,7 @@ def print_answer(run: Run, results: Mapping[str, Results]) -> bool:
     The results of several tunings stand side by side, as far as they fit. The reason of a failure
     is printed to stderr.
 
-    Parameters
-    ----------
-    results
-        The results by tuning.
+    results: the results by tuning.
     """
     from rich.columns import Columns
 
@@ -192,10 +176,7 @@ def _count(cases: int) -> str:
 def foretell(configs: Sequence[Config], *, fresh: bool = False) -> int:
     """Print what runs of these configurations would do, and return 0; nothing is written.
 
-    Raises
-    ------
-    InputError
-        If one of the runs would refuse to start.
+    Raises InputError if one of the runs would refuse to start.
     """
     from owtsweep.studies import get_study
     from owtsweep.sweep.prepare import forecast

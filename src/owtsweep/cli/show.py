@@ -27,10 +27,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     How the run was made is read from the manifest in the run's folder. `options` are the parsed
     arguments of the command; `argv` is not used.
 
-    Raises
-    ------
-    InputError
-        If the folder holds no run, or the manifest cannot be read.
+    Raises InputError if the folder holds no run, or the manifest cannot be read.
     """
     from owtsweep.api import load
     from owtsweep.sweep.provenance import read_manifest

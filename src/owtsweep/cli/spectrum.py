@@ -14,10 +14,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     With several tunings, each has a folder of its own: spectrum/<tuning>/.
 
-    Raises
-    ------
-    InputError
-        If the study has no error spectra, or the configuration is refused.
+    Raises InputError if the study has no error spectra, or the configuration is refused.
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line
     from owtsweep.io.reading import refuse_links

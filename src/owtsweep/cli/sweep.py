@@ -15,17 +15,9 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     With `--cfg`, print the configuration and run nothing; with `--dry-run`, print what the sweep
     would do.
 
-    Parameters
-    ----------
-    options
-        The parsed arguments of the command.
-    argv
-        The words of the command line.
-
-    Raises
-    ------
-    InputError
-        If the configuration is refused.
+    options: the parsed arguments of the command.
+    argv: the words of the command line.
+    Raises InputError if the configuration is refused.
     """
     if options.multirun:
         from owtsweep.cli.multirun import run_all

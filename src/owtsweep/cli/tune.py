@@ -27,10 +27,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     Return 0, or 130 if the user stopped the search; the file then holds the best numbers so far.
 
-    Raises
-    ------
-    InputError
-        If the study has nothing to tune, or the configuration or the file is refused.
+    Raises InputError if the study has nothing to tune, or the configuration or the file is refused.
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
     from owtsweep.studies import compose, get_study
@@ -80,10 +77,7 @@ def _tell(text: str) -> None:
 def _choose_path(output: str | None, config: Config) -> Path:
     """Return the path of the tuning file; its name is a hash of the configuration if none is given.
 
-    Raises
-    ------
-    InputError
-        If `tuning=FILE` could not take the path.
+    Raises InputError if `tuning=FILE` could not take the path.
     """
     if output is None:
         return Path(f"tuned-{hash_text(dump(config))}.yaml")

@@ -36,11 +36,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     With `--cfg`, print the configuration of each value and compute nothing; with `--dry-run`, print
     what would be computed.
 
-    Raises
-    ------
-    InputError
-        If not exactly one override has several values, the study cannot vary a key, or a
-        configuration is refused.
+    Raises InputError if not exactly one override has several values, the study cannot vary a key,
+        or a configuration is refused.
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
     from owtsweep.io.reading import refuse_links
@@ -85,11 +82,8 @@ def compose_each(
     Return the key, and value -> configuration. The values are numbers in increasing order if the
     key holds numbers; otherwise texts as typed.
 
-    Raises
-    ------
-    InputError
-        If not exactly one override has several values, the study cannot vary a key, or a
-        configuration is refused.
+    Raises InputError if not exactly one override has several values, the study cannot vary a key,
+        or a configuration is refused.
     """
     from hydra.core.override_parser.types import ChoiceSweep, RangeSweep
 
@@ -141,10 +135,7 @@ def compose_each(
 def _require_varying(study: Study) -> Study:
     """Return a study that can vary a key.
 
-    Raises
-    ------
-    InputError
-        If the study cannot vary a key.
+    Raises InputError if the study cannot vary a key.
     """
     if "vary" not in study.commands:
         raise InputError(

@@ -36,15 +36,11 @@ def draw(
     the last condition; a boundary far outside the run's values of it is a hollow mark at the end of
     the axis.
 
-    Parameters
-    ----------
-    boundaries
-        One row per run and cell, as from `results.boundary.find_boundary`, with a further column
-        `index`: the index of the run in `comparison.runs`. In at least one row a boundary exists.
-    comparison
-        The runs, which differ in one or two keys.
-    subtitle
-        The end of the title, which says by what the schemes are judged.
+    boundaries: one row per run and cell, as from `results.boundary.find_boundary`, with a further
+        column `index`: the index of the run in `comparison.runs`. In at least one row a boundary
+        exists.
+    comparison: the runs, which differ in one or two keys.
+    subtitle: the end of the title, which says by what the schemes are judged.
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 

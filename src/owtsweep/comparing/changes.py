@@ -61,13 +61,9 @@ def compare_cells(
     `change` is the gap in the second run minus the gap in the first; `_low` and `_high` are the
     ends of 95 % intervals.
 
-    Parameters
-    ----------
-    first, second
-        The MSE in the two runs: one row per scheme and cell, one column per replicate, NaN where a
-        scheme did not finish a replicate. Both tables have the same rows and columns.
-    paired
-        Whether equal replicates have the same motion and noise in both runs.
+    first, second: the MSE in the two runs: one row per scheme and cell, one column per replicate,
+        NaN where a scheme did not finish a replicate. Both tables have the same rows and columns.
+    paired: whether equal replicates have the same motion and noise in both runs.
     """
     import pandas as pd
 

@@ -80,19 +80,13 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
 class Judged:
     """A run's results in the cells and schemes that all compared runs have.
 
-    Attributes
-    ----------
-    best
-        The best scheme of every cell; columns as in best_scheme.csv.
-    samples
-        The MSE by which schemes are judged: one row per scheme and cell, one column per replicate,
-        NaN where a scheme did not finish a replicate.
-    boundaries, products
-        As `results.boundary.find_boundary` returns them, and the data they are computed from, as
-        `subtract_schemes` there returns them. None if the study names no two schemes for a
-        boundary, or the boundaries cannot be computed.
-    no_boundary
-        A sentence that says why the boundaries cannot be computed; otherwise "".
+    best: the best scheme of every cell; columns as in best_scheme.csv.
+    samples: the MSE by which schemes are judged: one row per scheme and cell, one column per
+        replicate, NaN where a scheme did not finish a replicate.
+    boundaries, products: as `results.boundary.find_boundary` returns them, and the data they are
+        computed from, as `subtract_schemes` there returns them. None if the study names no two
+        schemes for a boundary, or the boundaries cannot be computed.
+    no_boundary: a sentence that says why the boundaries cannot be computed; otherwise "".
     """
 
     run: Candidate

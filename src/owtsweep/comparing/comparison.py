@@ -75,16 +75,10 @@ def rank_values(values: Sequence[object]) -> list[int]:
 class Candidate:
     """One run of a comparison.
 
-    Attributes
-    ----------
-    name, hash
-        The name of the run's folder, and the hash of the run's configuration.
-    config
-        The resolved configuration.
-    rows
-        The sorted rows of the run's stored cases, including the failed ones.
-    values
-        Swept configuration key -> this run's value, in the order of `Comparison.keys`.
+    name, hash: the name of the run's folder, and the hash of the run's configuration.
+    config: the resolved configuration.
+    rows: the sorted rows of the run's stored cases, including the failed ones.
+    values: Swept configuration key -> this run's value, in the order of `Comparison.keys`.
     """
 
     name: str
@@ -113,14 +107,10 @@ class Candidate:
 class Pair:
     """Two runs to compare.
 
-    Attributes
-    ----------
-    first, second
-        Indices of the runs in `Comparison.runs`.
-    along
-        The swept key in which the two runs have neighbouring values; in all other keys they agree.
-        If there is no such key, `first` is the first run of the whole comparison and `along` is
-        "first run".
+    first, second: indices of the runs in `Comparison.runs`.
+    along: the swept key in which the two runs have neighbouring values; in all other keys they
+        agree. If there is no such key, `first` is the first run of the whole comparison and `along`
+        is "first run".
     """
 
     first: int
@@ -132,16 +122,11 @@ class Pair:
 class Comparison:
     """Runs of one study to compare; a swept key is a configuration key in which the runs differ.
 
-    Attributes
-    ----------
-    keys
-        The swept keys that distinguish the runs.
-    following
-        Further swept keys, which are not shown because their values follow from those of `keys`.
-    runs
-        The runs, in the order of their values of `keys`.
-    pairs
-        The pairs of runs to compare.
+    keys: the swept keys that distinguish the runs.
+    following: Further swept keys, which are not shown because their values follow from those of
+        `keys`.
+    runs: the runs, in the order of their values of `keys`.
+    pairs: the pairs of runs to compare.
     """
 
     keys: tuple[str, ...]
@@ -162,20 +147,12 @@ class Comparison:
 class Findings:
     """The results of a comparison.
 
-    Attributes
-    ----------
-    tables
-        Name -> table, to be written as `<name>.csv`.
-    overview
-        Texts for the terminal, one row per run.
-    notes
-        Sentences for the reader, e.g. on what was left out.
-    report
-        Sections of the file `comparison.md`, in Markdown.
-    figures
-        Files that have been written.
-    origin
-        Sentences on the settings that all runs share and those that differ, for the head of the
+    tables: Name -> table, to be written as `<name>.csv`.
+    overview: Texts for the terminal, one row per run.
+    notes: Sentences for the reader, e.g. on what was left out.
+    report: Sections of the file `comparison.md`, in Markdown.
+    figures: Files that have been written.
+    origin: Sentences on the settings that all runs share and those that differ, for the head of the
         report and the terminal.
     """
 
@@ -256,32 +233,21 @@ def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pai
 class Aspects:
     """The properties of a run that a comparison needs.
 
-    Attributes
-    ----------
-    conditions
-        The axes of the study's grid.
-    grid
-        Name of a condition -> the run's values of it.
-    schemes
-        Names of the run's schemes, in the study's order.
-    criterion, window
-        By which the run judges its schemes, e.g. "position" and "settled".
-    pairing
-        Configuration key -> its value, for all keys that determine motion and noise. If two runs
-        agree in all of them, the runs are compared record by record.
-    boundary
-        Names of two schemes: the first is expected to be better at small values of the last
+    conditions: the axes of the study's grid.
+    grid: Name of a condition -> the run's values of it.
+    schemes: names of the run's schemes, in the study's order.
+    criterion, window: By which the run judges its schemes, e.g. "position" and "settled".
+    pairing: Configuration key -> its value, for all keys that determine motion and noise. If two
+        runs agree in all of them, the runs are compared record by record.
+    boundary: names of two schemes: the first is expected to be better at small values of the last
         condition, the second at large values. None if no two schemes are expected to differ so.
-    origin
-        Name of a setting -> its value in words, for titles: tuning, truth, records per cell, seed.
-    score
-        What the number is called by which schemes are judged.
-    beside
-        Names of the run's baselines, which a comparison leaves out.
-    best_of
-        For a run with expected values instead of records, a function that makes the table of best
-        schemes of the run's rows, the values of the conditions that all compared runs have, the
-        names of the schemes, and the criterion. None for a run with records.
+    origin: Name of a setting -> its value in words, for titles: tuning, truth, records per cell,
+        seed.
+    score: What the number is called by which schemes are judged.
+    beside: names of the run's baselines, which a comparison leaves out.
+    best_of: for a run with expected values instead of records, a function that makes the table of
+        best schemes of the run's rows, the values of the conditions that all compared runs have,
+        the names of the schemes, and the criterion. None for a run with records.
     """
 
     conditions: tuple[Condition, ...]

@@ -63,16 +63,10 @@ def draw(
 ) -> Figure:
     """Draw a map of the best scheme for each run, one run per panel, with its boundary if any.
 
-    Parameters
-    ----------
-    panels
-        Row by row, the index in `runs` of the run in each panel; None for an empty panel.
-    runs
-        The results of the runs, which differ in one or two keys.
-    plane
-        The axes of each map.
-    subtitle
-        The end of the title, which says by what the schemes are judged.
+    panels: row by row, the index in `runs` of the run in each panel; None for an empty panel.
+    runs: the results of the runs, which differ in one or two keys.
+    plane: the axes of each map.
+    subtitle: the end of the title, which says by what the schemes are judged.
     """
     from owtsweep.figures.margin import HANDLERS, Shades
 

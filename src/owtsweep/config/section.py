@@ -95,18 +95,11 @@ def key(
 ) -> Any:
     """Declare a key of a section of the configuration; a key without a default is required.
 
-    Parameters
-    ----------
-    meaning
-        What the key means, for docs/configuration.md.
-    unit
-        Unit of a number, or of each number of a list.
-    form
-        What a list must hold, in words, for error messages, e.g. "two edges in Hz".
-    advice
-        A remedy, for the error message about a number below its lower bound.
-    bounds
-        As for `pydantic.Field`: ge, gt, le and lt for a number, min_length and max_length for a
+    meaning: What the key means, for docs/configuration.md.
+    unit: Unit of a number, or of each number of a list.
+    form: What a list must hold, in words, for error messages, e.g. "two edges in Hz".
+    advice: a remedy, for the error message about a number below its lower bound.
+    bounds: as for `pydantic.Field`: ge, gt, le and lt for a number, min_length and max_length for a
         list.
     """
     facts: Plain = {"unit": unit, "form": form, "advice": advice}

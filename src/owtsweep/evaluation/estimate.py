@@ -38,19 +38,11 @@ class Estimate:
     `Estimate(position, velocity)`. Other quantities are given by name, as in `Estimate(angle=...,
     strain=...)`. Each becomes an attribute of its name.
 
-    Parameters
-    ----------
-    covariance
-        Covariance (n, n) of the errors of all judged quantities, one after the other in the study's
-        order. From it the study computes NEES, the normalised estimation error squared.
-    innovation
-        The innovation of this step's measurement. From it the study computes NIS, the normalised
-        innovation squared.
-
-    Attributes
-    ----------
-    quantities
-        Name -> value of all quantities that were given.
+    covariance: Covariance (n, n) of the errors of all judged quantities, one after the other in the
+        study's order. From it the study computes NEES, the normalised estimation error squared.
+    innovation: the innovation of this step's measurement. From it the study computes NIS, the
+        normalised innovation squared.
+    quantities: Name -> value of all quantities that were given.
     """
 
     __slots__ = ("covariance", "innovation", "quantities")
@@ -105,35 +97,20 @@ class EstimatedRecord:
     Each study names its own quantities. `truth` and the estimates of a scheme share these names, so
     that `record.estimates["MEKF"]["root"] - record.truth["root"]` is an error.
 
-    Attributes
-    ----------
-    study, tuning
-        Names of the study and of the tuning.
-    conditions
-        The cell of the grid: condition -> value.
-    replicate
-        Number of the record.
-    settled
-        Number of the first sample that the study judges.
-    time
-        Times of the samples in s, shape (steps,).
-    truth
-        Quantity -> true values, shape (steps, ...).
-    measurements
-        Name of a sensor's signal -> its times and values.
-    estimates
-        Scheme -> quantity -> estimated values, shape (steps, ...).
-    covariances
-        Scheme -> quantity -> covariance of the error, shape (steps, n, n). A quantity that is
-        missing here has none.
-    waits
-        Scheme -> latency in s; 0 for what runs in real time.
-    units
-        Unit of each quantity and of each signal, and its frame where this needs saying.
-    failures
-        Scheme that gave no estimates -> the reason.
-    at_rest
-        Quantity -> its value while nothing moves, where that is not zero.
+    study, tuning: names of the study and of the tuning.
+    conditions: the cell of the grid: condition -> value.
+    replicate: Number of the record.
+    settled: Number of the first sample that the study judges.
+    time: Times of the samples in s, shape (steps,).
+    truth: Quantity -> true values, shape (steps, ...).
+    measurements: Name of a sensor's signal -> its times and values.
+    estimates: Scheme -> quantity -> estimated values, shape (steps, ...).
+    covariances: Scheme -> quantity -> covariance of the error, shape (steps, n, n). A quantity that
+        is missing here has none.
+    waits: Scheme -> latency in s; 0 for what runs in real time.
+    units: Unit of each quantity and of each signal, and its frame where this needs saying.
+    failures: Scheme that gave no estimates -> the reason.
+    at_rest: Quantity -> its value while nothing moves, where that is not zero.
     """
 
     study: str

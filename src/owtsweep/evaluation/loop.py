@@ -75,16 +75,10 @@ def run_steps(
     method `update` is called at each step. Errors are those of `run_estimator`; the message names
     the step where it is known.
 
-    Parameters
-    ----------
-    estimator
-        The estimator, which has taken all earlier steps of the record.
-    inputs, fixes
-        Shape (steps, i), and shape (steps, m), NaN at steps without a fix.
-    first
-        Number of the first of these steps in the record, for error messages.
-    judged
-        The quantities to take from the estimates, in the order of the result's columns.
+    estimator: the estimator, which has taken all earlier steps of the record.
+    inputs, fixes: shape (steps, i), and shape (steps, m), NaN at steps without a fix.
+    first: Number of the first of these steps in the record, for error messages.
+    judged: the quantities to take from the estimates, in the order of the result's columns.
     """
     if isinstance(estimator, RecordEstimator):
         trajectory = estimator.run_record(inputs, fixes)

@@ -22,17 +22,12 @@ class Errors(NamedTuple):
 
     Covariances and innovations are NaN at steps without one.
 
-    Attributes
-    ----------
-    state
-        Errors of all judged quantities: one array (steps, n), the whole error, or two, the part due
-        to the motion and the part due to noise.
-    covariance
-        Covariances of the errors by the estimator's own account, shape (steps, n, n), or None.
-    innovation
-        One or two arrays (steps, m), with the same parts as `state`; else no array.
-    innovation_covariance
-        Shape (steps, m, m), or None.
+    state: Errors of all judged quantities: one array (steps, n), the whole error, or two, the part
+        due to the motion and the part due to noise.
+    covariance: Covariances of the errors by the estimator's own account, shape (steps, n, n), or
+        None.
+    innovation: one or two arrays (steps, m), with the same parts as `state`; else no array.
+    innovation_covariance: shape (steps, m, m), or None.
     """
 
     state: Sequence[Array]

@@ -15,15 +15,10 @@ class Trajectory(NamedTuple):
 
     Covariances and innovations are NaN at steps without one, and None if no step has one.
 
-    Attributes
-    ----------
-    state
-        Estimates of the judged quantities, one after the other, shape (steps, n). For a planar
+    state: Estimates of the judged quantities, one after the other, shape (steps, n). For a planar
         motion the columns are x, y (m), v_x, v_y (m/s), where x is north and y is east.
-    covariance
-        Covariances of the errors of `state`, shape (steps, n, n).
-    innovation, innovation_covariance
-        Shapes (steps, m) and (steps, m, m).
+    covariance: Covariances of the errors of `state`, shape (steps, n, n).
+    innovation, innovation_covariance: Shapes (steps, m) and (steps, m, m).
     """
 
     state: Array

@@ -93,26 +93,16 @@ def draw(
     Raise `InputError` if no row has that criterion and window, or more than two conditions have
     several values.
 
-    Parameters
-    ----------
-    best
-        A run's table best_scheme.csv; rows of `criterion` and `window` are shown.
-    schemes
-        Names of all schemes and baselines that the table names, in the order of the legend.
-    conditions
-        The study's conditions; at most two of them may have several values.
-    quantity
-        What the title says the schemes are judged by; if empty, "<criterion> <score>".
-    score
-        What legend and footnote call the number by which schemes are judged.
-    coinciding
-        Groups of names of schemes with equal results. The map shows each group under the last of
-        its names; legend and footnote say so of the groups that some cell names.
-    replicates
-        Planned number of records per cell, for the title; None leaves the number out.
-    failures
-        Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
-        records.
+    best: a run's table best_scheme.csv; rows of `criterion` and `window` are shown.
+    schemes: names of all schemes and baselines that the table names, in the order of the legend.
+    conditions: the study's conditions; at most two of them may have several values.
+    quantity: What the title says the schemes are judged by; if empty, "<criterion> <score>".
+    score: What legend and footnote call the number by which schemes are judged.
+    coinciding: Groups of names of schemes with equal results. The map shows each group under the
+        last of its names; legend and footnote say so of the groups that some cell names.
+    replicates: Planned number of records per cell, for the title; None leaves the number out.
+    failures: Number of failed cases. If it is not 0, title and footnote say that cells may have
+        fewer records.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -168,18 +158,13 @@ def draw_cells(
 ) -> None:
     """Draw the cells of a map of best schemes, and label the axes.
 
-    Parameters
-    ----------
-    rows
-        The cells: rows of a run's table best_scheme.csv with one criterion and one window.
-    schemes
-        Names of all compared schemes, which determine the colours.
-    labels
-        The text in a cell. "two lines" and "one line": the best and the next best scheme, on two
-        lines or on one. "best": the best scheme only. "none": no text, and the cells are drawn as
-        pixels.
-    crossing
-        A line that will be drawn across the map. With labels "best", labels in its way move aside.
+    rows: the cells: rows of a run's table best_scheme.csv with one criterion and one window.
+    schemes: names of all compared schemes, which determine the colours.
+    labels: the text in a cell. "two lines" and "one line": the best and the next best scheme, on
+        two lines or on one. "best": the best scheme only. "none": no text, and the cells are drawn
+        as pixels.
+    crossing: a line that will be drawn across the map. With labels "best", labels in its way move
+        aside.
     """
     for row in rows:
         column, number = plane.place(row)

@@ -76,26 +76,16 @@ def draw(
 ) -> Figure:
     """Draw measures of several schemes against a condition, one panel per measure, side by side.
 
-    Parameters
-    ----------
-    shown
-        Rows of a run's table summary.csv. Every condition except `along` has one value.
-    schemes
-        Names of the schemes to draw, in the order of the legend.
-    along
-        The condition on the horizontal axis.
-    panels
-        Name of a measure -> label of the vertical axis of its panel, which is logarithmic.
-    points
-        Hollow marks beside the curves, e.g. published results: a table with the columns scheme,
+    shown: rows of a run's table summary.csv. Every condition except `along` has one value.
+    schemes: names of the schemes to draw, in the order of the legend.
+    along: the condition on the horizontal axis.
+    panels: Name of a measure -> label of the vertical axis of its panel, which is logarithmic.
+    points: Hollow marks beside the curves, e.g. published results: a table with the columns scheme,
         measure and value, and a column named like the condition `along`.
-    points_label
-        Text for the points in the legend; "" leaves them out of it.
-    coinciding
-        Groups of names of schemes with equal results, which the footnote lists.
-    thin
-        Further schemes, drawn behind the others as thin lines without intervals. The vertical axis
-        shows the range of the others.
+    points_label: Text for the points in the legend; "" leaves them out of it.
+    coinciding: Groups of names of schemes with equal results, which the footnote lists.
+    thin: Further schemes, drawn behind the others as thin lines without intervals. The vertical
+        axis shows the range of the others.
     """
     levels = order_values(shown[along.name], shown[along.name].unique())
     figure = style.new_figure(5.0 * len(panels), 5.0)

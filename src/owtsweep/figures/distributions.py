@@ -75,16 +75,10 @@ def draw(
 ) -> Figure:
     """Draw the errors of single records, one panel per cell, one box per scheme.
 
-    Parameters
-    ----------
-    errors
-        The table that `collect` returns.
-    schemes
-        Names of all schemes in it, from top to bottom.
-    conditions
-        Its conditions: the first runs from left to right, the second from bottom to top.
-    label
-        Label of the axes of errors, which are logarithmic.
+    errors: the table that `collect` returns.
+    schemes: names of all schemes in it, from top to bottom.
+    conditions: Its conditions: the first runs from left to right, the second from bottom to top.
+    label: Label of the axes of errors, which are logarithmic.
     """
     across, *rest = conditions
     columns = _list_values(errors, across)

@@ -49,16 +49,11 @@ def draw_each(
     Raise `InputError` if there is no figure called `only`, or the run lacks the data for this
     figure.
 
-    Parameters
-    ----------
-    drawings
-        Name of a figure -> function that draws and saves the figure, or raises `InputError` if the
-        run lacks the data.
-    only
-        Name of the only figure to draw. None means all figures; those for which the run lacks data
-        are then left out with a warning.
-    guard
-        Makes the context in which each figure is drawn; it may turn errors into `InputError`.
+    drawings: Name of a figure -> function that draws and saves the figure, or raises `InputError`
+        if the run lacks the data.
+    only: Name of the only figure to draw. None means all figures; those for which the run lacks
+        data are then left out with a warning.
+    guard: Makes the context in which each figure is drawn; it may turn errors into `InputError`.
     """
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")

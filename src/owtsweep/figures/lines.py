@@ -77,12 +77,9 @@ def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Arr
 class Envelope:
     """A long series reduced as by `decimate`; the series may come piece by piece.
 
-    Parameters
-    ----------
-    steps
-        Length of the series. The values must be finite; values beyond this length are ignored.
-    points
-        A series of at most this many values is kept as it is. A longer series has points / 2 spans.
+    steps: Length of the series. The values must be finite; values beyond this length are ignored.
+    points: a series of at most this many values is kept as it is. A longer series has points / 2
+        spans.
     """
 
     def __init__(self, steps: int, points: int = POINTS) -> None:

@@ -31,23 +31,15 @@ class Field:
     The runner-up is the scheme of the second least expected MSE. Arrays without other shape have
     the shape (columns, lines).
 
-    Attributes
-    ----------
-    columns, lines
-        The values of `across` and of `upwards`, increasing, at least two of each.
-    values
-        The expected MSE of each scheme, shape (schemes, columns, lines).
-    best
-        Index of the best scheme; -1 where a baseline beats every scheme.
-    excess
-        By how many per cent the runner-up's MSE is larger than that of the best scheme; NaN if
+    columns, lines: the values of `across` and of `upwards`, increasing, at least two of each.
+    values: the expected MSE of each scheme, shape (schemes, columns, lines).
+    best: Index of the best scheme; -1 where a baseline beats every scheme.
+    excess: By how many per cent the runner-up's MSE is larger than that of the best scheme; NaN if
         there is no runner-up.
-    distinguishable
-        Whether the two differ by more than `resolution`, the relative accuracy of `values`.
-    baseline
-        Index of the baseline that beats every scheme; -1 where none does.
-    lead
-        Logarithm of the best scheme's MSE divided by that of the best baseline. A baseline beats
+    distinguishable: whether the two differ by more than `resolution`, the relative accuracy of
+        `values`.
+    baseline: Index of the baseline that beats every scheme; -1 where none does.
+    lead: Logarithm of the best scheme's MSE divided by that of the best baseline. A baseline beats
         every scheme where `lead` is more than `resolution`.
     """
 
@@ -79,15 +71,10 @@ def draw(
     Full lines separate the regions of the best schemes. Dashed contours show by how many per cent
     the runner-up's MSE is larger than that of the best scheme.
 
-    Parameters
-    ----------
-    schemes, baselines
-        Names, in the order of `field.values` and `field.baseline`.
-    origin
-        A sentence for the footnote that says where the data come from.
-    coinciding
-        Groups of names of schemes with equal values. The map shows each group under the last of its
-        names; the footnote says so of the groups that are best somewhere.
+    schemes, baselines: Names, in the order of `field.values` and `field.baseline`.
+    origin: a sentence for the footnote that says where the data come from.
+    coinciding: Groups of names of schemes with equal values. The map shows each group under the
+        last of its names; the footnote says so of the groups that are best somewhere.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()

@@ -55,14 +55,9 @@ def grid(
     each combination of values of further conditions. If no row of `best` has the criterion and the
     window, return a sentence that says so.
 
-    Parameters
-    ----------
-    best
-        A run's table best_scheme.csv, one row per cell, criterion and window.
-    schemes
-        Names of all schemes and baselines that the table names; they determine the colours.
-    score
-        What the number is called by which schemes are judged.
+    best: a run's table best_scheme.csv, one row per cell, criterion and window.
+    schemes: names of all schemes and baselines that the table names; they determine the colours.
+    score: What the number is called by which schemes are judged.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:

@@ -76,16 +76,10 @@ class Band:
 class Panel:
     """The contents of one panel of a figure.
 
-    Attributes
-    ----------
-    marks
-        The lines and areas to draw; later ones are drawn over earlier ones.
-    view
-        First and last time on the horizontal axis, in s.
-    limits
-        Limits of the vertical axis; matplotlib chooses one that is None.
-    note, note_color
-        Text above the panel, or "", and its colour.
+    marks: the lines and areas to draw; later ones are drawn over earlier ones.
+    view: First and last time on the horizontal axis, in s.
+    limits: Limits of the vertical axis; matplotlib chooses one that is None.
+    note, note_color: Text above the panel, or "", and its colour.
     """
 
     label: str
@@ -186,18 +180,11 @@ def show_errors(
 ) -> Panel:
     """Make a panel of the schemes' errors in x.
 
-    Parameters
-    ----------
-    errors
-        Scheme -> times in s, shape (n,), and errors of x and y, shape (n, 2).
-    names
-        All schemes of the study; a scheme's style may depend on its place among them.
-    quantity
-        The quantity to which the errors belong, e.g. "position"; a key of `UNITS`.
-    view
-        First and last time on the horizontal axis, in s.
-    bound
-        A bound on the absolute error, drawn as two dotted lines, above and below zero.
+    errors: Scheme -> times in s, shape (n,), and errors of x and y, shape (n, 2).
+    names: All schemes of the study; a scheme's style may depend on its place among them.
+    quantity: the quantity to which the errors belong, e.g. "position"; a key of `UNITS`.
+    view: First and last time on the horizontal axis, in s.
+    bound: a bound on the absolute error, drawn as two dotted lines, above and below zero.
     """
     marks: list[Curve | Level] = [
         show_estimate(name, names, make_line(*clip(time, error[:, 0], view)))

@@ -67,20 +67,13 @@ def compute_points(
     the peak of Eq. (1) of Ren et al. fitted to the record), amplitude (m, the largest displacement
     along the waves), rms (m).
 
-    Parameters
-    ----------
-    structure
-        The structure, which stands in water.
-    stream
-        Function that returns a new random generator, given a name; it is called with "phase". All
-        sea states have the same phases.
-    duration
-        Length of a record, s.
-    blades
-        Numbers of mounted blades; ignored if the structure has no blade.
-    friction_angles
-        Friction angles (degrees) of every layer; None keeps those of the description. Ignored if
-        the structure has no soil.
+    structure: the structure, which stands in water.
+    stream: function that returns a new random generator, given a name; it is called with "phase".
+        All sea states have the same phases.
+    duration: Length of a record, s.
+    blades: Numbers of mounted blades; ignored if the structure has no blade.
+    friction_angles: Friction angles (degrees) of every layer; None keeps those of the description.
+        Ignored if the structure has no soil.
     """
     import pandas as pd
 

@@ -32,15 +32,11 @@ LEAST_SHARE = 0.02
 class Mode:
     """A peak of a record's spectrum.
 
-    Attributes
-    ----------
-    frequency
-        In Hz: the mean over the part that is at least half as high as the top, weighted with the
-        height.
-    share
-        The share (0 to 1) of the record's variance between the valleys on either side of the peak.
-    p
-        The probability that scatter makes such a peak anywhere in a spectrum without one.
+    frequency: In Hz: the mean over the part that is at least half as high as the top, weighted with
+        the height.
+    share: the share (0 to 1) of the record's variance between the valleys on either side of the
+        peak.
+    p: the probability that scatter makes such a peak anywhere in a spectrum without one.
     """
 
     frequency: float

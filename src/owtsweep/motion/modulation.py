@@ -48,6 +48,7 @@ class Modulation:
         self._rates = (self._log.derivative(1), self._log.derivative(2))
 
     def factor(self, time: Array) -> Array:
+        """Return the factor at some times (s), of their shape."""
         return np.asarray(np.exp(self._log(np.clip(time, *self._ends))))
 
     def rates(self, time: Array) -> tuple[Array, Array]:

@@ -42,13 +42,9 @@ class Sections:
     The free numbers of a filter are log w and log d of each section, those of the poles first, and
     log c at the end; shape (2 states - 3,). All of w, d and c are in s^-1.
 
-    Attributes
-    ----------
-    frequency, width
-        Frequencies, increasing, and the width of the interval that each stands for in integrals,
-        Hz, shape (m,) each.
-    states
-        Number of poles: even, four or more.
+    frequency, width: Frequencies, increasing, and the width of the interval that each stands for in
+        integrals, Hz, shape (m,) each.
+    states: Number of poles: even, four or more.
     """
 
     frequency: Array
@@ -143,18 +139,13 @@ class ShapingFilter:
     derivatives of the position, and linear in the states: none of the three contains the noise w
     directly.
 
-    Attributes
-    ----------
-    A
-        System matrix, s^-1, shape (states, states). It consists of 2 x 2 blocks on the diagonal,
-        one per resonance; each block is [[-d, w], [-w, -d]].
-    B
-        Input, shape (states,). The stationary variance of a state is near 1.
-    position, velocity, acceleration
-        Rows that give the motion from the states, in m, m/s and m/s^2, shape (states,) each.
-    error
-        The integral over the frequency (Hz) of r - log r - 1, in s^-1, where r is (given density +
-        floor) / (this filter's density + floor): zero for a perfect fit. For white noise on the
+    A: System matrix, s^-1, shape (states, states). It consists of 2 x 2 blocks on the diagonal, one
+        per resonance; each block is [[-d, w], [-w, -d]].
+    B: Input, shape (states,). The stationary variance of a state is near 1.
+    position, velocity, acceleration: rows that give the motion from the states, in m, m/s and
+        m/s^2, shape (states,) each.
+    error: the integral over the frequency (Hz) of r - log r - 1, in s^-1, where r is (given density
+        + floor) / (this filter's density + floor): zero for a perfect fit. For white noise on the
         motion it is the Kullback-Leibler divergence of the two models per second of measurements.
     """
 
@@ -181,17 +172,12 @@ def fit_shaping_filter(
     Raise `InputError` if the frequencies or densities make no spectrum, the floor is not above
     zero, or a filter of so many states does not exist or is badly conditioned.
 
-    Parameters
-    ----------
-    frequency
-        Frequencies in Hz, above zero and increasing, shape (m,). They should reach well beyond the
-        band of the motion, and be closer to each other than the width of the spectrum's peak.
-    density
-        Density at these frequencies, shape (m,), of any scale. It may be zero outside a band.
-    states
-        Number of states, even.
-    floor
-        Density that the sensors' noise has as a position, divided by the variance of the motion,
+    frequency: Frequencies in Hz, above zero and increasing, shape (m,). They should reach well
+        beyond the band of the motion, and be closer to each other than the width of the spectrum's
+        peak.
+    density: Density at these frequencies, shape (m,), of any scale. It may be zero outside a band.
+    states: Number of states, even.
+    floor: Density that the sensors' noise has as a position, divided by the variance of the motion,
         Hz^-1: a number or an array of shape (m,). The fit is close where the density is above it.
     """
     from scipy.optimize import least_squares

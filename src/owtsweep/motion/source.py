@@ -15,18 +15,12 @@ from owtsweep.arrays import Array
 class Motion:
     """One realisation of a motion, with positions before t = 0, which delayed sensors report.
 
-    Attributes
-    ----------
-    step
-        Sampling interval, s.
-    position, velocity, acceleration
-        Series from t = 0 on, in m, m/s and m/s^2. Shape (steps,) for a motion along one direction,
-        (steps, axes) for a motion along several axes.
-    before
-        Positions before t = 0, oldest first, m; shape (history,) or (history, axes).
-    felt
-        What an accelerometer on the structure feels of this motion, m/s^2, if that is more than the
-        acceleration, because the structure leans; shape as `acceleration`, or None.
+    step: Sampling interval, s.
+    position, velocity, acceleration: Series from t = 0 on, in m, m/s and m/s^2. Shape (steps,) for
+        a motion along one direction, (steps, axes) for a motion along several axes.
+    before: Positions before t = 0, oldest first, m; shape (history,) or (history, axes).
+    felt: What an accelerometer on the structure feels of this motion, m/s^2, if that is more than
+        the acceleration, because the structure leans; shape as `acceleration`, or None.
     """
 
     step: float
@@ -63,14 +57,10 @@ class Source(Protocol):
     All randomness of a realisation comes from the named random streams that `realise` is given.
     Therefore, two realisations with the same streams are equal bit by bit.
 
-    Attributes
-    ----------
-    streams
-        Names of the random streams that the source draws from. If there are no names, all
+    streams: names of the random streams that the source draws from. If there are no names, all
         realisations are equal.
-    duration
-        Duration in s of the longest record that the source can give, including the time before t =
-        0; None if the duration has no bound.
+    duration: Duration in s of the longest record that the source can give, including the time
+        before t = 0; None if the duration has no bound.
     """
 
     @property
@@ -92,14 +82,9 @@ class Source(Protocol):
         Raise `InputError` if the source cannot give a record of this length; the message says what
         would work.
 
-        Parameters
-        ----------
-        stream
-            Function that returns a new random generator, given the name of a random stream.
-        steps, step
-            Number of samples and sampling interval (s) of the motion.
-        history
-            Number of steps before t = 0 for which positions are needed: the longest delay of a
+        stream: function that returns a new random generator, given the name of a random stream.
+        steps, step: Number of samples and sampling interval (s) of the motion.
+        history: Number of steps before t = 0 for which positions are needed: the longest delay of a
             sensor.
         """
         ...

@@ -137,22 +137,14 @@ def synthesise(
     so nothing repeats inside the record. The positions before t = 0 are the end of the second half.
     Raise `InputError` if no line lies in the band, or `normalise` is neither "peak" nor "rms".
 
-    Parameters
-    ----------
-    spectrum
-        Only its shape matters, because the record is normalised.
-    phase
-        Random generator of the phases. Line m always takes the random number of index m. So moving
-        an edge of the band does not change the phases of lines that stay inside.
-    steps, step
-        Number of samples and sampling interval (s); the duration is their product.
-    band
-        Lower and upper edge of the band, Hz.
-    normalise
-        "peak": the largest displacement in the record is 1 m, up to its sign. "rms": the standard
-        deviation of the displacement is 1 m.
-    history
-        Number of steps before t = 0 whose positions are kept.
+    spectrum: Only its shape matters, because the record is normalised.
+    phase: Random generator of the phases. Line m always takes the random number of index m. So
+        moving an edge of the band does not change the phases of lines that stay inside.
+    steps, step: Number of samples and sampling interval (s); the duration is their product.
+    band: Lower and upper edge of the band, Hz.
+    normalise: "peak": the largest displacement in the record is 1 m, up to its sign. "rms": the
+        standard deviation of the displacement is 1 m.
+    history: Number of steps before t = 0 whose positions are kept.
     """
     numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
     result = np.empty((3, steps))

@@ -64,17 +64,11 @@ class Motion(NamedTuple):
 class SpectrumTracker:
     """Chooses the candidate that the specific force of the last minutes makes likely.
 
-    Parameters
-    ----------
-    step
-        Sampling interval of the specific force, s.
-    force_sigma
-        Standard deviation of a sample's white noise, m/s^2.
-    lean
-        Specific force by leaning, s^-2: the specific force is the acceleration minus `lean` times
+    step: Sampling interval of the specific force, s.
+    force_sigma: Standard deviation of a sample's white noise, m/s^2.
+    lean: Specific force by leaning, s^-2: the specific force is the acceleration minus `lean` times
         the displacement.
-    band
-        Edges of the band of the motion, Hz.
+    band: Edges of the band of the motion, Hz.
     """
 
     def __init__(
@@ -153,18 +147,11 @@ def compute_log_likelihood(
 
     The shape is (periods, bandwidths, variances), or (variances,) for the candidates of one shape.
 
-    Parameters
-    ----------
-    force
-        Specific force, m/s^2, shape (n,).
-    step
-        Sampling interval, s.
-    noise
-        One-sided density of the white noise, (m/s^2)^2/Hz.
-    lean, band
-        Specific force by leaning, s^-2, and edges of the band of the motion, Hz.
-    shape
-        Indices of the period and the bandwidth of the candidates; () for those of all shapes.
+    force: Specific force, m/s^2, shape (n,).
+    step: Sampling interval, s.
+    noise: One-sided density of the white noise, (m/s^2)^2/Hz.
+    lean, band: Specific force by leaning, s^-2, and edges of the band of the motion, Hz.
+    shape: indices of the period and the bandwidth of the candidates; () for those of all shapes.
     """
     inverse, constant, inside = _make_models(len(force), step, noise, lean, band)
     periodogram = compute_periodogram(force, step, inside)

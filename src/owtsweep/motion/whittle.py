@@ -33,32 +33,23 @@ LONG = 1 << 22
 class Fit:
     """A spectrum S(f), Eq. (1), fitted to a record, and measures of how well the spectrum fits.
 
-    Attributes
-    ----------
-    spectrum
-        The fitted coefficients a, b, c of the one-sided density, m^2/Hz.
-    natural_period
-        1 divided by the frequency of the peak, s.
-    bandwidth
-        Square of the half-bandwidth, s^-2.
-    errors
-        Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the expected
-        Hessian of the likelihood (the Fisher information); valid if the shape of Eq. (1) is right.
-    band, lines
-        Lower and upper edge of the fitted band, Hz, and the number of lines inside the band.
-    band_share
-        Share of the record's variance (mean and trend removed) that lies inside the band.
-    explained
-        Share of the band's variance that the fitted curve accounts for: the area that lies under
-        both curves, smoothed over 9 lines, divided by that under the periodogram. A curve of the
-        right shape reaches about 0.87, because the periodogram scatters.
-    probability
-        The p-value of Bartlett's test that the shape of Eq. (1) is right. If it is, the accumulated
-        I_j / S(f_j) are a straight line up to scatter, and this is the probability of a departure
-        at least as large as observed. The value tends to be too large, because the shape was fitted
-        to the record itself.
-    warnings
-        What is wrong with the fit, in words; empty for a good fit.
+    spectrum: the fitted coefficients a, b, c of the one-sided density, m^2/Hz.
+    natural_period: 1 divided by the frequency of the peak, s.
+    bandwidth: Square of the half-bandwidth, s^-2.
+    errors: Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the
+        expected Hessian of the likelihood (the Fisher information); valid if the shape of Eq. (1)
+        is right.
+    band, lines: Lower and upper edge of the fitted band, Hz, and the number of lines inside the
+        band.
+    band_share: Share of the record's variance (mean and trend removed) that lies inside the band.
+    explained: Share of the band's variance that the fitted curve accounts for: the area that lies
+        under both curves, smoothed over 9 lines, divided by that under the periodogram. A curve of
+        the right shape reaches about 0.87, because the periodogram scatters.
+    probability: the p-value of Bartlett's test that the shape of Eq. (1) is right. If it is, the
+        accumulated I_j / S(f_j) are a straight line up to scatter, and this is the probability of a
+        departure at least as large as observed. The value tends to be too large, because the shape
+        was fitted to the record itself.
+    warnings: What is wrong with the fit, in words; empty for a good fit.
     """
 
     spectrum: Spectrum

@@ -56,15 +56,11 @@ def find_best_schemes(
     paired difference is significant, with Holm's correction as above. If a scheme was unable to
     work in any cell, there are also the columns `status` and `reason`.
 
-    Parameters
-    ----------
-    window
-        The window to judge.
-    criteria
-        Names of the measures to judge by. Each measure gives rows of its own.
-    baselines
-        Those of `cube.schemes` that do not compete. In each cell, the best scheme is compared with
-        the baseline of least mean, over the replicates that decide between the schemes.
+    window: the window to judge.
+    criteria: names of the measures to judge by. Each measure gives rows of its own.
+    baselines: Those of `cube.schemes` that do not compete. In each cell, the best scheme is
+        compared with the baseline of least mean, over the replicates that decide between the
+        schemes.
     """
     import pandas as pd
 
@@ -161,14 +157,9 @@ def tell_beaten(
 ) -> str:
     """Return in one sentence what error a scheme has that is best in no cell.
 
-    Parameters
-    ----------
-    cells
-        Rows of best_scheme.csv with one criterion and one window: one row per cell.
-    summary
-        The run's table summary.csv.
-    unit
-        The unit of the criterion's MSE.
+    cells: rows of best_scheme.csv with one criterion and one window: one row per cell.
+    summary: the run's table summary.csv.
+    unit: the unit of the criterion's MSE.
     """
     keys = [*conditions, "window"]
     own = summary[(summary["scheme"] == name) & (summary["measure"] == cells["criterion"].iloc[0])]

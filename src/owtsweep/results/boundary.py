@@ -48,16 +48,11 @@ def find_boundary(
     study's conditions; the last one expands. `schemes`: the scheme that is expected to be better
     below the boundary, then the one above.
 
-    Returns
-    -------
-    DataFrame
-        One row per cell, sorted by condition: all conditions but the last, then `COLUMNS`.
-
+    Returns: one row per cell, sorted by condition: all conditions but the last, then `COLUMNS`.
         `boundary` is in the unit of the amplitude. `n` is the number of records that both schemes
         finished. `wins` is "" if there is a boundary. Otherwise `boundary` is NaN, and `wins` names
         the scheme that is better at every amplitude. `wins` is "neither" if the second scheme is
         better only below some amplitude, or if the mean errors cross twice.
-
         `ci_low` and `ci_high` are the ends of the 95 % confidence interval of the boundary. They
         are NaN without a boundary, and with a single record. Otherwise they are percentiles of the
         boundaries of resampled records. The boundary of a resample counts as 0 if the second scheme
@@ -169,12 +164,9 @@ def divide_crossings(
     falls on an undefined ratio, the lower end is NaN; if the upper end does, the upper end is
     infinite.
 
-    Parameters
-    ----------
-    above, below
-        Numerator and denominator. Each is a cell, and the first scheme's products motion, cross and
-        noise minus the second scheme's, shape (records, 3). If the two cells are equal, the same
-        records are drawn for both, but not with `apart`.
+    above, below: Numerator and denominator. Each is a cell, and the first scheme's products motion,
+        cross and noise minus the second scheme's, shape (records, 3). If the two cells are equal,
+        the same records are drawn for both, but not with `apart`.
     """
     a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):

@@ -25,20 +25,12 @@ Grid = Mapping[str, Sequence[Value]]
 class Condition:
     """The description of a condition: one axis of a study's grid.
 
-    Attributes
-    ----------
-    name
-        The column in tables, and the key below `grid` in the configuration.
-    label, unit
-        What to write on axes of figures, e.g. "motion amplitude" and "m".
-    scale
-        How the condition's numbers are spaced: "linear" or "log".
-    in_streams
-        Whether each value of the condition has different random numbers.
-    plural
-        The plural of the label, used in sentences; if it is "", the label with an s is used.
-    enters
-        What the condition changes: "world" (what moves), "sensors" (what is measured of it),
+    name: the column in tables, and the key below `grid` in the configuration.
+    label, unit: What to write on axes of figures, e.g. "motion amplitude" and "m".
+    scale: How the condition's numbers are spaced: "linear" or "log".
+    in_streams: whether each value of the condition has different random numbers.
+    plural: the plural of the label, used in sentences; if it is "", the label with an s is used.
+    enters: What the condition changes: "world" (what moves), "sensors" (what is measured of it),
         "knowledge" (what schemes know), or "scale" (a factor on what moves).
     """
 

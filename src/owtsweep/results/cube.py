@@ -36,21 +36,14 @@ class Cube:
     axis. The values at each amplitude, the last condition, are computed on request from the
     products in superposed rows, because they would not fit into memory.
 
-    Attributes
-    ----------
-    schemes, measures, windows, replicates
-        The labels of these axes.
-    conditions, levels
-        The study's conditions, and the values of each condition.
-    products
-        The columns `PRODUCTS` of superposed rows, shape (3, scheme, *outer, measure, window,
+    schemes, measures, windows, replicates: the labels of these axes.
+    conditions, levels: the study's conditions, and the values of each condition.
+    products: the columns `PRODUCTS` of superposed rows, shape (3, scheme, *outer, measure, window,
         replicate); None without superposed rows.
-    direct
-        Values of rows that have a value of the last condition, shape (scheme, *conditions, measure,
-        window, replicate); None without such rows.
-    unable
-        Schemes that were unable to work under some conditions. One line per scheme and combination
-        of conditions; columns scheme, conditions, reason.
+    direct: Values of rows that have a value of the last condition, shape (scheme, *conditions,
+        measure, window, replicate); None without such rows.
+    unable: Schemes that were unable to work under some conditions. One line per scheme and
+        combination of conditions; columns scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -155,17 +148,12 @@ class Cube:
         Raise `InputError` if the conditions cannot be used (`require_usable`), if two rows give a
         value for the same element, or if the labels of the rows do not fit together.
 
-        Parameters
-        ----------
-        rows
-            The rows of a run's cases. A row that failed, lacks a label (such as its window), or has
-            no number up to `LARGEST` is left out. If a scheme was unable to work under a
+        rows: the rows of a run's cases. A row that failed, lacks a label (such as its window), or
+            has no number up to `LARGEST` is left out. If a scheme was unable to work under a
             combination of conditions, all rows of that scheme and combination are left out.
-        grid
-            If the last condition expands, rows at values of it that `grid` does not have are left
+        grid: if the last condition expands, rows at values of it that `grid` does not have are left
             out.
-        measures
-            The order of measures in tables. Others follow alphabetically.
+        measures: the order of measures in tables. Others follow alphabetically.
         """
         require_usable(conditions)
         unable = list_unable(rows[rows["scheme"].isin(list(schemes))], conditions, grid)

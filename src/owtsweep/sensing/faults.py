@@ -69,17 +69,11 @@ def draw_outliers(
     others. The offsets scale with `sigma`. Raise `InputError` if the rate is not from 0 to 0.5,
     sigma is negative, or the length is less than 1.
 
-    Parameters
-    ----------
-    begins, offsets
-        Random streams: of the moments at which bursts begin (one uniform number per sample), and of
-        the offsets (a normal number per sample and axis).
-    rate
-        Share of the samples that are outliers, in the long run.
-    sigma
-        Standard deviation of an offset along each axis, in the unit of the samples.
-    length
-        Number of samples of a burst.
+    begins, offsets: Random streams: of the moments at which bursts begin (one uniform number per
+        sample), and of the offsets (a normal number per sample and axis).
+    rate: Share of the samples that are outliers, in the long run.
+    sigma: Standard deviation of an offset along each axis, in the unit of the samples.
+    length: Number of samples of a burst.
     """
     require(0.0 <= rate <= 0.5, f"rate: {rate:g} is not from 0 to 0.5, a share of all samples")
     require(sigma >= 0.0, f"sigma: {sigma:g} is no standard deviation; give 0 or more")

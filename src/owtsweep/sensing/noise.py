@@ -44,17 +44,11 @@ class WienerBias:
     The variance of the bias after the time t is walk^2 t. Raise `InputError` if `walk` is negative
     or `step` is not positive.
 
-    Attributes
-    ----------
-    generator
-        The random stream of standard normal numbers. The first number is drawn but not used,
+    generator: the random stream of standard normal numbers. The first number is drawn but not used,
         because the first sample is `initial`.
-    walk
-        Intensity of the Wiener process, in the unit of the measured quantity per sqrt(s).
-    step
-        Sampling interval, s.
-    initial, last
-        The bias of the first sample, and of the last that was drawn, if any.
+    walk: Intensity of the Wiener process, in the unit of the measured quantity per sqrt(s).
+    step: Sampling interval, s.
+    initial, last: the bias of the first sample, and of the last that was drawn, if any.
     """
 
     generator: np.random.Generator

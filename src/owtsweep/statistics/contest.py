@@ -26,16 +26,12 @@ Places = NDArray[np.intp]
 class Ranking(NamedTuple):
     """The best scheme and the runner-up in each cell.
 
-    Attributes
-    ----------
-    best, runner_up
-        Indices of schemes, shape (cells,). Of schemes that coincide, the last one stands for all.
-        The runner-up is the best scheme that does not coincide with the best scheme. If all schemes
-        of a cell coincide, the runner-up is one of them; if only one took part, it is -1.
-    like_best
-        Whether a scheme is the best or coincides with it, shape (schemes, cells).
-    told_apart
-        Whether some scheme does not coincide with the best scheme, shape (cells,).
+    best, runner_up: indices of schemes, shape (cells,). Of schemes that coincide, the last one
+        stands for all. The runner-up is the best scheme that does not coincide with the best
+        scheme. If all schemes of a cell coincide, the runner-up is one of them; if only one took
+        part, it is -1.
+    like_best: whether a scheme is the best or coincides with it, shape (schemes, cells).
+    told_apart: whether some scheme does not coincide with the best scheme, shape (cells,).
     """
 
     best: Places
@@ -47,20 +43,13 @@ class Ranking(NamedTuple):
 class Contest(NamedTuple):
     """The comparison of the schemes in each cell; all attributes have the shape (cells,).
 
-    Attributes
-    ----------
-    judged
-        Whether there is a replicate that all schemes taking part in the cell have finished. If not,
-        the other attributes have no meaning.
-    best, runner_up
-        Indices of the scheme of least mean and of the runner-up (see `Ranking`).
-    mse_best, mse_runner_up
-        Means of both; the latter is NaN without a runner-up.
-    difference, ci_low, ci_high
-        `mse_runner_up` minus `mse_best`, and its 95 % confidence interval by the paired t-test; NaN
-        without a runner-up.
-    p
-        Two-sided p-value of that test; 1 if there are too few replicates for a test, or all schemes
+    judged: whether there is a replicate that all schemes taking part in the cell have finished. If
+        not, the other attributes have no meaning.
+    best, runner_up: indices of the scheme of least mean and of the runner-up (see `Ranking`).
+    mse_best, mse_runner_up: Means of both; the latter is NaN without a runner-up.
+    difference, ci_low, ci_high: `mse_runner_up` minus `mse_best`, and its 95 % confidence interval
+        by the paired t-test; NaN without a runner-up.
+    p: Two-sided p-value of that test; 1 if there are too few replicates for a test, or all schemes
         of the cell coincide.
     """
 
@@ -128,14 +117,10 @@ def contest(values: Array) -> Contest:
 def challenge(values: Array, best: Places, baselines: Array) -> Challenge:
     """Compare the best scheme of every cell with the best baseline, over the replicates that count.
 
-    Parameters
-    ----------
-    values, best
-        The values of the schemes, as for `contest`, and the best scheme that it found. The
-        replicates that count are those that all schemes of the cell finished.
-    baselines
-        The values of the baselines, shape (baselines, cells, replicates). A baseline takes part in
-        a cell if it has a value in every replicate that counts.
+    values, best: the values of the schemes, as for `contest`, and the best scheme that it found.
+        The replicates that count are those that all schemes of the cell finished.
+    baselines: the values of the baselines, shape (baselines, cells, replicates). A baseline takes
+        part in a cell if it has a value in every replicate that counts.
     """
     _, common = find_common(values)
     cells = np.arange(values.shape[1])

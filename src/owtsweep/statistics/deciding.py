@@ -39,19 +39,12 @@ SKEWED = 1.0
 class Rule(NamedTuple):
     """By what a cell is decided.
 
-    Attributes
-    ----------
-    margin
-        The difference that does not matter, as a share of the error.
-    floor
-        The least such difference, in the error's unit.
-    squared
-        Whether the values of records are squares, of whose mean the error is the root; otherwise
-        the error is their mean.
-    most
-        Most records of a cell.
-    ties_from
-        Number of records from which on a tie may be called.
+    margin: the difference that does not matter, as a share of the error.
+    floor: the least such difference, in the error's unit.
+    squared: whether the values of records are squares, of whose mean the error is the root;
+        otherwise the error is their mean.
+    most: Most records of a cell.
+    ties_from: Number of records from which on a tie may be called.
     """
 
     margin: float = 0.05
@@ -64,18 +57,13 @@ class Rule(NamedTuple):
 class Decision(NamedTuple):
     """What is known of a cell after a look.
 
-    Attributes
-    ----------
-    verdict
-        "won": one contender is left. "tie": the simplest one left is surely at most the margin
+    verdict: "won": one contender is left. "tie": the simplest one left is surely at most the margin
         worse than each other one left. "open": neither, yet. "none": all contenders have failed.
-    best
-        Index of the contender to take: the winner, the simplest of a tie, or else the one of least
-        mean so far; -1 if all have failed.
-    left
-        Indices of the contenders that are left, the simplest first.
-    look, records
-        Number of the last look, from 1, and of the records that it has seen; 0 before the first.
+    best: Index of the contender to take: the winner, the simplest of a tie, or else the one of
+        least mean so far; -1 if all have failed.
+    left: indices of the contenders that are left, the simplest first.
+    look, records: Number of the last look, from 1, and of the records that it has seen; 0 before
+        the first.
     """
 
     verdict: str
@@ -101,21 +89,12 @@ def find_level(look: int) -> float:
 def follow_looks(values: Array, rule: Rule, cells: int) -> Iterator[Decision]:
     """Yield what is known of a cell after each look that its records allow, to the last one.
 
-    Parameters
-    ----------
-    values
-        Shape (contenders, records), the simplest contender first, records in the order in which
+    values: shape (contenders, records), the simplest contender first, records in the order in which
         they were made; NaN where a contender failed, and where one that has left was not run.
         Contenders that coincide count as one: give only the simplest of them.
-    rule
-        By what the cell is decided.
-    cells
-        Number of cells of the map.
-
-    Raises
-    ------
-    ValueError
-        If `rule.most` is below the first look.
+    rule: By what the cell is decided.
+    cells: Number of cells of the map.
+    Raises ValueError if `rule.most` is below the first look.
     """
     if rule.most < FIRST:
         raise ValueError(f"most: {rule.most} records are fewer than the first look's {FIRST}")
@@ -148,12 +127,9 @@ def decide(values: Array, rule: Rule, cells: int) -> Decision:
 def take_look(seen: Array, names: tuple[int, ...], rule: Rule, level: float) -> Decision:
     """Compare contenders by all records up to a look; who is surely worse, or has failed, leaves.
 
-    Parameters
-    ----------
-    seen, names
-        Values, shape (contenders, records), and the contenders' indices, the simplest first.
-    level
-        The level of each of the look's tests.
+    seen, names: Values, shape (contenders, records), and the contenders' indices, the simplest
+        first.
+    level: the level of each of the look's tests.
     """
     records = seen.shape[1]
     whole = np.isfinite(seen).all(axis=1)

@@ -140,16 +140,10 @@ def assemble_whole(
 ) -> PlaneBeam:
     """Assemble the whole structure, with its soil or foundation and its bodies.
 
-    Parameters
-    ----------
-    side
-        Whether motion is across the wind, where bodies have another inertia.
-    gravity
-        Whether the weight above softens the beam, and topples bodies above their nodes.
-    subdivision
-        Into how many elements each tube is divided.
-    soil_factor
-        Factor on the stiffness of soil or foundation.
+    side: whether motion is across the wind, where bodies have another inertia.
+    gravity: whether the weight above softens the beam, and topples bodies above their nodes.
+    subdivision: Into how many elements each tube is divided.
+    soil_factor: Factor on the stiffness of soil or foundation.
     """
     nodes = _divide(_ends(structure), subdivision)
     beam = _assemble(structure, nodes, gravity=gravity, soil_factor=soil_factor)

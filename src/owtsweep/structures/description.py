@@ -61,9 +61,11 @@ class Tube(Section):
     poissons_ratio: float = key("Poisson's ratio", default=0.3, ge=0.0, lt=0.5)
 
     def outer(self, height: Array) -> Array:
+        """Outer diameter at heights (m), m."""
         return np.interp(height, [self.bottom, self.top], self.diameter)
 
     def inner(self, height: Array) -> Array:
+        """Inner diameter at heights (m), m."""
         wall = np.interp(height, [self.bottom, self.top], self.thickness)
         return np.asarray(self.outer(height) - 2.0 * wall)
 
@@ -182,6 +184,7 @@ class Foundation(Section):
     rotation: Positive = key("moment per rotation", unit="N m")
 
     def matrix(self) -> Array:
+        """Stiffness of sway and rotation, shape (2, 2); N/m, N, N m."""
         return np.array([[self.lateral, self.coupling], [self.coupling, self.rotation]])
 
 

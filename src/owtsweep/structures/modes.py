@@ -41,16 +41,10 @@ SHEAR_ORDER, ORDER = 3, 5
 class Beam:
     """The matrices of a structure's beam, for the degrees of freedom w, then theta.
 
-    Attributes
-    ----------
-    stiffness, mass
-        Sparse matrices, shape (n, n).
-    heights, deflections
-        Heights (m) of the nodes of w, upwards, and their degrees of freedom.
-    hub_slope
-        Degree of freedom of theta at the hub.
-    free
-        Degrees of freedom that are not clamped.
+    stiffness, mass: Sparse matrices, shape (n, n).
+    heights, deflections: Heights (m) of the nodes of w, upwards, and their degrees of freedom.
+    hub_slope: Degree of freedom of theta at the hub.
+    free: Degrees of freedom that are not clamped.
     """
 
     stiffness: csc_matrix
@@ -139,20 +133,14 @@ def _nodes(structure: Structure) -> Array:
 class Modes:
     """Modes of vibration, scaled so that the hub moves by 1 m.
 
-    Attributes
-    ----------
-    frequency
-        Natural frequencies in Hz, ascending, shape (modes,).
-    mass
-        Modal masses in kg, shape (modes,): the kinetic energy is half of it times (velocity of the
-        hub in this mode)^2.
-    slope
-        Rotation of the cross-section at the hub per metre of the hub's displacement, rad/m, shape
-        (modes,). Positive: the tower leans the way that the hub moves.
-    heights, shape
-        Heights in m, shape (nodes,), upwards, and the deflections there, shape (nodes, modes).
-    damping
-        Damping ratio of every mode.
+    frequency: Natural frequencies in Hz, ascending, shape (modes,).
+    mass: Modal masses in kg, shape (modes,): the kinetic energy is half of it times (velocity of
+        the hub in this mode)^2.
+    slope: Rotation of the cross-section at the hub per metre of the hub's displacement, rad/m,
+        shape (modes,). Positive: the tower leans the way that the hub moves.
+    heights, shape: Heights in m, shape (nodes,), upwards, and the deflections there, shape (nodes,
+        modes).
+    damping: Damping ratio of every mode.
     """
 
     frequency: Array

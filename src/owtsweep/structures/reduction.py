@@ -23,15 +23,10 @@ from owtsweep.structures.bernoulli import PlaneBeam
 class Reduced:
     """A beam in few coordinates: u = basis z, with z'' + damping z' + stiffness z = basis' f.
 
-    Attributes
-    ----------
-    basis
-        Displacements (m, rad) of the degrees of freedom for unit coordinates, shape (dof, modes).
-        Modal masses are 1 (kg).
-    omega
-        Angular frequencies of the coordinates in rad/s, shape (modes,); 0 for rigid modes.
-    kinds
-        "rigid", "normal" or "attachment" for each coordinate.
+    basis: Displacements (m, rad) of the degrees of freedom for unit coordinates, shape (dof,
+        modes). Modal masses are 1 (kg).
+    omega: Angular frequencies of the coordinates in rad/s, shape (modes,); 0 for rigid modes.
+    kinds: "rigid", "normal" or "attachment" for each coordinate.
     """
 
     basis: Array
@@ -55,16 +50,11 @@ def reduce_free(
 
     Raise `InputError` if the beam has fewer modes.
 
-    Parameters
-    ----------
-    interfaces
-        Degrees of freedom on which unknown forces and moments act.
-    normal
-        Number of free-interface normal modes, lowest first.
-    constrained
-        Two degrees of freedom that are held while Eq. (7) is solved. They must hold the beam
-        without strain. (The print's step 4 has as many as interfaces; holding more than the rigid
-        modes strains the beam.) The result does not depend on them.
+    interfaces: Degrees of freedom on which unknown forces and moments act.
+    normal: Number of free-interface normal modes, lowest first.
+    constrained: two degrees of freedom that are held while Eq. (7) is solved. They must hold the
+        beam without strain. (The print's step 4 has as many as interfaces; holding more than the
+        rigid modes strains the beam.) The result does not depend on them.
     """
     from scipy.linalg import eigh
 

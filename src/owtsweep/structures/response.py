@@ -48,16 +48,11 @@ def respond(
     At the first sample the structure rests as the loads of that sample bend it, so nothing jumps.
     Raise `InputError` if the structure does not stand, or buckles under its weight.
 
-    Parameters
-    ----------
-    mass, damping, stiffness
-        Matrices in SI units, shape (dof, dof); mass and stiffness positive definite.
-    loads
-        Loads on the degrees of freedom for unit series, shape (dof, series).
-    series
-        The series f, shape (steps, series), linear between samples, which are `step` (s) apart.
-    lead
-        Number of samples at the beginning that are left out of the result.
+    mass, damping, stiffness: Matrices in SI units, shape (dof, dof); mass and stiffness positive
+        definite.
+    loads: Loads on the degrees of freedom for unit series, shape (dof, series).
+    series: the series f, shape (steps, series), linear between samples, which are `step` (s) apart.
+    lead: Number of samples at the beginning that are left out of the result.
     """
     from scipy.linalg import eig, eigh
     from scipy.signal import lfilter

@@ -14,14 +14,9 @@ from owtsweep.studies import registry
 class Located(NamedTuple):
     """What a configuration is composed from: study, YAML files and overrides.
 
-    Attributes
-    ----------
-    study
-        Name that an override `study=NAME` gives. None: the YAML files name the study.
-    tree
-        The study's folder of YAML files.
-    overrides
-        The overrides for Hydra, without `study=NAME`.
+    study: Name that an override `study=NAME` gives. None: the YAML files name the study.
+    tree: the study's folder of YAML files.
+    overrides: the overrides for Hydra, without `study=NAME`.
     """
 
     study: str | None
@@ -57,16 +52,11 @@ def compose(
 
     Raise `InputError` if anything is wrong with the overrides or files; the message is one line.
 
-    Parameters
-    ----------
-    overrides
-        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. `study=NAME` selects the
-        study. Without it, the first built-in study whose main YAML file is `primary` is taken
+    overrides: Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. `study=NAME` selects
+        the study. Without it, the first built-in study whose main YAML file is `primary` is taken
         ("hub" for "sweep").
-    config_dir
-        A folder with further config groups for Hydra (`--config-dir`).
-    primary
-        Name of the main YAML file: "sweep" or "replay".
+    config_dir: a folder with further config groups for Hydra (`--config-dir`).
+    primary: Name of the main YAML file: "sweep" or "replay".
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)

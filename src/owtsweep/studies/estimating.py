@@ -19,19 +19,11 @@ def estimate(overrides: Sequence[str] = (), replicate: int = 0) -> EstimatedReco
 
     Truth and measurements are those of a sweep with the same configuration.
 
-    Parameters
-    ----------
-    overrides
-        Hydra overrides as on the command line, which leave one cell of the grid and one tuning,
-        e.g. `["study=blade", "grid.sigma=[0.01]", "grid.outage=[20]", "schemes=[MEKF]"]`.
-    replicate
-        Number of the record, from 0 on.
-
-    Raises
-    ------
-    InputError
-        If an override is wrong, several cells or tunings are left, or the study has no records of
-        its own.
+    overrides: Hydra overrides as on the command line, which leave one cell of the grid and one
+        tuning, e.g. `["study=blade", "grid.sigma=[0.01]", "grid.outage=[20]", "schemes=[MEKF]"]`.
+    replicate: Number of the record, from 0 on.
+    Raises InputError if an override is wrong, several cells or tunings are left, or the study has
+        no records of its own.
     """
     require(
         isinstance(replicate, int) and replicate >= 0,

@@ -35,16 +35,10 @@ DEFAULT = "hub"
 class Entry:
     """How to find and run a study.
 
-    Attributes
-    ----------
-    target
-        The study's class as "module:Class", which is called without arguments.
-    primary
-        Name of the study's main YAML file, without suffix, and of the subcommand that runs it.
-    implied
-        Overrides that select this study where several studies share a folder of YAML files.
-    package
-        The distribution that contains the study; "" for a built-in study.
+    target: the study's class as "module:Class", which is called without arguments.
+    primary: Name of the study's main YAML file, without suffix, and of the subcommand that runs it.
+    implied: Overrides that select this study where several studies share a folder of YAML files.
+    package: the distribution that contains the study; "" for a built-in study.
     """
 
     target: str

@@ -36,14 +36,9 @@ _HASH = re.compile(r"[0-9a-f]{10}")
 class Question:
     """A question that a run folder has answered, or began to answer.
 
-    Attributes
-    ----------
-    hash
-        The name of the question's folder below `asked`.
-    config
-        The stored configuration as plain data, which is not checked; {} if it cannot be read.
-    trouble
-        Why the configuration cannot be read, in one line; "" if it can.
+    hash: the name of the question's folder below `asked`.
+    config: the stored configuration as plain data, which is not checked; {} if it cannot be read.
+    trouble: Why the configuration cannot be read, in one line; "" if it can.
     """
 
     hash: str
@@ -92,10 +87,7 @@ def write_both(run: Path, question: str, contents: Mapping[str, bytes | str]) ->
 
     If the files do not all fit on the disk, none of them is changed.
 
-    Raises
-    ------
-    OSError
-        If the file system refuses a file.
+    Raises OSError if the file system refuses a file.
     """
     shown = is_shown(run, question)
     folders = [question_folder(run, question), *[run] * shown]
@@ -119,10 +111,7 @@ def show_figures(run: Path, question: str, files: list[Path]) -> list[Path]:
 
     Return the copies, or `files` if there are none.
 
-    Raises
-    ------
-    OSError
-        If the file system refuses a file.
+    Raises OSError if the file system refuses a file.
     """
     if not is_shown(run, question):
         return files
@@ -144,23 +133,12 @@ def show(
     What the root holds of another question moves into the folder of that question: tables,
     figures, reports and estimates. What the folder of this question holds returns to the root.
 
-    Parameters
-    ----------
-    run
-        The run folder, which exists.
-    model
-        The class of the study's configurations.
-    question
-        The hash of the question.
-    texts
-        File name -> content: the configuration and the plan of the question.
-    cleared
-        Whether `clear` has just been called, so that nothing is left to move.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses a file.
+    run: the run folder, which exists.
+    model: the class of the study's configurations.
+    question: the hash of the question.
+    texts: File name -> content: the configuration and the plan of the question.
+    cleared: whether `clear` has just been called, so that nothing is left to move.
+    Raises OSError if the file system refuses a file.
     """
     own = question_folder(run, question)
     own.mkdir(parents=True, exist_ok=True)

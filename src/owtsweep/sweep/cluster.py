@@ -51,11 +51,9 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
     `metadata` holds the versions that each worker must have, as `worker.all_versions` returns
     them. `address` is the address of the cluster's scheduler, e.g. tcp://host:8786.
 
-    Raises
-    ------
-    InputError
-        If the scheduler does not answer or has no workers, if a worker cannot load the study or has
-        other versions, or if `address` begins with tls:// and dask has no certificates.
+    Raises InputError if the scheduler does not answer or has no workers, if a worker cannot load
+        the study or has other versions, or if `address` begins with tls:// and dask has no
+        certificates.
     """
     _require_certificates(address)
     try:
@@ -156,19 +154,11 @@ def run_tasks(
     connection to the scheduler is sent again, once. Closing the generator cancels the tasks that no
     worker has begun.
 
-    Parameters
-    ----------
-    client
-        The connection to the cluster.
-    calls
-        Number of a task -> the function that runs the task on a worker.
-    at_once
-        How many tasks may be at the cluster at a time; 0: two for each core.
-
-    Raises
-    ------
-    ConnectionError
-        After `PATIENCE` seconds without an answer of the scheduler or without any worker.
+    client: the connection to the cluster.
+    calls: Number of a task -> the function that runs the task on a worker.
+    at_once: How many tasks may be at the cluster at a time; 0: two for each core.
+    Raises ConnectionError: After `PATIENCE` seconds without an answer of the scheduler or without
+        any worker.
     """
     waiting, sent = dict(calls), dict[distributed.Future, int]()
     sent_again: set[int] = set()

@@ -41,16 +41,10 @@ if TYPE_CHECKING:
 class Compared:
     """A finished comparison.
 
-    Attributes
-    ----------
-    folder
-        The folder that the comparison was written to.
-    findings
-        What the study has found: its tables and its text.
-    overview
-        The table that the terminal shows: one row per run.
-    notes
-        Lines on runs that are left out or incomplete, and the notes of the study.
+    folder: the folder that the comparison was written to.
+    findings: What the study has found: its tables and its text.
+    overview: the table that the terminal shows: one row per run.
+    notes: Lines on runs that are left out or incomplete, and the notes of the study.
     """
 
     folder: Path
@@ -62,26 +56,14 @@ class Compared:
 def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     """Compare the runs of a multirun, or any runs of one study, and write the comparison.
 
-    Parameters
-    ----------
-    paths
-        One multirun folder, or several folders, each of a run or of a multirun.
-    load
-        A function that opens the run in a folder (`owtsweep.load`).
-
-    Returns
-    -------
-    Compared
-        The comparison. It is written to `<path>/comparison` if one path is given, and otherwise to
-        `comparison-<hash>` beside the first run.
-
-    Raises
-    ------
-    InputError
-        If fewer than two runs have a succeeded case, a run is named twice, the runs belong to
-        different studies or have nothing in common, their study cannot compare runs, or the folder
-        cannot be written. Nothing has been written then. Also if the study is of another package
-        and does not work; its figures may have been written then.
+    paths: one multirun folder, or several folders, each of a run or of a multirun.
+    load: a function that opens the run in a folder (`owtsweep.load`).
+    Returns: the comparison. It is written to `<path>/comparison` if one path is given, and
+        otherwise to `comparison-<hash>` beside the first run.
+    Raises InputError if fewer than two runs have a succeeded case, a run is named twice, the runs
+        belong to different studies or have nothing in common, their study cannot compare runs, or
+        the folder cannot be written. Nothing has been written then. Also if the study is of another
+        package and does not work; its figures may have been written then.
     """
     import pandas as pd
 
@@ -129,11 +111,8 @@ def _open(
     Return the runs, the keys that the multiruns swept, and notes on runs that are left out. A run
     of a multirun that cannot be opened is left out.
 
-    Raises
-    ------
-    InputError
-        If a path holds no run, a run is named twice, or a run that `paths` names directly (not
-        through a multirun) cannot be opened.
+    Raises InputError if a path holds no run, a run is named twice, or a run that `paths` names
+        directly (not through a multirun) cannot be opened.
     """
     runs: list[Run] = []
     preferred: list[str] = []

@@ -46,15 +46,10 @@ BACKENDS = ("threading", "loky", "dask")
 class Executor:
     """The executor, which runs the tasks of a sweep and stores the results.
 
-    Attributes
-    ----------
-    work
-        What the workers need to know.
-    workers
-        Number of workers; 0 means all workers of a cluster.
-    client
-        The connection to a cluster (`owtsweep.sweep.cluster.connected`) if the backend is "dask";
-        otherwise None.
+    work: What the workers need to know.
+    workers: Number of workers; 0 means all workers of a cluster.
+    client: the connection to a cluster (`owtsweep.sweep.cluster.connected`) if the backend is
+        "dask"; otherwise None.
     """
 
     work: Work
@@ -67,13 +62,9 @@ class Executor:
         Closing the generator stops the workers. Processes stop at once. Threads stop after their
         current block (unit of work), because a thread cannot be ended from outside.
 
-        Parameters
-        ----------
-        tasks
-            The tasks, each of which maps the keys of its blocks to the blocks.
-        tell
-            A function that threads call with the number of cases of each finished block. Processes
-            and other machines do not call this function.
+        tasks: the tasks, each of which maps the keys of its blocks to the blocks.
+        tell: a function that threads call with the number of cases of each finished block.
+            Processes and other machines do not call this function.
         """
         if not tasks:
             return

@@ -30,14 +30,9 @@ BATCH = 256
 class Results:
     """The results of a run of one tuning.
 
-    Attributes
-    ----------
-    config
-        The run's configuration.
-    rows
-        The rows of the run's cases, sorted.
-    tables
-        The tables that the study makes of the rows, by name.
+    config: the run's configuration.
+    rows: the rows of the run's cases, sorted.
+    tables: the tables that the study makes of the rows, by name.
     """
 
     config: Config
@@ -48,22 +43,12 @@ class Results:
 def gather(tables: Iterable[pa.Table]) -> pd.DataFrame | None:
     """Join the rows of all tables, in the order of the tables; return None if there is no table.
 
-    Parameters
-    ----------
-    tables
-        `pyarrow.Table`s. The iterable is read in batches, so that each table can be freed soon.
-
-    Returns
-    -------
-    DataFrame
-        All rows. Text columns are categorical, with sorted categories; `as_text` turns categorical
-        columns into plain text. If a table lacks a column, the rows of that table have missing
-        values in the column.
-
-    Raises
-    ------
-    InputError
-        If whole numbers of one table are too large for a column that has fractions in another.
+    tables: `pyarrow.Table`s. The iterable is read in batches, so that each table can be freed soon.
+    Returns: All rows. Text columns are categorical, with sorted categories; `as_text` turns
+        categorical columns into plain text. If a table lacks a column, the rows of that table have
+        missing values in the column.
+    Raises InputError if whole numbers of one table are too large for a column that has fractions in
+        another.
     """
     # Arrow's own pool would keep what is freed here from pandas.
     pa.set_memory_pool(pa.system_memory_pool())

@@ -42,10 +42,8 @@ def block_key(study: Study, block: Block) -> str:
     `schema_version` and `numerics_version`, and on the block's content. So the content must hold
     everything on which the rows depend, including the seed.
 
-    Raises
-    ------
-    InputError
-        If the content holds a value without an exact JSON form (NaN, an array, an object).
+    Raises InputError if the content holds a value without an exact JSON form (NaN, an array, an
+        object).
     """
     identity = {**list_versions(study), "content": block.content}
     return _digest(identity, KEY_BYTES, what=f"block {block.label}")
@@ -89,10 +87,7 @@ def run_folder(config: Config) -> Path:
     The form with the hash is used if the key `name` of the configuration is null. A
     study may put more between the experiment and the hash (`Config.start_of_folder`).
 
-    Raises
-    ------
-    InputError
-        If `experiment` cannot be part of a folder's name, or the name is too long.
+    Raises InputError if `experiment` cannot be part of a folder's name, or the name is too long.
     """
     if config.name is not None:
         return _folder(config, "name", config.name)

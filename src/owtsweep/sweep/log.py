@@ -57,10 +57,7 @@ def working_on(label: str) -> None:
 def run_log(folder: Path) -> Iterator[None]:
     """Append logged messages to the file `run.log` in `folder` while the context is open.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be opened. Later errors while writing the file are ignored.
+    Raises InputError if the file cannot be opened. Later errors while writing the file are ignored.
     """
     try:
         handler = _Quiet(folder / "run.log", encoding="utf-8")

@@ -57,10 +57,7 @@ def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedR
 def read_record(folder: Path) -> Planned | None:
     """Read `multirun.json` in a multirun's folder; return None if there is no such file.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or its content is not the record of a multirun.
+    Raises InputError if the file cannot be read, or its content is not the record of a multirun.
     """
     path = folder / RECORD
     if not os.path.lexists(path):
@@ -96,16 +93,10 @@ class JobOutcome:
     Runs may be computed in other processes or on other machines (joblib, submitit), so the
     outcomes are passed in files, not in memory.
 
-    Attributes
-    ----------
-    folder
-        Name of the run folder inside the multirun folder.
-    overrides
-        The overrides of this run, without the override of the key `results`.
-    code
-        The exit code that this run would have had outside a multirun.
-    reason
-        One line that says why `code` is not 0; "" if `code` is 0.
+    folder: Name of the run folder inside the multirun folder.
+    overrides: the overrides of this run, without the override of the key `results`.
+    code: the exit code that this run would have had outside a multirun.
+    reason: one line that says why `code` is not 0; "" if `code` is 0.
     """
 
     folder: str

@@ -37,10 +37,7 @@ def make_plan(study: Study, config: Config) -> Plan:
     With several tunings, the blocks of each tuning are planned. A block that does not depend on the
     tuning belongs to all of them.
 
-    Raises
-    ------
-    InputError
-        If the configuration has no blocks, or the study refuses the configuration.
+    Raises InputError if the configuration has no blocks, or the study refuses the configuration.
     """
     plan: Plan = {}
     for tuning, part in config.by_tuning().items():
@@ -76,15 +73,10 @@ def count_cases(plan: Mapping[str, Block]) -> int:
 def dump_plan(plan: Plan, study: Study, config: Config, text: str) -> str:
     """Return the content of plan.json as text.
 
-    Parameters
-    ----------
-    plan
-        The blocks (units of work) of the run by key.
-    study, config
-        The run's study, which names its versions and says what is stored of a user's code, and its
-        configuration.
-    text
-        The content of config.yaml, to which the plan belongs.
+    plan: the blocks (units of work) of the run by key.
+    study, config: the run's study, which names its versions and says what is stored of a user's
+        code, and its configuration.
+    text: the content of config.yaml, to which the plan belongs.
     """
     several = "" not in config.by_tuning()
     blocks = [
@@ -108,11 +100,8 @@ def digest(text: str) -> str:
 def read_stored_plan(study: Study, folder: Path, text: str) -> Mapping[str, object]:
     """Read plan.json in a run folder; `text` is the content of the folder's config.yaml.
 
-    Raises
-    ------
-    InputError
-        If plan.json cannot be read or is not a JSON mapping, the run is of other versions than
-        those of `study`, or config.yaml has been changed since plan.json was written.
+    Raises InputError if plan.json cannot be read or is not a JSON mapping, the run is of other
+        versions than those of `study`, or config.yaml has been changed since plan.json was written.
     """
     path = folder / PLAN_FILE
     stored = read_json(path, MOST_BYTES) if os.path.lexists(path) else {}
@@ -154,19 +143,10 @@ def read_blocks(folder: Path, stored: Mapping[str, object], tunings: Collection[
 
     These blocks have no content, so their rows can be read, but not computed.
 
-    Parameters
-    ----------
-    folder
-        The run folder, for messages.
-    stored
-        What `read_stored_plan` returns.
-    tunings
-        The tunings of the run if it has several, otherwise empty.
-
-    Raises
-    ------
-    InputError
-        If there are no blocks, or a block is not of the form that `dump_plan` writes.
+    folder: the run folder, for messages.
+    stored: What `read_stored_plan` returns.
+    tunings: the tunings of the run if it has several, otherwise empty.
+    Raises InputError if there are no blocks, or a block is not of the form that `dump_plan` writes.
     """
     blocks = stored.get("blocks")
     if not isinstance(blocks, list) or not blocks:

@@ -25,11 +25,9 @@ FILES = (asked.CONFIG, PLAN_FILE, "manifest.json", "run.log")
 def check_folder(run: Run, *, fresh: bool) -> None:
     """Check that a sweep can write its run folder; write nothing.
 
-    Raises
-    ------
-    InputError
-        If a file or folder is in the way or cannot be written; or if `fresh` is False, and the
-        folder holds a run of another version, or the folder that the user named another run.
+    Raises InputError if a file or folder is in the way or cannot be written; or if `fresh` is
+        False, and the folder holds a run of another version, or the folder that the user named
+        another run.
     """
     own = asked.question_folder(run.folder, run.question)
     # else run.log would be appended to its target, and --fresh would delete what lies elsewhere
@@ -57,19 +55,10 @@ def check_folder(run: Run, *, fresh: bool) -> None:
 def prepare_folder(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
     """Check and make a run folder, and write the configuration and the plan there.
 
-    Parameters
-    ----------
-    run
-        The run.
-    texts
-        File name -> content, for config.yaml and plan.json.
-    fresh
-        If True, first delete what the folder holds: shards, tables, figures and all questions.
-
-    Raises
-    ------
-    InputError
-        As `check_folder`, or if the file system refuses a file.
+    run: the run.
+    texts: File name -> content, for config.yaml and plan.json.
+    fresh: if True, first delete what the folder holds: shards, tables, figures and all questions.
+    Raises InputError as `check_folder`, or if the file system refuses a file.
     """
     check_folder(run, fresh=fresh)
     try:
@@ -106,22 +95,14 @@ def _require_same_run(run: Run) -> None:
 class Forecast:
     """What a sweep would do.
 
-    Attributes
-    ----------
-    folder
-        The run folder.
-    cases, missing
-        Number of cases of the plan, and of those that would be computed. Cases in damaged shards
-        would be computed.
-    workers
-        Number of workers; 0 means all workers of a cluster, whose number is not known.
-    seconds
-        Expected time, s; None if it is not known.
-    basis
-        Where `seconds` comes from: blocks that "earlier" sweeps of the folder have computed, or a
-        "rough" rate of the study.
-    memory
-        Expected memory, bytes; None if it is not known.
+    folder: the run folder.
+    cases, missing: Number of cases of the plan, and of those that would be computed. Cases in
+        damaged shards would be computed.
+    workers: Number of workers; 0 means all workers of a cluster, whose number is not known.
+    seconds: Expected time, s; None if it is not known.
+    basis: where `seconds` comes from: blocks that "earlier" sweeps of the folder have computed, or
+        a "rough" rate of the study.
+    memory: Expected memory, bytes; None if it is not known.
     """
 
     folder: Path
@@ -136,18 +117,10 @@ class Forecast:
 def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
     """Return what a sweep of a configuration would do; nothing is computed or written.
 
-    Parameters
-    ----------
-    study, config
-        The study and its configuration, which must be checked already.
-    fresh
-        Whether the sweep would first delete the stored cases.
-
-    Raises
-    ------
-    InputError
-        If the sweep would refuse to start: the plan is empty, or the folder cannot be written or
-        holds another run.
+    study, config: the study and its configuration, which must be checked already.
+    fresh: whether the sweep would first delete the stored cases.
+    Raises InputError if the sweep would refuse to start: the plan is empty, or the folder cannot be
+        written or holds another run.
     """
     from joblib import cpu_count
 

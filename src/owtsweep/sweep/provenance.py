@@ -42,16 +42,11 @@ def start_manifest(
 ) -> dict[str, object]:
     """Return the manifest of a run that begins now, as plain JSON data; `state` is "running".
 
-    Parameters
-    ----------
-    run
-        The run.
-    text
-        The text of config.yaml.
-    argv
-        The arguments of the command line, or None if the run was started from Python.
-    backend, workers
-        What ran the tasks, and the number of its workers (0: all workers of a cluster).
+    run: the run.
+    text: the text of config.yaml.
+    argv: the arguments of the command line, or None if the run was started from Python.
+    backend, workers: What ran the tasks, and the number of its workers (0: all workers of a
+        cluster).
     """
     packages = (*PACKAGES, *CLUSTER_PACKAGES) if backend == "dask" else PACKAGES
     return {
@@ -92,19 +87,12 @@ def finish_manifest(
 ) -> dict[str, object]:
     """Return the manifest of a run that ends now.
 
-    Parameters
-    ----------
-    manifest
-        The manifest that `start_manifest` made.
-    state
-        "done" if no case failed, "incomplete" if a case failed, "interrupted" after Ctrl-C, or
+    manifest: the manifest that `start_manifest` made.
+    state: "done" if no case failed, "incomplete" if a case failed, "interrupted" after Ctrl-C, or
         "error" after another exception.
-    seconds
-        Wall time of the sweep, s.
-    cases
-        "computed", "reused" and "failed" -> number of cases.
-    blocks
-        Label of a block (unit of work) -> computing time of the block, s.
+    seconds: Wall time of the sweep, s.
+    cases: "computed", "reused" and "failed" -> number of cases.
+    blocks: Label of a block (unit of work) -> computing time of the block, s.
     """
     return {
         **manifest,
@@ -174,10 +162,7 @@ def was_running(folder: Path) -> bool:
 def read_manifest(folder: Path) -> Plain:
     """Read manifest.json in a run folder; the values in the manifest are not checked.
 
-    Raises
-    ------
-    InputError
-        If there is no manifest, or the file cannot be read or holds no mapping.
+    Raises InputError if there is no manifest, or the file cannot be read or holds no mapping.
     """
     path = folder / MANIFEST
     require(os.path.lexists(path), f"{folder}: the folder has no {MANIFEST}; run its sweep")

@@ -62,12 +62,8 @@ def require_rows(study: Study, config: Config, rows: object) -> None:
 
     The needed columns are those of `needed_columns`.
 
-    Raises
-    ------
-    TypeError
-        If `rows` is not a DataFrame.
-    ValueError
-        If there is no row, a needed column is missing, or a status is unknown.
+    Raises TypeError if `rows` is not a DataFrame.
+    Raises ValueError if there is no row, a needed column is missing, or a status is unknown.
     """
     import pandas as pd
 
@@ -120,10 +116,7 @@ def kinds_of(schema: pa.Schema) -> dict[str, str]:
     A kind is "text", "categories" (coded text), "numbers", "flags" (true and false), or "nothing"
     (missing values only).
 
-    Raises
-    ------
-    WrongRows
-        If two columns have the same name, or a column is of none of these kinds.
+    Raises WrongRows if two columns have the same name, or a column is of none of these kinds.
     """
     kinds: dict[str, str] = {}
     for name, type_ in zip(schema.names, schema.types, strict=True):
@@ -145,11 +138,8 @@ def check_columns(schema: pa.Schema, needed: Needed) -> None:
 
     `needed` is what `needed_columns` returns.
 
-    Raises
-    ------
-    WrongRows
-        If a needed column is missing or of another type, two columns have the same name, or a
-        column holds no text, numbers or flags.
+    Raises WrongRows if a needed column is missing or of another type, two columns have the same
+        name, or a column holds no text, numbers or flags.
     """
     kinds = kinds_of(schema)
     for name, type_ in needed.items():
@@ -163,11 +153,9 @@ def check_columns(schema: pa.Schema, needed: Needed) -> None:
 def check_table(table: pa.Table, needed: Needed) -> None:
     """Check the values of a `pyarrow.Table` whose columns `check_columns` has checked.
 
-    Raises
-    ------
-    WrongRows
-        If there are no rows, a status is unknown, a needed text other than `reason` is missing, or
-        a column of squares holds a number between 0 and `LEAST_SQUARE` (or its negative).
+    Raises WrongRows if there are no rows, a status is unknown, a needed text other than `reason` is
+        missing, or a column of squares holds a number between 0 and `LEAST_SQUARE` (or its
+        negative).
     """
     for name, type_ in needed.items():
         if type_ is Square:
@@ -190,10 +178,7 @@ def _check_squares(name: str, column: pa.ChunkedArray) -> None:
 def check_statuses(statuses: frozenset[str]) -> None:
     """Check `statuses`, the distinct values of the column `status`.
 
-    Raises
-    ------
-    WrongRows
-        If there is no value, or a value is not in `STATUSES`.
+    Raises WrongRows if there is no value, or a value is not in `STATUSES`.
     """
     if not statuses:
         raise WrongRows("it has no rows")

@@ -40,23 +40,15 @@ logger = logging.getLogger(__name__)
 class Outcome:
     """The outcome of a sweep.
 
-    Attributes
-    ----------
-    run
-        The run to which the sweep belongs.
-    computed, reused
-        Number of cases that this sweep computed, and of cases that were stored before. Together
-        with the cases of `failed` they are the whole plan.
-    failed
-        Cases that failed in this sweep; the next sweep tries them again.
-    seconds
-        Wall time, s.
-    results
-        The results of the run by tuning (`Run.make_results`); empty if no case has succeeded or no
-        tables could be made.
-    unable
-        Cases, computed or stored before, that have no number because their scheme cannot compute
-        them.
+    run: the run to which the sweep belongs.
+    computed, reused: Number of cases that this sweep computed, and of cases that were stored
+        before. Together with the cases of `failed` they are the whole plan.
+    failed: Cases that failed in this sweep; the next sweep tries them again.
+    seconds: Wall time, s.
+    results: the results of the run by tuning (`Run.make_results`); empty if no case has succeeded
+        or no tables could be made.
+    unable: Cases, computed or stored before, that have no number because their scheme cannot
+        compute them.
     """
 
     run: Run
@@ -82,31 +74,16 @@ def sweep(
 ) -> Outcome:
     """Compute the cases of a configuration that are not stored yet; make tables of all cases.
 
-    Parameters
-    ----------
-    study, config
-        The study and its configuration. `config.check` must have been called already.
-    fresh
-        If True, the stored cases of this run are deleted first.
-    progress
-        Receives the progress of the sweep; by default nothing is shown.
-    argv
-        The arguments of the command line, for the manifest; None if the sweep was started from
+    study, config: the study and its configuration. `config.check` must have been called already.
+    fresh: if True, the stored cases of this run are deleted first.
+    progress: Receives the progress of the sweep; by default nothing is shown.
+    argv: the arguments of the command line, for the manifest; None if the sweep was started from
         Python.
-
-    Returns
-    -------
-    Outcome
-        What was computed, reused and failed. A failed case raises no exception.
-
-    Raises
-    ------
-    InputError
-        Before any case is computed, if the plan is empty, the run folder cannot be written or holds
-        another run, or the backend cannot be used.
-    Interrupted
-        After Ctrl-C, once the workers have stopped; this exception is a `KeyboardInterrupt`. Stored
-        cases stay, and the next sweep reuses them.
+    Returns: What was computed, reused and failed. A failed case raises no exception.
+    Raises InputError: Before any case is computed, if the plan is empty, the run folder cannot be
+        written or holds another run, or the backend cannot be used.
+    Raises Interrupted: After Ctrl-C, once the workers have stopped; this exception is a
+        `KeyboardInterrupt`. Stored cases stay, and the next sweep reuses them.
     """
     plan = make_plan(study, config)
     run = Run(run_folder(config), config, study, plan, question=question_hash(config))

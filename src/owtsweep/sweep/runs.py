@@ -31,23 +31,14 @@ logger = logging.getLogger(__name__)
 class Run:
     """A run, which may be finished, interrupted or still under way.
 
-    Attributes
-    ----------
-    folder
-        The run folder, or the folder of one of its questions (`owtsweep.sweep.asked`).
-    config
-        The resolved configuration, which says which cases belong to the run.
-    study
-        The study to which the configuration belongs.
-    stored_plan
-        The run's plan (key -> block) as read from the folder or made before. If None, `plan` makes
-        a new plan.
-    question
-        The hash of what was asked; "" if that is not known.
-    home
-        The run folder, if `folder` is that of a question; otherwise None.
-    tuning
-        The tuning, if this is the part of a run with several tunings that `by_tuning` returns;
+    folder: the run folder, or the folder of one of its questions (`owtsweep.sweep.asked`).
+    config: the resolved configuration, which says which cases belong to the run.
+    study: the study to which the configuration belongs.
+    stored_plan: the run's plan (key -> block) as read from the folder or made before. If None,
+        `plan` makes a new plan.
+    question: the hash of what was asked; "" if that is not known.
+    home: the run folder, if `folder` is that of a question; otherwise None.
+    tuning: the tuning, if this is the part of a run with several tunings that `by_tuning` returns;
         otherwise "".
     """
 
@@ -132,20 +123,14 @@ class Run:
         With several tunings, the first column is `tuning`, and the rows of each tuning stand
         together. Blocks that are missing are left out with a logged warning.
 
-        Raises
-        ------
-        InputError
-            If no case is stored.
+        Raises InputError if no case is stored.
         """
         return join_rows(self._finished())
 
     def _finished(self) -> dict[str, pd.DataFrame]:
         """Return tuning -> rows, as `stored` does, with a warning of missing blocks.
 
-        Raises
-        ------
-        InputError
-            If no case is stored.
+        Raises InputError if no case is stored.
         """
         rows, missing = self.stored()
         if not rows:
@@ -195,10 +180,7 @@ class Run:
     def table(self, name: str) -> pd.DataFrame:
         """Read the table `<name>.csv` of the run.
 
-        Raises
-        ------
-        InputError
-            If the run has no table of this name, or the file is damaged.
+        Raises InputError if the run has no table of this name, or the file is damaged.
         """
         return self._choose_lines(read_table(self.place, name))
 
@@ -217,20 +199,14 @@ class Run:
 
         The result is {} if the run has no tables, e.g. because no case has succeeded yet.
 
-        Raises
-        ------
-        InputError
-            If a file is damaged.
+        Raises InputError if a file is damaged.
         """
         return {path.stem: self.table(path.stem) for path in sorted(self.place.glob("*.csv"))}
 
     def make_results(self, stored: Mapping[str, pd.DataFrame]) -> dict[str, Results]:
         """Make the tables of each tuning with a succeeded case; `stored` is what `stored` returns.
 
-        Raises
-        ------
-        InputError
-            If the study comes from another package and makes no tables.
+        Raises InputError if the study comes from another package and makes no tables.
         """
         results = {}
         for name, config in self.config.by_tuning().items():
@@ -253,30 +229,16 @@ class Run:
         They are drawn in the folder of their question, and copied into the root of the run folder
         if it shows this question.
 
-        Parameters
-        ----------
-        only
-            The name of the figure to draw; None draws all figures. With several tunings, the name
+        only: the name of the figure to draw; None draws all figures. With several tunings, the name
             of a tuning's figure ends with the tuning's name; without this ending, the figures of
             all tunings are drawn.
-        results
-            The results to draw by tuning, if they are in memory. If None, the shards are read.
-        overview
-            If True, only the figure of the main result is drawn.
-
-        Returns
-        -------
-        list of Path
-            The files of the figures. If the run cannot have a figure (e.g. because a scheme is
+        results: the results to draw by tuning, if they are in memory. If None, the shards are read.
+        overview: if True, only the figure of the main result is drawn.
+        Returns: the files of the figures. If the run cannot have a figure (e.g. because a scheme is
             missing), the figure is left out with a logged warning, unless `only` names it.
-
-        Raises
-        ------
-        InputError
-            If no case has succeeded, there is no figure named `only`, or the study comes from
-            another package and does not work.
-        OSError
-            If the file system refuses a file; figures drawn earlier stay whole.
+        Raises InputError if no case has succeeded, there is no figure named `only`, or the study
+            comes from another package and does not work.
+        Raises OSError if the file system refuses a file; figures drawn earlier stay whole.
         """
         folder = self._own / "figures"
         if results is None:
@@ -326,12 +288,8 @@ def list_drawings(
     one tuning ends with the tuning's name. A figure that does not depend on the tuning is listed
     once, without a tuning's name.
 
-    Parameters
-    ----------
-    results
-        The results by tuning; the name is "" in a run of one tuning.
-    metadata
-        Texts to store in the figures' files.
+    results: the results by tuning; the name is "" in a run of one tuning.
+    metadata: Texts to store in the figures' files.
     """
     listed: dict[str, Drawing] = {}
     if "" not in results:

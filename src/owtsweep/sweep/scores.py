@@ -11,11 +11,8 @@ from owtsweep.verdicts.score_table import ScoreTable
 def collect_scores(run: Run) -> ScoreTable:
     """Return the scores of a run of one tuning, over the part of each record that it judges by.
 
-    Raises
-    ------
-    InputError
-        If the run holds expected values instead of records, no case of it has succeeded, or its
-        study makes no scores of schemes.
+    Raises InputError if the run holds expected values instead of records, no case of it has
+        succeeded, or its study makes no scores of schemes.
     """
     require(
         run.engine.samples,

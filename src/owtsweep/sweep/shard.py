@@ -42,19 +42,11 @@ class DamagedShard(Exception):
 def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     """Return rows as the bytes of a sealed Parquet file; equal arguments give equal bytes.
 
-    Parameters
-    ----------
-    key
-        The key of the block (unit of work) to which the rows belong; it is stored in the file.
-    rows
-        The rows; the index of the frame is not stored.
-    metadata
-        Further entries for the file's metadata, e.g. versions; stored under `owtsweep.<name>`.
-
-    Raises
-    ------
-    WrongRows
-        If two columns have the same name, or a column holds no text, numbers or flags.
+    key: the key of the block (unit of work) to which the rows belong; it is stored in the file.
+    rows: the rows; the index of the frame is not stored.
+    metadata: Further entries for the file's metadata, e.g. versions; stored under
+        `owtsweep.<name>`.
+    Raises WrongRows if two columns have the same name, or a column holds no text, numbers or flags.
     """
     # Column by column: `Table.from_pandas` takes longer than the rest of this function.
     table = pa.table({str(name): pa.array(rows[name].array, from_pandas=True) for name in rows})
@@ -78,21 +70,13 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
 def decode(data: bytes, key: str, needed: Needed) -> pa.Table:
     """Return the rows of a sealed file as a `pyarrow.Table`, after checking all bytes.
 
-    Parameters
-    ----------
-    data
-        The content of the file.
-    key
-        The key of the block (unit of work) whose rows the file should hold.
-    needed
-        The columns that the rows must have, as `rows.needed_columns` returns them.
-
-    Raises
-    ------
-    DamagedShard
-        If any byte differs from what was written, or the file is the shard of another block.
-    WrongRows
-        If the file is undamaged, but its rows lack needed columns or hold wrong values.
+    data: the content of the file.
+    key: the key of the block (unit of work) whose rows the file should hold.
+    needed: the columns that the rows must have, as `rows.needed_columns` returns them.
+    Raises DamagedShard if any byte differs from what was written, or the file is the shard of
+        another block.
+    Raises WrongRows if the file is undamaged, but its rows lack needed columns or hold wrong
+        values.
     """
     with _refusal():
         # Shards are small: Arrow's threads cost more than they save.
@@ -108,12 +92,9 @@ def read_statuses(data: bytes, key: str, needed: Needed) -> frozenset[str]:
     The column is decoded only if the file's statistics do not give its values. Parameters are those
     of `decode`.
 
-    Raises
-    ------
-    DamagedShard
-        If any byte differs from what was written, or the file is the shard of another block.
-    WrongRows
-        If a needed column is missing or of another type, or a status is unknown.
+    Raises DamagedShard if any byte differs from what was written, or the file is the shard of
+        another block.
+    Raises WrongRows if a needed column is missing or of another type, or a status is unknown.
     """
     with _refusal():
         file = _opened(data, key, {"status": str, **needed})

@@ -19,12 +19,9 @@ UNKNOWN = "unknown"
 def describe_source(code: type, version: object = None) -> dict[str, object]:
     """Return what identifies the code of a user's class, as a part of a block's content.
 
-    Returns
-    -------
-    dict
-        The entry `source` is the hash of the source of the class's module, or `UNKNOWN`. The entry
-        `modules` maps names to hashes, for each other module of the user that the class's module
-        imports, directly or indirectly; it is absent if there is no such module. The entry
+    Returns: the entry `source` is the hash of the source of the class's module, or `UNKNOWN`. The
+        entry `modules` maps names to hashes, for each other module of the user that the class's
+        module imports, directly or indirectly; it is absent if there is no such module. The entry
         `version` is the argument as text; it is absent if the argument is None.
     """
     own, others = _hash_sources(code)

@@ -45,14 +45,9 @@ class Store:
     file is whole but holds no rows of this study. Such a file keeps its name, because another
     version of the study may have written it.
 
-    Attributes
-    ----------
-    folder
-        The run folder.
-    needed
-        The columns that every shard must have, as `rows.needed_columns` returns them.
-    read_only
-        If True, a damaged shard keeps its name, and nothing is written.
+    folder: the run folder.
+    needed: the columns that every shard must have, as `rows.needed_columns` returns them.
+    read_only: if True, a damaged shard keeps its name, and nothing is written.
     """
 
     folder: Path
@@ -73,10 +68,7 @@ class Store:
 
         `data` is what `shard.encode` returns.
 
-        Raises
-        ------
-        OSError
-            If the file cannot be written.
+        Raises OSError if the file cannot be written.
         """
         write_atomically(self.path(key), data)
 

@@ -41,27 +41,19 @@ __all__ = [
 class Block:
     """A block, the unit of work and storage: a set of cases whose rows are stored in one file.
 
-    Attributes
-    ----------
-    group
-        The name of the block's group. Blocks of one group share expensive inputs (the motion and
+    group: the name of the block's group. Blocks of one group share expensive inputs (the motion and
         the noise of a record), so one task runs them together.
-    label
-        The name of the block in messages.
-    content
-        Everything on which the block's rows depend, and nothing else, as plain JSON data. The
+    label: the name of the block in messages.
+    content: Everything on which the block's rows depend, and nothing else, as plain JSON data. The
         content determines the block's key, so two blocks of equal content count as one block.
-    cases
-        Number of cases of the block.
-    cases_per_row
-        Number of cases for which one row of the block stands, e.g. a row that says why these cases
-        have no number.
-    anew
-        The reason why the block is computed again even if it is stored, e.g. because the block's
+    cases: Number of cases of the block.
+    cases_per_row: Number of cases for which one row of the block stands, e.g. a row that says why
+        these cases have no number.
+    anew: the reason why the block is computed again even if it is stored, e.g. because the block's
         key cannot cover the code on which the rows depend; "" for most blocks.
-    tunings
-        The tunings to which the block's rows belong, if the run has several (`Config.by_tuning`);
-        else (). The plan sets them: the block's key does not depend on the names of tunings.
+    tunings: the tunings to which the block's rows belong, if the run has several
+        (`Config.by_tuning`); else (). The plan sets them: the block's key does not depend on the
+        names of tunings.
     """
 
     group: str
@@ -225,10 +217,7 @@ class Study(ABC):
     def check(self, config: AnyConfig) -> None:  # noqa: B027 - a study need not check more
         """Check that the study can run a configuration, after `Config.check` of its keys.
 
-        Raises
-        ------
-        InputError
-            If keys, schemes and motion do not fit together, or a value is refused.
+        Raises InputError if keys, schemes and motion do not fit together, or a value is refused.
         """
 
     def check_outside(self, config: AnyConfig) -> None:  # noqa: B027
@@ -237,10 +226,7 @@ class Study(ABC):
         This happens when a configuration is composed, after `check`. It never happens when a run is
         read: a stranger's run opens no file that it names.
 
-        Raises
-        ------
-        InputError
-            If a file cannot be used, or another study refuses its keys.
+        Raises InputError if a file cannot be used, or another study refuses its keys.
         """
 
     def describe_origin(self, config: AnyConfig) -> str:
@@ -261,17 +247,9 @@ class Study(ABC):
     def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run without names of code, so that no code is executed.
 
-        Parameters
-        ----------
-        plain
-            The keys of the stored run, as nested dicts, lists and scalars.
-        described
-            The description that `describe_code` returned when the run was made.
-
-        Raises
-        ------
-        InputError
-            If the description does not fit the keys.
+        plain: the keys of the stored run, as nested dicts, lists and scalars.
+        described: the description that `describe_code` returned when the run was made.
+        Raises InputError if the description does not fit the keys.
         """
         return plain
 
@@ -280,19 +258,10 @@ class Study(ABC):
     ) -> Findings:
         """Compare runs, write figures into `folder`, and return tables, figures and text.
 
-        Parameters
-        ----------
-        comparison
-            The runs, and the pairs of runs to compare.
-        folder
-            Folder for the figures.
-        metadata
-            Name -> text; these texts are stored inside the files of the figures.
-
-        Raises
-        ------
-        InputError
-            If these runs cannot be compared. In this case nothing is written.
+        comparison: the runs, and the pairs of runs to compare.
+        folder: Folder for the figures.
+        metadata: Name -> text; these texts are stored inside the files of the figures.
+        Raises InputError if these runs cannot be compared. In this case nothing is written.
         """
         raise NotImplementedError
 
@@ -301,10 +270,7 @@ class Study(ABC):
 
         The record and its measurements are those of a sweep. The configuration has one tuning.
 
-        Raises
-        ------
-        InputError
-            If the configuration's grid has several cells.
+        Raises InputError if the configuration's grid has several cells.
         """
         raise NotImplementedError
 
@@ -322,10 +288,7 @@ class Study(ABC):
     def count_trials(self, config: AnyConfig) -> int:
         """Return how many trials `tune` will make in search of the numbers of the schemes.
 
-        Raises
-        ------
-        InputError
-            If there is nothing to search.
+        Raises InputError if there is nothing to search.
         """
         raise NotImplementedError
 
@@ -345,47 +308,31 @@ class Study(ABC):
 
         The arguments are those of `vary`.
 
-        Raises
-        ------
-        InputError
-            If they cannot be computed or shown together.
+        Raises InputError if they cannot be computed or shown together.
         """
         raise NotImplementedError
 
     def vary(self, along: Condition, configs: Mapping[Value, AnyConfig]) -> Varied:
         """Compute the errors of all schemes with each configuration, which `check_vary` has passed.
 
-        Parameters
-        ----------
-        along
-            The key that is varied: its name as `label`, its unit and its scale.
-        configs
-            Value of the key -> the configuration with this value, in the order of the table.
-
-        Raises
-        ------
-        InputError
-            If a scheme cannot be computed.
+        along: the key that is varied: its name as `label`, its unit and its scale.
+        configs: Value of the key -> the configuration with this value, in the order of the table.
+        Raises InputError if a scheme cannot be computed.
         """
         raise NotImplementedError
 
     def list_place_defaults(self, given: Collection[str]) -> Sequence[str]:
         """Return the overrides that `place` puts before those of the user, who sets `given`.
 
-        Raises
-        ------
-        InputError
-            If a key that the user sets has no part in the choice.
+        Raises InputError if a key that the user sets has no part in the choice.
         """
         raise NotImplementedError
 
     def place(self, config: AnyConfig, question: PlaceQuestion) -> Placed:
         """Choose sensors one by one, and predict their errors without running a scheme.
 
-        Raises
-        ------
-        InputError
-            If the configuration or the question cannot be answered; the message says what could.
+        Raises InputError if the configuration or the question cannot be answered; the message says
+            what could.
         """
         raise NotImplementedError
 
@@ -396,11 +343,8 @@ def blame(study: Study) -> Iterator[None]:
 
     Errors of owtsweep's own studies are not changed.
 
-    Raises
-    ------
-    InputError
-        Instead of any Exception or SystemExit that the code of the other package raises inside the
-        context. InputError and OSError are not changed.
+    Raises InputError: Instead of any Exception or SystemExit that the code of the other package
+        raises inside the context. InputError and OSError are not changed.
     """
     try:
         yield
@@ -463,16 +407,10 @@ class Varied(Protocol):
 class PlaceQuestion:
     """What `place` is asked, besides the configuration.
 
-    Attributes
-    ----------
-    quantity
-        Name of the quantity whose error the sensors shall lower; None: the study's first.
-    count
-        Most sensors to choose; None leaves it to the study.
-    heights
-        Heights to choose from, in m; None leaves them to the study.
-    given
-        The keys that the user sets by overrides.
+    quantity: Name of the quantity whose error the sensors shall lower; None: the study's first.
+    count: Most sensors to choose; None leaves it to the study.
+    heights: Heights to choose from, in m; None leaves them to the study.
+    given: the keys that the user sets by overrides.
     """
 
     quantity: str | None

@@ -59,27 +59,17 @@ class Returned:
 class TaskResult:
     """The result of a task (some blocks that run together), which the worker fills in.
 
-    Attributes
-    ----------
-    task
-        The number of the task.
-    computed, reused
-        Number of cases computed, and of cases that another sweep had stored meanwhile.
-    failures
-        Cases that failed. Unless the sweep was stopped, each case of the task is computed, reused
-        or failed.
-    details
-        Tracebacks of failed blocks; "" if no block raised an exception.
-    seconds
-        Label of each computed block -> its computing time in s.
-    returned
-        Shards that the process which started the sweep must store.
-    entries
-        Messages logged in another process or machine; empty for a thread.
-    disk_full
-        Whether a shard could not be written because the disk is full.
-    told
-        Number of cases that the worker, if it is a thread, has already reported to the progress.
+    task: the number of the task.
+    computed, reused: Number of cases computed, and of cases that another sweep had stored
+        meanwhile.
+    failures: Cases that failed. Unless the sweep was stopped, each case of the task is computed,
+        reused or failed.
+    details: Tracebacks of failed blocks; "" if no block raised an exception.
+    seconds: Label of each computed block -> its computing time in s.
+    returned: Shards that the process which started the sweep must store.
+    entries: Messages logged in another process or machine; empty for a thread.
+    disk_full: whether a shard could not be written because the disk is full.
+    told: Number of cases that the worker, if it is a thread, has already reported to the progress.
     """
 
     task: int
@@ -98,19 +88,12 @@ class TaskResult:
 class Work:
     """What a worker needs to know; it is pickled for processes and other machines.
 
-    Attributes
-    ----------
-    study, config
-        The study and its configuration.
-    store
-        The store into which the shards are written.
-    metadata
-        Entries stored in every shard: the versions in the process that started the sweep.
-    backend
-        What runs the tasks: "threading", "loky" (processes) or "dask" (a cluster).
-    token
-        The name of a file in the run folder, by which another machine recognises that it sees this
-        folder. None if there is no such file.
+    study, config: the study and its configuration.
+    store: the store into which the shards are written.
+    metadata: Entries stored in every shard: the versions in the process that started the sweep.
+    backend: What runs the tasks: "threading", "loky" (processes) or "dask" (a cluster).
+    token: the name of a file in the run folder, by which another machine recognises that it sees
+        this folder. None if there is no such file.
     """
 
     study: Study

@@ -34,12 +34,8 @@ def check_scheme(scheme: Scheme[Any, Any, Any], overrides: Sequence[str] = ()) -
     changed; or if a scheme of the hub that says so is not linear, or its kernel has other estimates
     than its estimator. The message is one line.
 
-    Parameters
-    ----------
-    scheme
-        The scheme, which derives from `owtsweep.schemes.<study>.Scheme`.
-    overrides
-        Hydra overrides of its study, e.g. a tuning, or a short record.
+    scheme: the scheme, which derives from `owtsweep.schemes.<study>.Scheme`.
+    overrides: Hydra overrides of its study, e.g. a tuning, or a short record.
     """
     try:
         scheme.check_declared()

@@ -32,16 +32,11 @@ def check_source(
     Raise `AssertionError` if a check fails. The message is one line that names the source and the
     broken part of the contract.
 
-    Parameters
-    ----------
-    source
-        An object that follows the protocol `owtsweep.motion.source.Source`.
-    steps, step, history
-        The arguments of `Source.realise` for a record that the source can give. The step must be
-        short compared with the periods of the motion, and `history` at least 1.
-    tolerance
-        Largest allowed difference between velocity and the slope of position, relative to the
-        largest velocity; also between acceleration and the slope of velocity, relative to the
+    source: an object that follows the protocol `owtsweep.motion.source.Source`.
+    steps, step, history: the arguments of `Source.realise` for a record that the source can give.
+        The step must be short compared with the periods of the motion, and `history` at least 1.
+    tolerance: Largest allowed difference between velocity and the slope of position, relative to
+        the largest velocity; also between acceleration and the slope of velocity, relative to the
         largest acceleration.
     """
     name = type(source).__name__

@@ -52,14 +52,10 @@ def check_study(
     Raise `AssertionError` if a check fails. The message is one line that names the study and the
     broken part of the contract.
 
-    Parameters
-    ----------
-    config
-        A small configuration of the study. It is run several times, and the runs are stored in the
-        folder that its key `results` names. If None, the study's default configuration is run, and
-        the runs are stored in a temporary folder.
-    failing
-        A configuration with which some cases fail and others succeed. If None, the handling of
+    config: a small configuration of the study. It is run several times, and the runs are stored in
+        the folder that its key `results` names. If None, the study's default configuration is run,
+        and the runs are stored in a temporary folder.
+    failing: a configuration with which some cases fail and others succeed. If None, the handling of
         failures is not checked.
     """
     if config is None:

@@ -141,16 +141,10 @@ class StatedClaim:
 class Statement:
     """A statement of a paper, or a goal.
 
-    Attributes
-    ----------
-    name, text
-        E.g. "F1", and what the paper says.
-    printed
-        Where it is printed.
-    definition
-        The test in words.
-    decided
-        What was decided after data had been seen; "" if nothing was.
+    name, text: E.g. "F1", and what the paper says.
+    printed: where it is printed.
+    definition: the test in words.
+    decided: What was decided after data had been seen; "" if nothing was.
     """
 
     name: str

@@ -32,21 +32,14 @@ Side = Literal["below", "above", ""]
 class Decision:
     """The comparison of one quantity with a threshold.
 
-    Attributes
-    ----------
-    label
-        What was compared and where, e.g. "4 s, 0.2 m, position".
-    value, low, high
-        The quantity and the ends of its 95 % interval; NaN where unknown.
-    threshold, side
-        The claim: the quantity lies below (or above) the threshold.
-    t
-        Distance of the quantity from the threshold in standard errors, positive on the claimed
-        side. If the standard error is zero: plus or minus infinity. If only the interval is known:
-        plus or minus infinity if the threshold lies outside the interval, else 0.
-    p
-        p-value of the two-sided test that the quantity equals the threshold. If only the interval
-        is known: 0 if the threshold lies outside the interval, else 1.
+    label: What was compared and where, e.g. "4 s, 0.2 m, position".
+    value, low, high: the quantity and the ends of its 95 % interval; NaN where unknown.
+    threshold, side: the claim: the quantity lies below (or above) the threshold.
+    t: Distance of the quantity from the threshold in standard errors, positive on the claimed side.
+        If the standard error is zero: plus or minus infinity. If only the interval is known: plus
+        or minus infinity if the threshold lies outside the interval, else 0.
+    p: p-value of the two-sided test that the quantity equals the threshold. If only the interval is
+        known: 0 if the threshold lies outside the interval, else 1.
     """
 
     label: str
@@ -120,14 +113,9 @@ class Estimate:
 class JudgedClaim:
     """One claim of a paper, which is true if every one of its decisions holds.
 
-    Attributes
-    ----------
-    text
-        What is claimed, in words.
-    decisions
-        The comparisons of the run's quantities with thresholds.
-    missing
-        Names of the data that the run lacks. A claim with missing data can be refuted, but not
+    text: What is claimed, in words.
+    decisions: the comparisons of the run's quantities with thresholds.
+    missing: names of the data that the run lacks. A claim with missing data can be refuted, but not
         confirmed.
     """
 

@@ -51,18 +51,12 @@ def write_report(
 ) -> list[Path]:
     """Write all files of the report that compares a run with published results; return them.
 
-    Parameters
-    ----------
-    folder
-        Made if it does not exist. The tables, fidelity.md and fidelity.html go into this folder,
-        the figures into its subfolder `figures`.
-    tables, figures
-        File name without suffix -> table, or function that draws the figure.
-    contents
-        Makes the page's headings, paragraphs, tables and pictures, from the name of each figure and
-        its PNG file.
-    metadata
-        Name -> text to store inside each file of a figure.
+    folder: Made if it does not exist. The tables, fidelity.md and fidelity.html go into this
+        folder, the figures into its subfolder `figures`.
+    tables, figures: File name without suffix -> table, or function that draws the figure.
+    contents: Makes the page's headings, paragraphs, tables and pictures, from the name of each
+        figure and its PNG file.
+    metadata: Name -> text to store inside each file of a figure.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = [write_table(folder, stem, table) for stem, table in tables.items()]
@@ -96,18 +90,11 @@ def write_verdicts(
 ) -> list[Path]:
     """Judge all statements and goals of a file; write fidelity_claims.csv and the page.
 
-    Parameters
-    ----------
-    folder, title, metadata
-        As of `write_report`.
-    file, scores
-        The claims, and the tables of scores by which they are judged.
-    about
-        What the scores are of, in sentences.
-    tables
-        Further tables to write: file name without suffix -> table.
-    middle, end
-        Further blocks of the page: between statements and goals, and at the end.
+    folder, title, metadata: as of `write_report`.
+    file, scores: the claims, and the tables of scores by which they are judged.
+    about: What the scores are of, in sentences.
+    tables: Further tables to write: file name without suffix -> table.
+    middle, end: Further blocks of the page: between statements and goals, and at the end.
     """
     statements, goals = judge(file.statements, scores, file), judge(file.goals, scores, file)
     claims = tabulate_claims([*statements, *goals])

@@ -118,13 +118,9 @@ class RunRows:
 class ScoreTable:
     """Scores of several records.
 
-    Attributes
-    ----------
-    table
-        Long form. Columns: those that say what a value is of (scenario, conditions, scheme,
+    table: Long form. Columns: those that say what a value is of (scenario, conditions, scheme,
         quantity, measure ...), replicate, value. No field is empty.
-    run
-        The rows that the table was made of, if they hold for all values of the last condition.
+    run: the rows that the table was made of, if they hold for all values of the last condition.
     """
 
     table: pd.DataFrame

@@ -57,11 +57,8 @@ def check_time(
 
     `rows` are the numbers of their data rows, from 0 (None: all rows).
 
-    Raises
-    ------
-    InputError
-        If there are fewer than `fewest` times, if a time is missing, or if the times do not
-        increase.
+    Raises InputError if there are fewer than `fewest` times, if a time is missing, or if the times
+        do not increase.
     """
     rows = np.arange(len(time)) if rows is None else rows
     if len(time) < fewest:
@@ -105,11 +102,8 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
     `gaps` says what happens to long gaps in motion and specific force: "refuse" raises an error,
     "interpolate" gives a note. Those in GNSS fixes and references always give a note.
 
-    Raises
-    ------
-    InputError
-        For a channel with too few values, an IMU that samples too slowly, a gap that is refused, a
-        time span that needs too many steps, or a unit that cannot be right.
+    Raises InputError: for a channel with too few values, an IMU that samples too slowly, a gap that
+        is refused, a time span that needs too many steps, or a unit that cannot be right.
     """
     notes: list[str] = []
     for role, values in recording.channels.items():

@@ -67,10 +67,8 @@ def choose_motion(
     `chosen` is role -> channel, as `columns.assign_roles` returned it, and `given` is what the user
     says.
 
-    Raises
-    ------
-    InputError
-        If `hub.motion` is none of `MotionKind`, or the user gives both a position and parts of it.
+    Raises InputError if `hub.motion` is none of `MotionKind`, or the user gives both a position and
+        parts of it.
     """
     motion, height = hub.motion, hub.tower_height
     if motion not in get_args(MotionKind):

@@ -128,10 +128,7 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
     `given` is role -> channel name; None or "" leaves a role out. If only one axis of a quantity is
     given, the other is the channel whose name has y in place of x, if there is one.
 
-    Raises
-    ------
-    InputError
-        For an unknown role, or a channel that the file does not have.
+    Raises InputError: for an unknown role, or a channel that the file does not have.
     """
     names = table.names
     chosen: dict[str, str] = {}
@@ -172,10 +169,7 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     Case matters only if two names differ by case alone. If no name fits, a unit in brackets at the
     end of `wanted` is ignored. `argument` is the setting that names the channel.
 
-    Raises
-    ------
-    InputError
-        If there is no such channel; the most similar names are listed first.
+    Raises InputError if there is no such channel; the most similar names are listed first.
     """
     names = table.names
     if wanted in names:
@@ -220,10 +214,7 @@ def find_scale(
     The unit that the user gives by `setting` goes before the file's, and this before an `implied`
     one. `dimension` is one of `units.DIMENSIONS`.
 
-    Raises
-    ------
-    InputError
-        If the unit is not known or is not of the dimension.
+    Raises InputError if the unit is not known or is not of the dimension.
     """
     stated = table.unit(name) or implied
     if dimension == "time" and stated == ISO_TIME:

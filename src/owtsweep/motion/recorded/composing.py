@@ -143,17 +143,10 @@ def compose(
     `values` and `names` are role of a part (`columns.PARTS`) -> values in m or rad, shape (n,), NaN
     where missing, and the channel's name.
 
-    Returns
-    -------
-    tuple
-        axis "x" or "y" -> displacement of the hub in m, shape (n,), for axes that have parts; axis
-        -> the names of its channels; and a note for the user, which states the formula.
-
-    Raises
-    ------
-    InputError
-        If `hub.rotation` is none of `Rotation`, if the platform moves and a part or the height is
-        missing, or if the parts make no motion.
+    Returns: axis "x" or "y" -> displacement of the hub in m, shape (n,), for axes that have parts;
+        axis -> the names of its channels; and a note for the user, which states the formula.
+    Raises InputError if `hub.rotation` is none of `Rotation`, if the platform moves and a part or
+        the height is missing, or if the parts make no motion.
     """
     rotation, rigid = hub.rotation, hub.motion == "rigid"
     require(
@@ -279,6 +272,6 @@ def _state_formula(
 
 
 def find_extent(values: Array) -> float:
-    """Return the range of the finite values; 0 if there are none."""
+    """Return the range of the finite values, shape (n,); 0 if there are none."""
     there = values[np.isfinite(values)]
     return float(np.ptp(there)) if len(there) else 0.0

@@ -45,27 +45,16 @@ def to_motion(
     says what noise they have). Recorded velocities or accelerations take their place if `quantity`
     is "position"; a note says how much the two differ. An axis without positions stays at rest.
 
-    Parameters
-    ----------
-    recording
-        A checked recording.
-    rate
-        Rate of the grid, Hz; not used if `grid` is given.
-    quantity
-        What holds the positions: "position" or "reference", which is NaN in its long gaps.
-    orders
-        1 for the position only, 2 for position and velocity, 3 for the acceleration too.
-    cutoff
-        Cut-off frequency in Hz; by default 5 Hz, or 0.4 of the rate of recording or grid if this is
-        less.
-    grid
-        By default it covers the time that the recorded axes have in common.
-
-    Raises
-    ------
-    InputError
-        If the recording lacks the quantity, if the cut-off is not positive or is above 0.4 of one
-        of the two rates, or if the grid would be shorter than 1 s or have too many steps.
+    recording: a checked recording.
+    rate: Rate of the grid, Hz; not used if `grid` is given.
+    quantity: What holds the positions: "position" or "reference", which is NaN in its long gaps.
+    orders: 1 for the position only, 2 for position and velocity, 3 for the acceleration too.
+    cutoff: Cut-off frequency in Hz; by default 5 Hz, or 0.4 of the rate of recording or grid if
+        this is less.
+    grid: By default it covers the time that the recorded axes have in common.
+    Raises InputError if the recording lacks the quantity, if the cut-off is not positive or is
+        above 0.4 of one of the two rates, or if the grid would be shorter than 1 s or have too many
+        steps.
     """
     roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
     if not roles:

@@ -106,10 +106,8 @@ def describe(
 
     Arguments are those of `read`.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read at all, or if a given role, channel or unit is wrong.
+    Raises InputError if the file cannot be read at all, or if a given role, channel or unit is
+        wrong.
     """
     table = open_table(path)
     most = min(MOST_ROWS, MOST_VALUES // max(len(table.names), 1))

@@ -50,10 +50,8 @@ class Gridded:
 def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) -> TimeGrid:
     """Return the grid of a rate in Hz over the time that all channels of the roles cover.
 
-    Raises
-    ------
-    InputError
-        If this time is shorter than 1 s, or the grid would have more than `MOST_STEPS` steps.
+    Raises InputError if this time is shorter than 1 s, or the grid would have more than
+        `MOST_STEPS` steps.
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
@@ -86,15 +84,11 @@ def to_grid(
     times and missing samples are first interpolated (`fill`). GNSS fixes move to the nearest step,
     and of two fixes at one step the later one is kept.
 
-    Parameters
-    ----------
-    recording, roles
-        A checked recording, and the roles of its channels to resample, e.g. "position_x".
-    rate
-        Rate of the grid, Hz; not used if `grid` is given.
-    grid
-        By default it covers the time that the channels have in common, without fixes and references
-        if there are others.
+    recording, roles: a checked recording, and the roles of its channels to resample, e.g.
+        "position_x".
+    rate: Rate of the grid, Hz; not used if `grid` is given.
+    grid: By default it covers the time that the channels have in common, without fixes and
+        references if there are others.
     """
     if grid is None:
         dense = [role for role in roles if not role.startswith(("fix", "reference"))]

@@ -51,31 +51,21 @@ def read(
     If the file holds the hub's motion in parts (a platform's motion and a tower's bending), the
     position is composed from them (`composing.compose`), and a note says so.
 
-    Parameters
-    ----------
-    path
-        The file.
-    columns
-        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Other roles are guessed from well-known
-        names; None or "" leaves a role out.
-    units
-        role -> unit, in place of the file's. Without any unit SI is assumed, and a note says so.
-    gaps
-        What happens to gaps of more than 0.1 s and five steps in motion and specific force:
+    path: the file.
+    columns: role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Other roles are guessed from
+        well-known names; None or "" leaves a role out.
+    units: role -> unit, in place of the file's. Without any unit SI is assumed, and a note says so.
+    gaps: What happens to gaps of more than 0.1 s and five steps in motion and specific force:
         "refuse" or "interpolate".
-    motion
-        Which motion to take: "auto" is the hub's, as far as the file holds it; "tower" the bending
-        of the tower alone; "rigid" the platform with a stiff tower; "platform" the platform alone.
-    tower_height
-        Height of the tower top above the platform's reference point, m; needed to compose.
-    rotation
-        How the platform's angles are to be read: "zyx" as turns about z, y and x, as in OpenFAST
-        from 4.0 on; "small" as the small angles of FAST and of OpenFAST before.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or fails a check; the message names the file and what is wrong.
+    motion: Which motion to take: "auto" is the hub's, as far as the file holds it; "tower" the
+        bending of the tower alone; "rigid" the platform with a stiff tower; "platform" the platform
+        alone.
+    tower_height: Height of the tower top above the platform's reference point, m; needed to
+        compose.
+    rotation: How the platform's angles are to be read: "zyx" as turns about z, y and x, as in
+        OpenFAST from 4.0 on; "small" as the small angles of FAST and of OpenFAST before.
+    Raises InputError if the file cannot be read or fails a check; the message names the file and
+        what is wrong.
     """
     if gaps not in GAPS:
         raise InputError(f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
@@ -186,10 +176,8 @@ def find_factors(
 
     `chosen` maps roles to channels, and `units` maps roles to units as the user says.
 
-    Raises
-    ------
-    InputError
-        If `units` names an unknown role, or a unit is not known or is not of the role's dimension.
+    Raises InputError if `units` names an unknown role, or a unit is not known or is not of the
+        role's dimension.
     """
     for role in units:
         if role not in ROLES:

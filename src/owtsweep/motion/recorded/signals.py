@@ -104,20 +104,11 @@ def read_signals(
     If times jitter, or rows up to `WIDEST` steps apart are missing, the signals are resampled, and
     a note says so.
 
-    Parameters
-    ----------
-    path, wanted
-        The file, and the signals that it may have.
-    items
-        The value of the key `wanted.key`.
-    others
-        Further files that the items are for.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column, a unit or a number is missing or wrong, times do not
-        rise, or the rows are too far apart or too near each other.
+    path, wanted: the file, and the signals that it may have.
+    items: the value of the key `wanted.key`.
+    others: Further files that the items are for.
+    Raises InputError if the file cannot be read, a column, a unit or a number is missing or wrong,
+        times do not rise, or the rows are too far apart or too near each other.
     """
     table = open_table(path)
     _check_items(items, [(table, wanted), *others])

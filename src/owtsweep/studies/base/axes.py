@@ -36,16 +36,10 @@ Values = Mapping[str, Sequence[Any] | None]
 class Axes(Generic[C]):
     """The axes that a study is swept over.
 
-    Attributes
-    ----------
-    conditions
-        All axes that the grid may have, with the names of its keys.
-    find_axes
-        Returns the axes of a configuration's map, the horizontal one first.
-    section
-        The section of the configuration that has a key for each axis.
-    find_values
-        Returns the values of all axes; None: those of the section.
+    conditions: All axes that the grid may have, with the names of its keys.
+    find_axes: Returns the axes of a configuration's map, the horizontal one first.
+    section: the section of the configuration that has a key for each axis.
+    find_values: Returns the values of all axes; None: those of the section.
     """
 
     conditions: tuple[Condition, ...]

@@ -27,16 +27,10 @@ if TYPE_CHECKING:
 class Planned(NamedTuple):
     """What a plan must know of a scheme.
 
-    Attributes
-    ----------
-    ignored
-        The axes whose values one run of the scheme serves.
-    content
-        What its rows depend on, besides what the rows of all schemes do.
-    recompute
-        Why stored rows must be recomputed; "" if they can be used.
-    alone
-        Whether its blocks form groups of their own, one per cell: its gains are dearer than the
+    ignored: the axes whose values one run of the scheme serves.
+    content: What its rows depend on, besides what the rows of all schemes do.
+    recompute: Why stored rows must be recomputed; "" if they can be used.
+    alone: whether its blocks form groups of their own, one per cell: its gains are dearer than the
         records.
     """
 
@@ -97,14 +91,9 @@ def plan_blocks(
     A scheme has one block for all values of the axes that it ignores. Blocks begin at the multiples
     of `most`, so more records of a cell add blocks, and leave the full ones as they are.
 
-    Parameters
-    ----------
-    shared
-        What the rows of every block depend on.
-    most
-        Most records of a block.
-    grouping
-        The axes that tell groups apart: on these depends what is made once for a group.
+    shared: What the rows of every block depend on.
+    most: Most records of a block.
+    grouping: the axes that tell groups apart: on these depends what is made once for a group.
     """
     values, named = axes.get_values(config), axes.find_axes(config)
     cells = axes.list_cells(config) if cells is None else cells

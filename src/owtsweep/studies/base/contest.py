@@ -42,18 +42,11 @@ C = TypeVar("C", bound=ContestConfig)
 class Contest(Axes[C]):
     """What is a study's own in a contest.
 
-    Attributes
-    ----------
-    criteria
-        Measures by which schemes are judged -> what the title of a map says.
-    list_measures
-        Puts names of measures in the order of tables.
-    describe_truth, describe_sensors
-        Say in words what a configuration's motion and sensors are.
-    pairing
-        The keys on which the motion of a record depends, besides its conditions and number.
-    tell_more
-        Returns further lines for the terminal, of a configuration and its tables.
+    criteria: Measures by which schemes are judged -> what the title of a map says.
+    list_measures: Puts names of measures in the order of tables.
+    describe_truth, describe_sensors: Say in words what a configuration's motion and sensors are.
+    pairing: the keys on which the motion of a record depends, besides its conditions and number.
+    tell_more: Returns further lines for the terminal, of a configuration and its tables.
     """
 
     criteria: Mapping[str, str]

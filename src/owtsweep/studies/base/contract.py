@@ -68,22 +68,14 @@ class Ready(Protocol[Measured, Estimates]):
 class Scheme(ABC, Generic[Known, Measured, Estimates]):
     """An estimation scheme; each study has a class of its own for its schemes to derive from.
 
-    Attributes
-    ----------
-    name
-        The scheme's name in tables and figures; unique within a run.
-    study
-        The name of the study whose scheme it is.
-    ignores
-        Names of axes of the knowledge on which the scheme's estimates do not depend. One record
-        serves all values of these axes.
-    sections
-        The keys of the configuration on which the scheme's estimates depend, e.g. ("mkf",
+    name: the scheme's name in tables and figures; unique within a run.
+    study: the name of the study whose scheme it is.
+    ignores: names of axes of the knowledge on which the scheme's estimates do not depend. One
+        record serves all values of these axes.
+    sections: the keys of the configuration on which the scheme's estimates depend, e.g. ("mkf",
         "hme.mhe"), besides those on which the rows of all schemes do.
-    told_motion
-        Whether the scheme knows the motion of a case, where a study tells it.
-    version
-        Stands for the scheme's code where that cannot be read; None: nothing does.
+    told_motion: whether the scheme knows the motion of a case, where a study tells it.
+    version: Stands for the scheme's code where that cannot be read; None: nothing does.
     """
 
     name: str

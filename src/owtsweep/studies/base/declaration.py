@@ -59,14 +59,9 @@ class Stated(NamedTuple):
 class Batch(NamedTuple):
     """How a study runs many schemes on many records at once, by compiled kernels.
 
-    Attributes
-    ----------
-    serves
-        Whether a scheme runs so: of the configuration of one tuning, and the scheme.
-    make_records
-        Some records as one object: of a configuration, a cell, and the records' numbers.
-    run
-        Run schemes side by side on such records: of the configuration of one tuning, a cell, the
+    serves: whether a scheme runs so: of the configuration of one tuning, and the scheme.
+    make_records: Some records as one object: of a configuration, a cell, and the records' numbers.
+    run: Run schemes side by side on such records: of the configuration of one tuning, a cell, the
         records and the schemes. The result has an entry for each scheme, what its estimates of each
         record are worth, or the exception that it raised. The numbers are those of `prepare`, `run`
         and `score`.
@@ -81,44 +76,27 @@ class Batch(NamedTuple):
 class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     """What is a study's own.
 
-    Attributes
-    ----------
-    list_content
-        What the rows of every block depend on, as plain data: of a configuration.
-    most_records
-        Most records of a block: of a configuration.
-    shared
-        What the blocks of a group share: the truth alone, where that is dear; else measurements.
-    make_truth
-        The motion of a record: of a configuration, a cell, and the record's number.
-    measure
-        The record with what its sensors say: of a configuration, a cell, and the truth.
-    inform
-        The parts of a record with the knowledge of each: of the configuration of one tuning, a
+    list_content: What the rows of every block depend on, as plain data: of a configuration.
+    most_records: Most records of a block: of a configuration.
+    shared: What the blocks of a group share: the truth alone, where that is dear; else
+        measurements.
+    make_truth: the motion of a record: of a configuration, a cell, and the record's number.
+    measure: the record with what its sensors say: of a configuration, a cell, and the truth.
+    inform: the parts of a record with the knowledge of each: of the configuration of one tuning, a
         cell, and a record. The cell lacks the axes that a scheme ignores.
-    tell
-        The knowledge that a scheme gets: of the scheme, and what `inform` says.
-    score
-        Measure -> value, or `Means`: of the configuration of one tuning, a cell, a record, its
+    tell: the knowledge that a scheme gets: of the scheme, and what `inform` says.
+    score: Measure -> value, or `Means`: of the configuration of one tuning, a cell, a record, its
         parts, and the estimates of each.
-    estimates
-        The fields of a scheme's estimates. Arrays begin with the record's samples.
-    count_samples
-        Number of samples of a record.
-    show
-        What `owtsweep.estimate` shows: of a configuration, a cell and a record.
-    state
-        What it shows of a scheme: of a record, and the estimates of its parts.
-    warn
-        Warns of what a configuration makes doubtful, once before the first block.
-    require
-        Refuses, before anything is planned, a configuration that no scheme can serve.
-    superposes
-        Whether one run of a scheme serves all values of the axis that scales the motion: of the
-        configuration of one tuning, and the scheme. Such a run has a cell without this axis. None:
-        rows have values, no products.
-    batch
-        How schemes run by compiled kernels; None: they do not.
+    estimates: the fields of a scheme's estimates. Arrays begin with the record's samples.
+    count_samples: Number of samples of a record.
+    show: What `owtsweep.estimate` shows: of a configuration, a cell and a record.
+    state: What it shows of a scheme: of a record, and the estimates of its parts.
+    warn: Warns of what a configuration makes doubtful, once before the first block.
+    require: Refuses, before anything is planned, a configuration that no scheme can serve.
+    superposes: whether one run of a scheme serves all values of the axis that scales the motion: of
+        the configuration of one tuning, and the scheme. Such a run has a cell without this axis.
+        None: rows have values, no products.
+    batch: How schemes run by compiled kernels; None: they do not.
     """
 
     axes: Axes[Config]

@@ -20,15 +20,10 @@ if TYPE_CHECKING:
 class Means(NamedTuple):
     """Mean squares over a record, as products of the errors from motion and from noise.
 
-    Attributes
-    ----------
-    measures, windows
-        Names, n entries each.
-    products
-        Means of motion x motion, motion x noise, noise x noise, shape (n, 3). The last is the mean
-        square itself if motion and noise were run as one series.
-    n_samples
-        Number of samples in each mean, n numbers.
+    measures, windows: Names, n entries each.
+    products: Means of motion x motion, motion x noise, noise x noise, shape (n, 3). The last is the
+        mean square itself if motion and noise were run as one series.
+    n_samples: Number of samples in each mean, n numbers.
     """
 
     measures: Sequence[str]

@@ -30,14 +30,9 @@ AnyScheme = Scheme[Any, Any, Any]
 class Listed(NamedTuple):
     """What is known of a scheme without importing it.
 
-    Attributes
-    ----------
-    sentence, look
-        What it is, in words, and its style; None: as a user's.
-    ignores
-        The axes of knowledge on which its estimates do not depend.
-    module
-        The module in which it stands under its name, beside its base; "": a module of its own.
+    sentence, look: What it is, in words, and its style; None: as a user's.
+    ignores: the axes of knowledge on which its estimates do not depend.
+    module: the module in which it stands under its name, beside its base; "": a module of its own.
     """
 
     sentence: str
@@ -91,17 +86,12 @@ SchemeEntries = Annotated[list[Any], BeforeValidator(_check_entries)]
 class SchemeTable:
     """The schemes of a study.
 
-    Attributes
-    ----------
-    package
-        The package with a module for each scheme: the scheme KF is `SCHEME` in its module `kf`. A
-        variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module that its
-        line in `listed` names. Beside the package stands the module `contract`, whose `Scheme` is
-        the class of the study's schemes.
-    listed
-        Name -> what is known of the scheme, in the order of tables and figures.
-    stored
-        The class of stand-ins for users' schemes of stored runs.
+    package: the package with a module for each scheme: the scheme KF is `SCHEME` in its module
+        `kf`. A variant stands beside its base under its name: KF_BIAS is `KF_BIAS` in the module
+        that its line in `listed` names. Beside the package stands the module `contract`, whose
+        `Scheme` is the class of the study's schemes.
+    listed: Name -> what is known of the scheme, in the order of tables and figures.
+    stored: the class of stand-ins for users' schemes of stored runs.
     """
 
     study: str

@@ -64,16 +64,11 @@ def search(
     The same arguments give the same trials. If the objective is interrupted, so is the iteration;
     the trials until then are already with the caller.
 
-    Parameters
-    ----------
-    trials, seed
-        Number of trials, and seed of the sampler.
-    starts
-        Values of the first trials. A value that is missing or out of bounds is sampled.
-    near_start
-        Whether to sample around the first of `starts`, by CMA-ES. It finds better scores if the
-        start is good, but works with numbers only: a space with options is sampled by TPE, as all
-        others are.
+    trials, seed: Number of trials, and seed of the sampler.
+    starts: Values of the first trials. A value that is missing or out of bounds is sampled.
+    near_start: whether to sample around the first of `starts`, by CMA-ES. It finds better scores if
+        the start is good, but works with numbers only: a space with options is sampled by TPE, as
+        all others are.
     """
     import optuna
 

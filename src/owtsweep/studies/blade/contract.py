@@ -80,20 +80,13 @@ class Accelerations(NamedTuple):
 class Truth:
     """The motion of a record.
 
-    Attributes
-    ----------
-    step
-        Sampling interval in s.
-    rotation
-        Turns vectors of the body into the frame at rest, shape (steps, 3, 3).
-    root, root_velocity, unit, unit_velocity
-        Of the blade's root and of the inertial unit, m and m/s, shape (steps, 3).
-    rate
-        Angular velocity in the body's frame, rad/s, shape (steps, 3).
-    specific_force
-        What an ideal accelerometer at the unit reads, m/s^2, shape (steps, 3).
-    boom
-        How the tip of the crane's boom moves; None if nobody knows.
+    step: Sampling interval in s.
+    rotation: Turns vectors of the body into the frame at rest, shape (steps, 3, 3).
+    root, root_velocity, unit, unit_velocity: Of the blade's root and of the inertial unit, m and
+        m/s, shape (steps, 3).
+    rate: Angular velocity in the body's frame, rad/s, shape (steps, 3).
+    specific_force: What an ideal accelerometer at the unit reads, m/s^2, shape (steps, 3).
+    boom: How the tip of the crane's boom moves; None if nobody knows.
     """
 
     step: float
@@ -111,24 +104,17 @@ class Truth:
 class Measured:
     """What the sensors of a record say.
 
-    Attributes
-    ----------
-    step
-        Sampling interval in s.
-    specific_force, rate
-        Of the inertial unit in the body's frame, m/s^2 and rad/s, shape (steps, 3).
-    fixes
-        RTK-GNSS positions of `ANTENNAS`, m, shape (steps, 3, 3), at the sample of their time stamp;
-        NaN where none is. Most schemes look at the first antenna alone.
-    due
-        Whether a fix is due at a sample, lost or not, shape (steps,).
-    floating
-        Whether the receiver's solution is float, not fixed, shape (steps,): it says so itself.
-    prism_times, prisms
-        Time stamps in s and positions in m of the prisms by the total stations, shapes (n,) and (n,
-        3, 3).
-    boom
-        Accelerations of the boom's tip; None if nothing is there.
+    step: Sampling interval in s.
+    specific_force, rate: Of the inertial unit in the body's frame, m/s^2 and rad/s, shape (steps,
+        3).
+    fixes: RTK-GNSS positions of `ANTENNAS`, m, shape (steps, 3, 3), at the sample of their time
+        stamp; NaN where none is. Most schemes look at the first antenna alone.
+    due: whether a fix is due at a sample, lost or not, shape (steps,).
+    floating: whether the receiver's solution is float, not fixed, shape (steps,): it says so
+        itself.
+    prism_times, prisms: Time stamps in s and positions in m of the prisms by the total stations,
+        shapes (n,) and (n, 3, 3).
+    boom: Accelerations of the boom's tip; None if nothing is there.
     """
 
     step: float
@@ -146,34 +132,24 @@ class Measured:
 class Setting(Knowledge):
     """All that a scheme may know beforehand of a case; standard deviations are priors.
 
-    Attributes
-    ----------
-    step
-        Sampling interval in s.
-    fix_sigma, float_sigma
-        Standard deviations of a fix, m, shape (3,): of a fixed, and of a float solution.
-    force_sigma, rate_sigma
-        Noise of a sample of accelerometers (m/s^2) and gyroscopes (rad/s).
-    force_bias, rate_bias, force_walk, rate_walk
-        Standard deviations of their biases, and change of the biases per root of a second.
-    start, start_sigma
-        Position and velocity of the unit, shape (2, 3), and its attitude (3, 3), as they are given
-        at the first sample: nobody can observe a hanging blade's heading in a record (F10). And
-        their standard deviations: m, m/s, tilt and heading in rad.
-    offset_sigma
-        Standard deviation of the clock's offset, s; 0 if it is taken for nothing.
-    lever_sigma
-        Standard deviation, along each axis of the body, of the error of the antenna's place, m.
-    swing_sigma, swing_period, swing_damping
-        Of the motion of the point under the hook: standard deviations (m), natural periods (s) and
-        damping ratios, shape (3,) each.
-    gust_sigma, gust_time
-        Standard deviations of its slow wandering in gusts (m), shape (3,), and their time constant
-        (s).
-    tuning
-        The numbers of all schemes.
-    geometry
-        Where root, inertial unit and antennas are.
+    step: Sampling interval in s.
+    fix_sigma, float_sigma: Standard deviations of a fix, m, shape (3,): of a fixed, and of a float
+        solution.
+    force_sigma, rate_sigma: Noise of a sample of accelerometers (m/s^2) and gyroscopes (rad/s).
+    force_bias, rate_bias, force_walk, rate_walk: Standard deviations of their biases, and change of
+        the biases per root of a second.
+    start, start_sigma: Position and velocity of the unit, shape (2, 3), and its attitude (3, 3), as
+        they are given at the first sample: nobody can observe a hanging blade's heading in a record
+        (F10). And their standard deviations: m, m/s, tilt and heading in rad.
+    offset_sigma: Standard deviation of the clock's offset, s; 0 if it is taken for nothing.
+    lever_sigma: Standard deviation, along each axis of the body, of the error of the antenna's
+        place, m.
+    swing_sigma, swing_period, swing_damping: Of the motion of the point under the hook: standard
+        deviations (m), natural periods (s) and damping ratios, shape (3,) each.
+    gust_sigma, gust_time: Standard deviations of its slow wandering in gusts (m), shape (3,), and
+        their time constant (s).
+    tuning: the numbers of all schemes.
+    geometry: where root, inertial unit and antennas are.
     """
 
     step: float
@@ -202,22 +178,14 @@ class Setting(Knowledge):
 class Estimates:
     """What a scheme says about a record.
 
-    Attributes
-    ----------
-    root, root_velocity
-        Of the blade's root, m and m/s, shape (steps, 3).
-    rotation
-        Attitude, shape (steps, 3, 3).
-    root_covariance, attitude_covariance
-        Of the root's position (m^2) and of the attitude's error in the body's frame (rad^2), shape
-        (steps, 3, 3); None if the scheme has none.
-    nis
-        Squared innovation of a fix over its covariance and dimension, shape (steps,), NaN without a
-        fix; None if the scheme has none.
-    wait
-        Latency in s; the record's length if all of it is needed.
-    boom
-        Displacement of the boom's tip above .15 Hz at 20 Hz, m, shape (n, 3); None if the scheme
+    root, root_velocity: Of the blade's root, m and m/s, shape (steps, 3).
+    rotation: Attitude, shape (steps, 3, 3).
+    root_covariance, attitude_covariance: Of the root's position (m^2) and of the attitude's error
+        in the body's frame (rad^2), shape (steps, 3, 3); None if the scheme has none.
+    nis: Squared innovation of a fix over its covariance and dimension, shape (steps,), NaN without
+        a fix; None if the scheme has none.
+    wait: Latency in s; the record's length if all of it is needed.
+    boom: Displacement of the boom's tip above .15 Hz at 20 Hz, m, shape (n, 3); None if the scheme
         does not look at the boom.
     """
 

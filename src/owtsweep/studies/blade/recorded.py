@@ -72,10 +72,8 @@ class Recorded(Section):
     def check(self) -> None:
         """Check that sensors and rotations can be.
 
-        Raises
-        ------
-        InputError
-            If files or points are missing, or a rotation is none; the message says what would work.
+        Raises InputError if files or points are missing, or a rotation is none; the message says
+            what would work.
         """
         require(
             self.imu != "",

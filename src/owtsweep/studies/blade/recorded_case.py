@@ -68,11 +68,8 @@ class Lift(NamedTuple):
 def load_lift(config: BladeConfig) -> Lift:
     """Read a recorded lift, from the first fix of the first antenna on.
 
-    Raises
-    ------
-    InputError
-        If a file cannot be used, the record is too short or has another rate, GNSS is faster than
-        the inertial unit, or the heading is unknown.
+    Raises InputError if a file cannot be used, the record is too short or has another rate, GNSS is
+        faster than the inertial unit, or the heading is unknown.
     """
     recorded, rate, steps = config.recorded, config.record.rate, config.record.steps
     path = expand_home(str(recorded.imu))
@@ -119,10 +116,8 @@ def load_lift(config: BladeConfig) -> Lift:
 def read_antenna(table: ChannelTable, columns: Sequence[str]) -> Fixes:
     """Read the positions of an antenna from an opened file.
 
-    Raises
-    ------
-    InputError
-        If a column is missing, times do not increase, or a position is none or absurdly large.
+    Raises InputError if a column is missing, times do not increase, or a position is none or
+        absurdly large.
     """
     named = {item.partition(":")[0] for item in columns}
     globe = "latitude" in (*table.names, *named) and "x" not in table.names
@@ -153,11 +148,8 @@ def place_fixes(
     The frame has x north, y west and z up from the first fix if positions are on the globe, and is
     that of the files if not.
 
-    Raises
-    ------
-    InputError
-        If files differ in kind or in what heights are above, GNSS is faster than the samples, or a
-        package is missing.
+    Raises InputError if files differ in kind or in what heights are above, GNSS is faster than the
+        samples, or a package is missing.
     """
     globe = {fixes.globe for fixes in antennas}
     require(

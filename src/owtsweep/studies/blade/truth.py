@@ -50,13 +50,9 @@ HIGHEST, GUST_END = 3.0, 0.2
 class Motion:
     """The motion of a record, and what came before it.
 
-    Attributes
-    ----------
-    series
-        Translations of the centre of gravity (m) and angles (rad) in the order of `DOF`, with their
-        derivatives and `lead` samples before the record.
-    bending
-        By what points are off the rigid blade; None: by nothing.
+    series: Translations of the centre of gravity (m) and angles (rad) in the order of `DOF`, with
+        their derivatives and `lead` samples before the record.
+    bending: By what points are off the rigid blade; None: by nothing.
     """
 
     truth: Truth

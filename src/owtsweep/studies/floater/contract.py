@@ -31,18 +31,12 @@ DOF = ("x", "y", "z", "phi", "theta", "psi")
 class Truth:
     """The motion of a record.
 
-    Attributes
-    ----------
-    step
-        Sampling interval in s.
-    position, velocity, acceleration
-        Translations and Euler angles in the basin's frame (NED), and their first and second
-        derivatives with time, shape (steps, 6).
-    rate
-        Angular velocity in the body's frame in rad/s, shape (steps, 3) (Eq. 2).
-    specific_force
-        What an ideal accelerometer in the body's frame reads: the acceleration without that of
-        gravity, in m/s^2, shape (steps, 3).
+    step: Sampling interval in s.
+    position, velocity, acceleration: Translations and Euler angles in the basin's frame (NED), and
+        their first and second derivatives with time, shape (steps, 6).
+    rate: Angular velocity in the body's frame in rad/s, shape (steps, 3) (Eq. 2).
+    specific_force: What an ideal accelerometer in the body's frame reads: the acceleration without
+        that of gravity, in m/s^2, shape (steps, 3).
     """
 
     step: float
@@ -57,27 +51,19 @@ class Truth:
 class Measured:
     """What the sensors of a record say.
 
-    Attributes
-    ----------
-    step
-        Sampling interval in s.
-    position
-        What the optical system reports at a sample, shape (steps, 6). A sample without a report is
-        NaN in all columns, or zero where losses are reported as zeros.
-    age
-        The time in s between the motion that a report shows and the sample at which it arrives,
+    step: Sampling interval in s.
+    position: What the optical system reports at a sample, shape (steps, 6). A sample without a
+        report is NaN in all columns, or zero where losses are reported as zeros.
+    age: the time in s between the motion that a report shows and the sample at which it arrives,
         shape (steps,); 0 without delay, irregular where the optical system is. A scheme that knows
         no delay ignores it.
-    lost
-        Whether the report of a sample was lost, shape (steps,), for schemes that know of losses.
-    acceleration
-        Accelerations of all degrees of freedom in the basin's frame, shape (steps, 6), as the
-        paper's simulator gives them (`sensors.frame: global`); None with body-fixed sensors.
-    rate
-        Angular velocities in rad/s, shape (steps, 3): of the Euler angles with `frame: global`, in
-        the body's frame with `frame: body`.
-    specific_force
-        Accelerometers fixed to the body in m/s^2, shape (steps, 3); None with `frame: global`.
+    lost: whether the report of a sample was lost, shape (steps,), for schemes that know of losses.
+    acceleration: Accelerations of all degrees of freedom in the basin's frame, shape (steps, 6), as
+        the paper's simulator gives them (`sensors.frame: global`); None with body-fixed sensors.
+    rate: Angular velocities in rad/s, shape (steps, 3): of the Euler angles with `frame: global`,
+        in the body's frame with `frame: body`.
+    specific_force: Accelerometers fixed to the body in m/s^2, shape (steps, 3); None with `frame:
+        global`.
     """
 
     step: float
@@ -93,32 +79,21 @@ class Measured:
 class Setting(Knowledge):
     """All that a scheme may know beforehand of a case.
 
-    Attributes
-    ----------
-    step
-        Sampling interval in s.
-    position_sigma, rate_sigma, acceleration_sigma
-        Assumed standard deviations of the noise per sample: of reported positions (6,), of rates
-        (3,), and of accelerations (6,). With body-fixed sensors the last three accelerations are
-        not measured; their entries are the standard deviation of the angular acceleration itself.
-    bias_sigma, bias_walk
-        Assumed standard deviation of the bias of each acceleration, and change of that bias per
-        root of a second, shape (6,).
-    delay
-        Assumed age of a report in s.
-    motion_sigma
-        Standard deviations of position, velocity and acceleration, shape (3, 6): what a user knows
-        of the sea state.
-    frequency
-        Natural frequencies in rad/s, shape (6,).
-    body
-        Whether sensors are fixed to the body (`sensors.frame: body`).
-    zeros
-        Whether a lost report arrives as zeros.
-    tuning
-        The numbers of all schemes.
-    start
-        True position and velocity at sample 0, shape (2, 6); None if schemes do not know it.
+    step: Sampling interval in s.
+    position_sigma, rate_sigma, acceleration_sigma: Assumed standard deviations of the noise per
+        sample: of reported positions (6,), of rates (3,), and of accelerations (6,). With
+        body-fixed sensors the last three accelerations are not measured; their entries are the
+        standard deviation of the angular acceleration itself.
+    bias_sigma, bias_walk: Assumed standard deviation of the bias of each acceleration, and change
+        of that bias per root of a second, shape (6,).
+    delay: Assumed age of a report in s.
+    motion_sigma: Standard deviations of position, velocity and acceleration, shape (3, 6): what a
+        user knows of the sea state.
+    frequency: Natural frequencies in rad/s, shape (6,).
+    body: whether sensors are fixed to the body (`sensors.frame: body`).
+    zeros: whether a lost report arrives as zeros.
+    tuning: the numbers of all schemes.
+    start: True position and velocity at sample 0, shape (2, 6); None if schemes do not know it.
     """
 
     step: float
@@ -140,19 +115,13 @@ class Setting(Knowledge):
 class Estimates:
     """What a scheme says about a record.
 
-    Attributes
-    ----------
-    position, velocity
-        Estimates of the position and its time derivative, shape (steps, 6); row k is about sample
-        k, whenever it was known.
-    covariance
-        Of position and velocity, per degree of freedom, shape (steps, 6, 2, 2), or (1, 6, 2, 2) if
-        it does not change; None if the scheme has none.
-    nis
-        Squared innovations of the reported positions over their variance, one per degree of
+    position, velocity: Estimates of the position and its time derivative, shape (steps, 6); row k
+        is about sample k, whenever it was known.
+    covariance: Of position and velocity, per degree of freedom, shape (steps, 6, 2, 2), or (1, 6,
+        2, 2) if it does not change; None if the scheme has none.
+    nis: Squared innovations of the reported positions over their variance, one per degree of
         freedom, shape (steps, 6), NaN where no report was used; None if the scheme has none.
-    wait
-        Latency in s: 0 but for a smoother of fixed lag.
+    wait: Latency in s: 0 but for a smoother of fixed lag.
     """
 
     position: Array

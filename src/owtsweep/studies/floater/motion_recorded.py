@@ -44,10 +44,7 @@ def read_motion(
     `motion` is the section, with a file; `stream` and `roll` are not used, because nothing is
     random. The samples of `span` are taken from the file's beginning.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be used, lacks a column, is too short, or has another step.
+    Raises InputError if the file cannot be used, lacks a column, is too short, or has another step.
     """
     from scipy.interpolate import make_interp_spline
 

@@ -86,16 +86,10 @@ class Limits(NamedTuple):
 class Chances(NamedTuple):
     """Shares of the moments of a record.
 
-    Attributes
-    ----------
-    true, told
-        At which the bodies can be joined, and at which the estimates say so.
-    wrong
-        At which the estimates are wrong about it, in either way.
-    missed
-        Of the true chances, the share that estimates do not tell; NaN without a chance.
-    false
-        Of the told chances, the share that is none; NaN if none is told.
+    true, told: At which the bodies can be joined, and at which the estimates say so.
+    wrong: At which the estimates are wrong about it, in either way.
+    missed: Of the true chances, the share that estimates do not tell; NaN without a chance.
+    false: Of the told chances, the share that is none; NaN if none is told.
     """
 
     true: float

@@ -68,14 +68,11 @@ def compare(
     scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters` is
     False, and the numbers on the runner-up are left out.
 
-    Parameters
-    ----------
-    samples
-        Mean squared errors, shape (schemes, n), in n replicates or in n parts of a record; NaN
+    samples: Mean squared errors, shape (schemes, n), in n replicates or in n parts of a record; NaN
         where a scheme has no value.
-    whole
-        The mean squared errors by which schemes are ranked, shape (schemes,); by default the means
-        of the samples. Needed if the samples are parts of a record, which only give the interval.
+    whole: the mean squared errors by which schemes are ranked, shape (schemes,); by default the
+        means of the samples. Needed if the samples are parts of a record, which only give the
+        interval.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -120,10 +117,7 @@ def advise_from_record(
     Without reference position, squared distances to later fixes take the place of errors. Return
     None if no scheme has a value.
 
-    Parameters
-    ----------
-    values
-        The rows of results on the record, with the columns scheme, replicate, measure, window,
+    values: the rows of results on the record, with the columns scheme, replicate, measure, window,
         value. Rows of baselines have a value of scheme that is in `BASELINE_ROWS`; without such
         rows, baselines are not considered.
     """
@@ -197,19 +191,13 @@ def choose_simplest(
     baselines it is "", and the numbers on it are left out. `baseline_difference` is the best
     scheme's error minus that of the baseline, so it is positive where the baseline is better.
 
-    Parameters
-    ----------
-    samples
-        Mean squared errors in n replicates or n parts of a record, shape (schemes and baselines,
-        n); NaN where there is no value. Those are compared that have every value which the best
-        scheme has.
-    names
-        Names of schemes and baselines. A name may be there twice; the first one counts.
-    best
-        The scheme of the least error.
-    whole
-        The mean squared errors of the whole record, shape (schemes and baselines,); by default the
-        means of the samples.
+    samples: Mean squared errors in n replicates or n parts of a record, shape (schemes and
+        baselines, n); NaN where there is no value. Those are compared that have every value which
+        the best scheme has.
+    names: names of schemes and baselines. A name may be there twice; the first one counts.
+    best: the scheme of the least error.
+    whole: the mean squared errors of the whole record, shape (schemes and baselines,); by default
+        the means of the samples.
     """
     at_best = list(names).index(best)
     common = np.isfinite(samples[at_best])

@@ -68,23 +68,16 @@ def draw_lines(line: Line, fixes: Array, sensors: Sensors) -> Lines:
 class MotionSums:
     """Sums over the true motion in segments of a record, which lie within one interval each.
 
-    Attributes
-    ----------
-    interval
-        The number of the interval between due fixes in which a segment lies, shape (segments,).
-    part
-        The number of the piece of the record in which a segment lies, shape (segments,): 0 before
+    interval: the number of the interval between due fixes in which a segment lies, shape
+        (segments,).
+    part: the number of the piece of the record in which a segment lies, shape (segments,): 0 before
         the settling time, then 1 and so on.
-    counts
-        Number of steps with a known position, and sums over these of the time since the interval
-        began (s) and its square (s^2), shape (3, segments).
-    position
-        Sums of the displacement (m), of the displacement times that time (m s), and of the squared
-        displacement (m^2), shape (3, segments, 2).
-    velocity
-        Sums of the velocity (m/s) and of its square (m^2/s^2), shape (2, segments, 2).
-    known
-        Number of steps with a known velocity, shape (segments,).
+    counts: Number of steps with a known position, and sums over these of the time since the
+        interval began (s) and its square (s^2), shape (3, segments).
+    position: Sums of the displacement (m), of the displacement times that time (m s), and of the
+        squared displacement (m^2), shape (3, segments, 2).
+    velocity: Sums of the velocity (m/s) and of its square (m^2/s^2), shape (2, segments, 2).
+    known: Number of steps with a known velocity, shape (segments,).
     """
 
     interval: NDArray[np.intp]

@@ -19,13 +19,9 @@ from owtsweep.studies.replay.seastates import read_sea_states
 class Verified:
     """What reading every record once has shown.
 
-    Attributes
-    ----------
-    notes
-        Sentences on the records, for the user; equal sentences appear once. If there are several
+    notes: Sentences on the records, for the user; equal sentences appear once. If there are several
         records, each sentence begins with the name of the record's file.
-    refused
-        Path of a file that cannot be used -> the reason, one line that begins with the path.
+    refused: Path of a file that cannot be used -> the reason, one line that begins with the path.
     """
 
     notes: Sequence[str]

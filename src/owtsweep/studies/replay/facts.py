@@ -51,22 +51,15 @@ def pick_facts(records: pd.DataFrame) -> dict[str, float]:
 class MotionSummary:
     """The horizontal motion of a record, in numbers.
 
-    Attributes
-    ----------
-    source
-        Where the displacement comes from, in words: the true motion, or the estimate of a scheme.
-    samples
-        Number of samples of the displacement.
-    size
-        "rms" and "peak" of the displacement (m); "direction" of greatest variance (degrees from the
-        x axis); "direction_share", the share (0 to 1) of the variance along this direction.
-    frequency, power
-        The periodogram of the displacement: Hz and m^2/Hz, shape (n,) each. It ends a little above
-        `BEYOND` times the upper edge of the band.
-    modes
-        The peaks of the spectrum at all frequencies.
-    fit
-        The spectrum of Eq. (1) of Ren et al. (2019) fitted to the periodogram inside the band, or
+    source: where the displacement comes from, in words: the true motion, or the estimate of a
+        scheme.
+    samples: Number of samples of the displacement.
+    size: "rms" and "peak" of the displacement (m); "direction" of greatest variance (degrees from
+        the x axis); "direction_share", the share (0 to 1) of the variance along this direction.
+    frequency, power: the periodogram of the displacement: Hz and m^2/Hz, shape (n,) each. It ends a
+        little above `BEYOND` times the upper edge of the band.
+    modes: the peaks of the spectrum at all frequencies.
+    fit: the spectrum of Eq. (1) of Ren et al. (2019) fitted to the periodogram inside the band, or
         the reason why it cannot be fitted.
     """
 

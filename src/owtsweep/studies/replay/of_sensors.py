@@ -33,16 +33,10 @@ LARGEST_JITTER = 0.25
 class Aligned(NamedTuple):
     """Recorded fixes, moved to the regular moments at which fixes are due.
 
-    Attributes
-    ----------
-    offset
-        Time in s from the beginning of the recording to the first moment at which a fix is due.
-    values
-        One fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
-    jitter
-        Largest time in s between the arrival of a fix and the moment to which it was moved.
-    dropped
-        Number of fixes left out, because another fix was nearer to the same due moment.
+    offset: Time in s from the beginning of the recording to the first moment at which a fix is due.
+    values: one fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
+    jitter: Largest time in s between the arrival of a fix and the moment to which it was moved.
+    dropped: Number of fixes left out, because another fix was nearer to the same due moment.
     """
 
     offset: float

@@ -33,30 +33,20 @@ PIECE = 1 << 16
 class ReplayRecord:
     """A record for a replay: series in SI units and NED coordinates, with one row per IMU step.
 
-    Attributes
-    ----------
-    gnss
-        Where the fixes come from: "simulated" for recorded motion; "recorded" or "from_reference"
+    gnss: where the fixes come from: "simulated" for recorded motion; "recorded" or "from_reference"
         for recorded sensors.
-    begin, step, steps
-        Time of step 0 on the file's clock (s), length of a step (s), and number of IMU steps.
-    origin
-        Offset that has been subtracted from all positions, shape (2,) in m.
-    position, velocity
-        The true position (m) and velocity (m/s), shape (steps, 2); NaN in gaps, None if unknown.
-    acceleration
-        The true acceleration (m/s^2), shape (steps, 2); None for recorded sensors.
-    specific_force
-        The recorded specific force (m/s^2) in the IMU's frame, shape (steps, 2); None for recorded
-        motion.
-    fixes
-        Fixes (m) as recorded, or made without noise, shape (fixes, 2); NaN where no fix came.
-    truth
-        The source of the true position, in words; "" if the position is unknown.
-    notes
-        What the user should know about the recording, one sentence each.
-    lean
-        What a level IMU leaves out where a platform turns, one sentence; "" if nothing.
+    begin, step, steps: Time of step 0 on the file's clock (s), length of a step (s), and number of
+        IMU steps.
+    origin: Offset that has been subtracted from all positions, shape (2,) in m.
+    position, velocity: the true position (m) and velocity (m/s), shape (steps, 2); NaN in gaps,
+        None if unknown.
+    acceleration: the true acceleration (m/s^2), shape (steps, 2); None for recorded sensors.
+    specific_force: the recorded specific force (m/s^2) in the IMU's frame, shape (steps, 2); None
+        for recorded motion.
+    fixes: Fixes (m) as recorded, or made without noise, shape (fixes, 2); NaN where no fix came.
+    truth: the source of the true position, in words; "" if the position is unknown.
+    notes: What the user should know about the recording, one sentence each.
+    lean: What a level IMU leaves out where a platform turns, one sentence; "" if nothing.
     """
 
     file: str
@@ -106,14 +96,9 @@ def release_memory(record: ReplayRecord) -> None:
 class Signals:
     """The measurements of one replicate; the specific force comes in pieces, to save memory.
 
-    Attributes
-    ----------
-    steps
-        Number of IMU samples.
-    fixes
-        Fixes in NED coordinates, shape (fixes, 2) in m; NaN where no fix came.
-    force
-        Function that takes a number of steps n and yields the specific force in the IMU's frame
+    steps: Number of IMU samples.
+    fixes: Fixes in NED coordinates, shape (fixes, 2) in m; NaN where no fix came.
+    force: function that takes a number of steps n and yields the specific force in the IMU's frame
         (m/s^2), in pieces of shape (n, 2); the last piece may be shorter. Each call begins at the
         start of the record.
     """

@@ -59,15 +59,10 @@ def configure(
 
     Raise `InputError` if the overrides are wrong, a file does not exist, or no file is named.
 
-    Parameters
-    ----------
-    files
-        Paths of record files, or patterns such as "*.csv". If no file is named, here or by the key
-        `grid.files`, the files in the table `replay.table` are taken.
-    overrides
-        Hydra overrides, e.g. `["tuning=matched"]`.
-    config_dir
-        A folder with further config groups for Hydra (`--config-dir`).
+    files: Paths of record files, or patterns such as "*.csv". If no file is named, here or by the
+        key `grid.files`, the files in the table `replay.table` are taken.
+    overrides: Hydra overrides, e.g. `["tuning=matched"]`.
+    config_dir: a folder with further config groups for Hydra (`--config-dir`).
     """
     config = compose_replay(overrides, config_dir)
     words, table = [*files, *config.grid.files], config.replay.table
@@ -168,12 +163,8 @@ def execute(
     Return what was computed, reused and failed. In `failed` are also the cases of a record that
     cannot be used, if there are others that can, and estimates that could not be written.
 
-    Parameters
-    ----------
-    fresh, progress, argv
-        As for `owtsweep.sweep.run.sweep`.
-    say
-        Shows the user a line: notes on the records before anything runs, and announcements of slow
+    fresh, progress, argv: as for `owtsweep.sweep.run.sweep`.
+    say: Shows the user a line: notes on the records before anything runs, and announcements of slow
         work.
     """
     from owtsweep.studies.replay import estimates

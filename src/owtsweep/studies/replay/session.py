@@ -82,21 +82,15 @@ def _select(record: ReplayRecord, start: float, end: float) -> slice[int]:
 class Session:
     """The data for a record's figures: the record, its measurements, and the schemes' estimates.
 
-    Attributes
-    ----------
-    record, sensors, signals
-        The record, the sensors' parameters, and the measurements in replicate 0.
-    windows
-        Name of a part of the record ("whole", "zoom" or "acceleration") -> the steps of this part.
-    seen
-        Name of a part of the record -> scheme -> estimates in this part.
-    repeated
-        "position" or "velocity" -> schemes whose estimates equal those of a later scheme.
-    bounds
-        "position" or "velocity" -> scheme -> largest absolute error along x, after the first fifth
-        of the record; 0 if the truth is unknown.
-    failed
-        Scheme that failed -> the reason.
+    record, sensors, signals: the record, the sensors' parameters, and the measurements in replicate
+        0.
+    windows: Name of a part of the record ("whole", "zoom" or "acceleration") -> the steps of this
+        part.
+    seen: Name of a part of the record -> scheme -> estimates in this part.
+    repeated: "position" or "velocity" -> schemes whose estimates equal those of a later scheme.
+    bounds: "position" or "velocity" -> scheme -> largest absolute error along x, after the first
+        fifth of the record; 0 if the truth is unknown.
+    failed: Scheme that failed -> the reason.
     """
 
     record: ReplayRecord

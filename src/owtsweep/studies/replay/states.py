@@ -33,21 +33,15 @@ class FilterState:
     An estimate is stored at the time to which it refers, which may be earlier than the time at
     which the filter computed it. An envelope is a series reduced to few points, for a plot.
 
-    Attributes
-    ----------
-    acceleration
-        Estimates in the zoomed part of the record that the figure of acceleration shows, shape (n,
-        2); None if the filter's model has no acceleration.
-    acceleration_bound, bias_bound
-        Largest absolute errors along x of acceleration and bias, after the first fifth of the
-        record; 0 if the truth is unknown.
-    bias
-        Envelopes of x and y of the bias R b^b over the whole record.
-    bias_error
-        Envelope of the error of the bias along x; without values if the bias is not simulated.
-    bias_range
-        Ranges of the bias after the first fifth of the record, shape (2, 2): rows x and y, columns
-        least and greatest.
+    acceleration: Estimates in the zoomed part of the record that the figure of acceleration shows,
+        shape (n, 2); None if the filter's model has no acceleration.
+    acceleration_bound, bias_bound: Largest absolute errors along x of acceleration and bias, after
+        the first fifth of the record; 0 if the truth is unknown.
+    bias: Envelopes of x and y of the bias R b^b over the whole record.
+    bias_error: Envelope of the error of the bias along x; without values if the bias is not
+        simulated.
+    bias_range: Ranges of the bias after the first fifth of the record, shape (2, 2): rows x and y,
+        columns least and greatest.
     """
 
     acceleration: Array | None
@@ -62,17 +56,11 @@ class FilterState:
 class FilterStates:
     """All filters' estimates of acceleration and accelerometer bias on a record, as envelopes.
 
-    Attributes
-    ----------
-    of
-        Scheme -> estimates of the scheme's filter.
-    repeated
-        "acceleration" or "bias" -> schemes whose estimates equal those of a later scheme.
-    true_bias
-        Envelopes of x and y of the simulated bias; None for recorded sensors.
-    true_range
-        Ranges of the simulated bias (m/s^2), as `bias_range`; (+inf, -inf) for recorded sensors, or
-        if no filter was run.
+    of: Scheme -> estimates of the scheme's filter.
+    repeated: "acceleration" or "bias" -> schemes whose estimates equal those of a later scheme.
+    true_bias: Envelopes of x and y of the simulated bias; None for recorded sensors.
+    true_range: Ranges of the simulated bias (m/s^2), as `bias_range`; (+inf, -inf) for recorded
+        sensors, or if no filter was run.
     """
 
     of: Mapping[str, FilterState]

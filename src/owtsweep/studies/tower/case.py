@@ -28,18 +28,11 @@ from owtsweep.studies.tower.truth import Motion, make_truth
 class Case:
     """One record: motion and loads, signals without noise, and the schemes' substructure.
 
-    Attributes
-    ----------
-    replicate, motion
-        Number of the record, and direction -> truth.
-    part
-        The substructure as schemes model it.
-    true_stress
-        Stresses (Pa) of the outer fibre for unit degrees of freedom of the true structure.
-    places
-        The channels of each direction.
-    signals
-        Direction -> signals of the channels without noise, shape (steps, channels).
+    replicate, motion: Number of the record, and direction -> truth.
+    part: the substructure as schemes model it.
+    true_stress: Stresses (Pa) of the outer fibre for unit degrees of freedom of the true structure.
+    places: the channels of each direction.
+    signals: Direction -> signals of the channels without noise, shape (steps, channels).
     """
 
     replicate: int

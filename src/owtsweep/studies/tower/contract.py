@@ -44,14 +44,9 @@ class Believed:
 
     Forces are in N, moments in N m, the wave load q (at sea level) in N/m.
 
-    Attributes
-    ----------
-    step_sigma
-        Standard deviation of the change from sample to sample (a random walk's S, Eq. 24).
-    sigma
-        Standard deviation about zero, mean included.
-    length
-        Correlation time in s (of latent forces).
+    step_sigma: Standard deviation of the change from sample to sample (a random walk's S, Eq. 24).
+    sigma: Standard deviation about zero, mean included.
+    length: Correlation time in s (of latent forces).
     """
 
     step_sigma: Array
@@ -63,35 +58,22 @@ class Believed:
 class Setting(Knowledge):
     """All that a scheme may know of one direction of a case.
 
-    Attributes
-    ----------
-    direction
-        "fa" or "ss".
-    cut, cut_damping, reduced
-        The substructure between the cuts, its damping matrix (kg/s, dof x dof), and its reduction.
-    whole, whole_damping
-        The model of the whole structure, with the assumed soil, on a mesh that holds the nodes of
-        `cut`; and its damping matrix.
-    nodes
-        Numbers of the nodes of `cut` among those of `whole`, shape (nodes of cut,).
-    wave_shape
-        Work-equivalent loads on the degrees of freedom of `cut` for q = 1 N/m, shape (dof,): a load
-        that falls linearly from sea level to the ground (Simpson et al. 2025, p_2). Zero without
-        water.
-    strain
-        Strains of the outer fibre for unit degrees of freedom of `cut`, shape (nodes, dof).
-    channels
-        The sensors, in the order of the measurements' columns.
-    step
-        Sampling interval in s.
-    believed
-        The tuning's priors of the loads.
-    tuning
-        The numbers of all schemes.
-    rate_noise
-        Variance per step of the rates of mass-normalised modes, kg m^2/s^2.
-    whole_modes
-        Number of modes of the whole structure that models of it keep, lowest first.
+    direction: "fa" or "ss".
+    cut, cut_damping, reduced: the substructure between the cuts, its damping matrix (kg/s, dof x
+        dof), and its reduction.
+    whole, whole_damping: the model of the whole structure, with the assumed soil, on a mesh that
+        holds the nodes of `cut`; and its damping matrix.
+    nodes: Numbers of the nodes of `cut` among those of `whole`, shape (nodes of cut,).
+    wave_shape: Work-equivalent loads on the degrees of freedom of `cut` for q = 1 N/m, shape
+        (dof,): a load that falls linearly from sea level to the ground (Simpson et al. 2025, p_2).
+        Zero without water.
+    strain: Strains of the outer fibre for unit degrees of freedom of `cut`, shape (nodes, dof).
+    channels: the sensors, in the order of the measurements' columns.
+    step: Sampling interval in s.
+    believed: the tuning's priors of the loads.
+    tuning: the numbers of all schemes.
+    rate_noise: Variance per step of the rates of mass-normalised modes, kg m^2/s^2.
+    whole_modes: Number of modes of the whole structure that models of it keep, lowest first.
     """
 
     direction: str
@@ -115,16 +97,11 @@ class Setting(Knowledge):
 class Estimates:
     """What a scheme says about one direction of a record.
 
-    Attributes
-    ----------
-    displacement
-        All degrees of freedom of the cut structure (m, rad), shape (steps, dof).
-    inputs
-        Interface loads on the cut structure in the order of `INPUTS` (N, N m), shape (steps, 4).
-    wave
-        Wave load q at sea level in N/m, shape (steps,); None if the scheme knows no waves.
-    wait
-        Latency in s; the record's length if all of it is needed.
+    displacement: All degrees of freedom of the cut structure (m, rad), shape (steps, dof).
+    inputs: Interface loads on the cut structure in the order of `INPUTS` (N, N m), shape (steps,
+        4).
+    wave: Wave load q at sea level in N/m, shape (steps,); None if the scheme knows no waves.
+    wait: Latency in s; the record's length if all of it is needed.
     """
 
     displacement: Array

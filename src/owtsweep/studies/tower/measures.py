@@ -53,12 +53,8 @@ QUIETEST: dict[Kind, str] = {"theta": "noise_theta", "a": "noise_a"}
 class Fatigue:
     """What the cycles of one direction do.
 
-    Attributes
-    ----------
-    damage
-        Damage of each weld over the judged part of the record, shape (nodes,).
-    loads
-        Damage-equivalent loads of `INPUTS` in N and N m, shape (4,): the ranges which, once per
+    damage: Damage of each weld over the judged part of the record, shape (nodes,).
+    loads: Damage-equivalent loads of `INPUTS` in N and N m, shape (4,): the ranges which, once per
         second, do the damage of the record on an S-N curve with the exponent `EXPONENT`.
     """
 

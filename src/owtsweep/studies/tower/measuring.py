@@ -67,16 +67,10 @@ def take_signals(
 ) -> Array:
     """Return the signals (m, rad, m/s^2, strain) of channels without noise, (steps, channels).
 
-    Parameters
-    ----------
-    motion
-        The truth of one direction.
-    strain
-        Strains of the outer fibre for unit degrees of freedom, shape (nodes, dof).
-    channels
-        Kind and node of each channel.
-    faults
-        Whether accelerometers feel gravity and inclinometers acceleration.
+    motion: the truth of one direction.
+    strain: Strains of the outer fibre for unit degrees of freedom, shape (nodes, dof).
+    channels: Kind and node of each channel.
+    faults: whether accelerometers feel gravity and inclinometers acceleration.
     """
     signals = np.empty((len(motion.displacement), len(channels)))
     for column, (kind, node) in enumerate(channels):

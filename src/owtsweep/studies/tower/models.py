@@ -38,21 +38,15 @@ from owtsweep.studies.tower.contract import Channel, Estimates, Setting
 class Model:
     """A structure as an estimator needs it, for one direction.
 
-    Attributes
-    ----------
-    discrete
-        Discrete state space: 2 x modes states; inputs divided by `scale`; the channels as outputs.
-    scale
-        Units of the inputs in N, N m or N/m, shape (inputs,).
-    inputs
-        Numbers of the inputs among F0, M0, F175, M175, q (as in `Believed`), shape (inputs,). For
-        the whole structure, 2 and 3 stand for force and moment on its top.
-    basis
-        Displacements of the degrees of freedom of the cut structure for unit modal coordinates,
+    discrete: Discrete state space: 2 x modes states; inputs divided by `scale`; the channels as
+        outputs.
+    scale: Units of the inputs in N, N m or N/m, shape (inputs,).
+    inputs: Numbers of the inputs among F0, M0, F175, M175, q (as in `Believed`), shape (inputs,).
+        For the whole structure, 2 and 3 stand for force and moment on its top.
+    basis: Displacements of the degrees of freedom of the cut structure for unit modal coordinates,
         shape (dof, modes).
-    loads_of_state, loads_of_input
-        Interface loads of the cut structure (N, N m) for unit states and unit scaled inputs, shapes
-        (4, 2 modes) and (4, inputs).
+    loads_of_state, loads_of_input: Interface loads of the cut structure (N, N m) for unit states
+        and unit scaled inputs, shapes (4, 2 modes) and (4, inputs).
     """
 
     discrete: InputStateModel

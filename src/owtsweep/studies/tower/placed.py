@@ -43,22 +43,13 @@ KIND_NAMES: dict[Kind, str] = {
 class PlacedSensors:
     """Inclinometers chosen one by one, an `owtsweep.sweep.placing.Placed`.
 
-    Attributes
-    ----------
-    config
-        The configuration, with the structure as it was given, and the sensors that are there.
-    case
-        The structure with its sensors to choose from.
-    quantity
-        A name in `QUANTITIES`.
-    spread
-        Whether the accelerometers are spread over the height because the user names no sensors.
-    choices
-        The sets of the smallest number of inclinometers with a finite error, of one more, ...
-    further
-        The set with one more than the last of `choices`; None if no height is left.
-    everywhere
-        Inclinometers at all heights to choose from.
+    config: the configuration, with the structure as it was given, and the sensors that are there.
+    case: the structure with its sensors to choose from.
+    quantity: a name in `QUANTITIES`.
+    spread: whether the accelerometers are spread over the height because the user names no sensors.
+    choices: the sets of the smallest number of inclinometers with a finite error, of one more, ...
+    further: the set with one more than the last of `choices`; None if no height is left.
+    everywhere: Inclinometers at all heights to choose from.
     """
 
     config: TowerConfig

@@ -51,23 +51,15 @@ class Problem:
     The state is augmented by the loads, and every component is scaled by the standard deviation of
     its own process noise, so that the process noise's covariance is the identity.
 
-    Attributes
-    ----------
-    transition
-        Transition of the state per step, shape (n, n).
-    given
-        Information per step of the sensors that are there: the sum of h h' / sigma^2 over their
+    transition: Transition of the state per step, shape (n, n).
+    given: Information per step of the sensors that are there: the sum of h h' / sigma^2 over their
         rows h, shape (n, n).
-    heights, rows
-        Heights of the candidate sensors above ground in m, shape (candidates,), and their rows h /
-        sigma, shape (candidates, n).
-    stress
-        Stress at each weld as a share of its scale, from the state, shape (welds, n).
-    moment
-        Moment M0 as a share of its scale, from the state, shape (n,).
-    lasting
-        What the candidates read of the directions of state that last for ever (eigenvalue 1) and
-        that the given sensors do not see, shape (candidates, directions).
+    heights, rows: Heights of the candidate sensors above ground in m, shape (candidates,), and
+        their rows h / sigma, shape (candidates, n).
+    stress: Stress at each weld as a share of its scale, from the state, shape (welds, n).
+    moment: Moment M0 as a share of its scale, from the state, shape (n,).
+    lasting: What the candidates read of the directions of state that last for ever (eigenvalue 1)
+        and that the given sensors do not see, shape (candidates, directions).
     """
 
     transition: Array
@@ -112,21 +104,14 @@ def pose(
 ) -> Problem:
     """Pose the choice of sensors for one direction.
 
-    Parameters
-    ----------
-    setting
-        The structure, its tuning, and the sensors that are there whatever is chosen.
-    candidates
-        Sensors to choose from, with the standard deviations of their noise.
-    stress
-        Stress (Pa) at each weld for unit degrees of freedom of the cut, shape (welds, dof).
-    stress_scale, moment_scale
-        What predicted errors are divided by, in Pa, shape (welds,) or one number, and in N m: e.g.
-        the standard deviations of the true signals. With 1, errors are in Pa and N m.
-    ground
-        Height of the ground above mean sea level in m; None: the lower cut is at the ground.
-    wave
-        Whether the wave load is a further unknown (AKF_WAVE).
+    setting: the structure, its tuning, and the sensors that are there whatever is chosen.
+    candidates: Sensors to choose from, with the standard deviations of their noise.
+    stress: Stress (Pa) at each weld for unit degrees of freedom of the cut, shape (welds, dof).
+    stress_scale, moment_scale: What predicted errors are divided by, in Pa, shape (welds,) or one
+        number, and in N m: e.g. the standard deviations of the true signals. With 1, errors are in
+        Pa and N m.
+    ground: Height of the ground above mean sea level in m; None: the lower cut is at the ground.
+    wave: whether the wave load is a further unknown (AKF_WAVE).
     """
     channels = (*setting.channels, *candidates)
     model = model_cut(replace(setting, channels=channels), wave=wave)

@@ -46,24 +46,15 @@ IDLE = 0.01 ** (1.0 / 5.0)
 class PlacementCase:
     """A structure with its sensors to choose from, in one direction.
 
-    Attributes
-    ----------
-    setting
-        The structure and its tuning; the channels are the sensors that are there already.
-    candidates
-        Inclinometers to choose from, upwards.
-    stress, welds
-        Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape (welds, dof),
-        and heights of these welds above ground in m, shape (welds,).
-    stress_scale, moment_scale
-        Standard deviations of the true stress at these welds in Pa, shape (welds,), and of the true
-        M0 in N m.
-    motions
-        The true motion of each record.
-    ground
-        Height of the ground above mean sea level in m.
-    wave
-        Whether the wave load is a further unknown.
+    setting: the structure and its tuning; the channels are the sensors that are there already.
+    candidates: Inclinometers to choose from, upwards.
+    stress, welds: Stress (Pa) at the judged welds for unit degrees of freedom of the cut, shape
+        (welds, dof), and heights of these welds above ground in m, shape (welds,).
+    stress_scale, moment_scale: Standard deviations of the true stress at these welds in Pa, shape
+        (welds,), and of the true M0 in N m.
+    motions: the true motion of each record.
+    ground: Height of the ground above mean sea level in m.
+    wave: whether the wave load is a further unknown.
     """
 
     setting: Setting
@@ -137,19 +128,13 @@ def make_case(
     Raise `InputError` if a height has no node, a sensor measures nothing, or the structure does not
     stand.
 
-    Parameters
-    ----------
-    config
-        With one tuning. The noise is the first of `grid.noise`. The sensors of the section
+    config: With one tuning. The noise is the first of `grid.noise`. The sensors of the section
         `sensors` are there whatever is chosen.
-    inclinometers
-        Heights above ground in m to choose from; None: every node without an inclinometer.
-    spread
-        Keep only `SPREAD` of the given accelerometers, evenly over the height.
-    direction
-        "fa" or "ss".
-    records
-        Number of records to simulate. The first one gives the scales.
+    inclinometers: Heights above ground in m to choose from; None: every node without an
+        inclinometer.
+    spread: Keep only `SPREAD` of the given accelerometers, evenly over the height.
+    direction: "fa" or "ss".
+    records: Number of records to simulate. The first one gives the scales.
     """
     structure = config.structure
     part = model_substructure(config)

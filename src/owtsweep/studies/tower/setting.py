@@ -34,20 +34,13 @@ LEAST = 1e-3
 class Substructure:
     """The model of the substructure between the cuts, one for both directions.
 
-    Attributes
-    ----------
-    structure
-        The whole structure as schemes assume it.
-    cut, damping, reduced
-        The beam between the cuts, its damping matrix, and its reduction.
-    strain, stress
-        Strains and stresses (Pa) of the outer fibre for unit degrees of freedom, (nodes, dof).
-    wave_shape
-        As in `Setting`.
-    gravity
-        Whether the weight softens the model of the whole structure.
-    wholes
-        Models of the whole structure that were assembled before, by direction and soil factor.
+    structure: the whole structure as schemes assume it.
+    cut, damping, reduced: the beam between the cuts, its damping matrix, and its reduction.
+    strain, stress: Strains and stresses (Pa) of the outer fibre for unit degrees of freedom,
+        (nodes, dof).
+    wave_shape: as in `Setting`.
+    gravity: whether the weight softens the model of the whole structure.
+    wholes: Models of the whole structure that were assembled before, by direction and soil factor.
     """
 
     structure: Structure

@@ -26,16 +26,12 @@ from owtsweep.studies.tower.wind import make_top_loads
 class Motion:
     """The truth of one direction of a record.
 
-    Attributes
-    ----------
-    displacement, acceleration
-        Of all degrees of freedom of the cut structure (m, rad; m/s^2, rad/s^2), shape (steps, dof).
-    inputs
-        Forces (N) and moments (N m) on the cut structure at its lower and its upper cut, in the
+    displacement, acceleration: Of all degrees of freedom of the cut structure (m, rad; m/s^2,
+        rad/s^2), shape (steps, dof).
+    inputs: Forces (N) and moments (N m) on the cut structure at its lower and its upper cut, in the
         order of `contract.INPUTS`, shape (steps, 4).
-    wave
-        Load at sea level (N/m) of the triangle, falling to 0 at the ground, with the same resultant
-        as the waves, shape (steps,).
+    wave: Load at sea level (N/m) of the triangle, falling to 0 at the ground, with the same
+        resultant as the waves, shape (steps,).
     """
 
     displacement: Array
@@ -62,18 +58,11 @@ def make_truth(
     `InputError` if the structure does not stand, a cut is inside an element, or a file of loads
     cannot be used.
 
-    Parameters
-    ----------
-    cuts
-        Heights of the cuts above mean sea level in m.
-    stream
-        Function that returns a new random generator, given a name.
-    steps, step
-        Number of samples and sampling interval (s).
-    gravity
-        Whether the weight softens the structure (p-delta).
-    subdivision
-        Into how many elements each element of the estimators' mesh is divided.
+    cuts: Heights of the cuts above mean sea level in m.
+    stream: function that returns a new random generator, given a name.
+    steps, step: Number of samples and sampling interval (s).
+    gravity: whether the weight softens the structure (p-delta).
+    subdivision: Into how many elements each element of the estimators' mesh is divided.
     """
     # Loads act for a while before the record, so that it begins with a motion that has built up.
     lead = steps if wind.file is None else 0

@@ -52,17 +52,11 @@ def make_wave_loads(
     Raise `InputError` if the structure does not stand in water, or the record is too short for
     waves.
 
-    Parameters
-    ----------
-    beam
-        A beam that covers the wetted part of the structure.
-    sea
-        The section `waves`, with a height above 0.
-    stream
-        Function that returns a new random generator, given a name; it is called with "waves".
-    steps, step, lead
-        Number of samples, sampling interval (s), and number of samples before the record, at most
-        `steps`.
+    beam: a beam that covers the wetted part of the structure.
+    sea: the section `waves`, with a height above 0.
+    stream: function that returns a new random generator, given a name; it is called with "waves".
+    steps, step, lead: Number of samples, sampling interval (s), and number of samples before the
+        record, at most `steps`.
     """
     require(
         structure.water is not None and structure.mudline < 0.0,

@@ -46,11 +46,8 @@ def open_npz(path: Path) -> ChannelTable:
     a_x, a_y, a_z; one with more columns a_1, a_2, ... Arrays that hold no numbers or have more than
     two dimensions are left out.
 
-    Raises
-    ------
-    InputError
-        If the archive is damaged, holds pickled objects, no array of numbers or too many numbers,
-        or arrays of different lengths.
+    Raises InputError if the archive is damaged, holds pickled objects, no array of numbers or too
+        many numbers, or arrays of different lengths.
     """
     places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
     lengths: set[int] = set()
@@ -99,10 +96,7 @@ def _find_shape(
 ) -> tuple[int, ...] | None:
     """Return the shape that an array's header announces; None if the array is left out.
 
-    Raises
-    ------
-    InputError
-        If it holds pickled objects, fewer bytes than announced, or too many numbers.
+    Raises InputError if it holds pickled objects, fewer bytes than announced, or too many numbers.
     """
     with archive.open(member) as stream:
         read_header = HEADERS.get(np.lib.format.read_magic(stream))
@@ -126,11 +120,8 @@ def open_parquet(path: Path) -> ChannelTable:
 
     The unit of a column is the entry `unit` or `units` of its metadata.
 
-    Raises
-    ------
-    InputError
-        If the file is damaged or has too many columns; when numbers are loaded, if a column holds
-        none.
+    Raises InputError if the file is damaged or has too many columns; when numbers are loaded, if a
+        column holds none.
     """
     import pyarrow as pa
     from pyarrow import parquet

@@ -51,10 +51,7 @@ class Header:
 def open_fast_binary(path: Path) -> ChannelTable:
     """Open a FAST binary file (.outb): read its header, but not yet its numbers.
 
-    Raises
-    ------
-    InputError
-        If the file is not a FAST binary file, or is cut short.
+    Raises InputError if the file is not a FAST binary file, or is cut short.
     """
     header = _read_header(path)
     load = partial(_load, path, header)

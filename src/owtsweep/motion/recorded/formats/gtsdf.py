@@ -44,11 +44,8 @@ LONGEST_WORD = 1024
 def open_gtsdf(path: Path) -> ChannelTable:
     """Open a gtsdf file (HDF5 as HAWC2 writes it) with the package h5py.
 
-    Raises
-    ------
-    InputError
-        If h5py is not installed, or the file is not HDF5, is not gtsdf, has too many channels, or
-        holds links where data should be.
+    Raises InputError if h5py is not installed, or the file is not HDF5, is not gtsdf, has too many
+        channels, or holds links where data should be.
     """
     try:
         import h5py

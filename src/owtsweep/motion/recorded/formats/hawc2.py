@@ -51,11 +51,8 @@ def find_companion(path: Path, suffix: str) -> Path | None:
 def open_hawc2(path: Path) -> ChannelTable:
     """Open HAWC2 output, a .sel and a .dat file, given the path of one of these two files.
 
-    Raises
-    ------
-    InputError
-        If the other file is missing, the .sel file is not HAWC2's, or the .dat file is empty or cut
-        short.
+    Raises InputError if the other file is missing, the .sel file is not HAWC2's, or the .dat file
+        is empty or cut short.
     """
     wanted = ".dat" if path.suffix.lower() == ".sel" else ".sel"
     other = find_companion(path, wanted)

@@ -64,10 +64,7 @@ class IsoTimes:
     def convert(self, texts: pa.StringArray) -> Array:
         """Return the next times in s from the column's first; NaN where a text is missing.
 
-        Raises
-        ------
-        InputError
-            If a text is not in ISO 8601, or only some times have an offset from UTC.
+        Raises InputError if a text is not in ISO 8601, or only some times have an offset from UTC.
         """
         import pandas as pd
         import pyarrow.compute as pc

@@ -184,11 +184,8 @@ def open_mat(path: Path) -> ChannelTable:
     are loaded together must be equally long. What is no array of real numbers, or stands alone, is
     left out.
 
-    Raises
-    ------
-    InputError
-        If the file is damaged, of version 7.3, or has no array of numbers; when numbers are loaded,
-        if channels differ in length.
+    Raises InputError if the file is damaged, of version 7.3, or has no array of numbers; when
+        numbers are loaded, if channels differ in length.
     """
     _refuse_hdf5(path)
     places: dict[str, tuple[Variable, int]] = {}  # channel -> variable, column

@@ -29,11 +29,8 @@ def open_nmea(path: Path) -> ChannelTable:
 
     Times are seconds of the first day.
 
-    Raises
-    ------
-    InputError
-        If the package pynmeagps is missing, no sentence has a fix, a sentence cannot be read or
-        lacks a number, or some state a geoid separation and others do not.
+    Raises InputError if the package pynmeagps is missing, no sentence has a fix, a sentence cannot
+        be read or lacks a number, or some state a geoid separation and others do not.
     """
     rows, separated = _read_sentences(path)
     require(bool(rows), f"{path}: no GGA sentence has a fix")

@@ -37,11 +37,8 @@ HEAD = 1 << 18
 def open_text(path: Path) -> ChannelTable:
     """Open a text table.
 
-    Raises
-    ------
-    InputError
-        If the file is empty, is not text in UTF-8 or Latin-1, has no table of numbers, or has
-        commas of unclear meaning (decimal commas or separators).
+    Raises InputError if the file is empty, is not text in UTF-8 or Latin-1, has no table of
+        numbers, or has commas of unclear meaning (decimal commas or separators).
     """
     layout = find_layout(path, _read_head(path))
     notes: list[str] = []

@@ -58,11 +58,8 @@ def split_fields(line: str, delimiter: str) -> list[str]:
 def find_layout(path: Path, lines: list[str]) -> Layout:
     """Find the layout of a text table from the first lines of the file.
 
-    Raises
-    ------
-    InputError
-        If the lines hold no table of numbers, or commas of unclear meaning (decimal commas or
-        separators).
+    Raises InputError if the lines hold no table of numbers, or commas of unclear meaning (decimal
+        commas or separators).
     """
     written = [(number, line) for number, line in enumerate(lines) if line.strip()]
     for place, (first, line) in enumerate(written):

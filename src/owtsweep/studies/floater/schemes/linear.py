@@ -136,14 +136,9 @@ def hold(reported: Array) -> Array:
 def level(force: Array, angles: Array, how: Literal["level", "small", "reported"]) -> Array:
     """Return accelerations of the translations in m/s^2, shape (steps, 3).
 
-    Parameters
-    ----------
-    force
-        Specific force in the body's frame, m/s^2, shape (steps, 3).
-    angles
-        Euler angles in rad, shape (steps, 3).
-    how
-        "reported": it is turned by the angles. "small": only gravity is, to first order. "level":
+    force: Specific force in the body's frame, m/s^2, shape (steps, 3).
+    angles: Euler angles in rad, shape (steps, 3).
+    how: "reported": it is turned by the angles. "small": only gravity is, to first order. "level":
         it counts as the acceleration without gravity.
     """
     found = force.copy()

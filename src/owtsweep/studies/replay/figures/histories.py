@@ -42,16 +42,11 @@ def draw(
     If the true quantity is unknown, there is no panel of errors. For the position, a panel of the
     innovations of x takes its place. Raise `InputError` if no scheme estimates the quantity.
 
-    Parameters
-    ----------
-    states
-        Returns the filters' acceleration and bias. It is called only if `quantity` is
+    states: Returns the filters' acceleration and bias. It is called only if `quantity` is
         "acceleration" or "bias", and not "position" or "velocity".
-    zoom
-        Whether to show only some seconds around the largest motion after settling.
-    advised
-        The scheme that the advice recommends: its lines are drawn on top, and its ±1.96 standard
-        deviations as a band.
+    zoom: whether to show only some seconds around the largest motion after settling.
+    advised: the scheme that the advice recommends: its lines are drawn on top, and its ±1.96
+        standard deviations as a band.
     """
     shown = collect_traces(session, states, quantity, zoom=zoom)
     if not shown.lines:

@@ -18,30 +18,21 @@ from owtsweep.studies.replay.states import FilterStates
 class Traces:
     """The contents of a figure that shows one quantity over time.
 
-    Attributes
-    ----------
-    view
-        First and last time shown, in s.
-    lines
-        Scheme -> the lines of its estimates of x and y. Schemes whose estimates equal those of a
+    view: First and last time shown, in s.
+    lines: Scheme -> the lines of its estimates of x and y. Schemes whose estimates equal those of a
         later scheme are left out.
-    errors
-        Scheme -> the line of its errors of x; empty if the truth is unknown.
-    bound
-        Largest absolute error of x after the first fifth of the record. It sets the range of the
+    errors: Scheme -> the line of its errors of x; empty if the truth is unknown.
+    bound: Largest absolute error of x after the first fifth of the record. It sets the range of the
         vertical axis of the panel of errors.
-    truth, imu
-        Lines of x and y of the true quantity and of the IMU's measurements; None if not shown.
-    fixes
-        Times of arrival of the fixes, shape (n,), and the fixes, shape (n, 2); None if not shown.
-    deviations
-        Scheme -> times, and standard deviations of x that the scheme states.
-    innovations
-        Scheme -> times, and innovations of x divided by the standard deviations that the scheme
-        states for them.
-    limits
-        Ranges of the vertical axes of the panels of x and y, shape (2, 2): rows x and y, columns
-        lower and upper end. None if the ranges follow from the lines.
+    truth, imu: Lines of x and y of the true quantity and of the IMU's measurements; None if not
+        shown.
+    fixes: Times of arrival of the fixes, shape (n,), and the fixes, shape (n, 2); None if not
+        shown.
+    deviations: Scheme -> times, and standard deviations of x that the scheme states.
+    innovations: Scheme -> times, and innovations of x divided by the standard deviations that the
+        scheme states for them.
+    limits: Ranges of the vertical axes of the panels of x and y, shape (2, 2): rows x and y,
+        columns lower and upper end. None if the ranges follow from the lines.
     """
 
     view: tuple[float, float]

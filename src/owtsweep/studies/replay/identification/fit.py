@@ -28,16 +28,11 @@ MOST_STEPS = 15
 class Fit:
     """The most likely parameters and their 95 % intervals.
 
-    Attributes
-    ----------
-    values, low, high
-        Estimate and interval, shape (4,), in the order of `PARAMETERS`. `low` is 0 (for a delay
-        minus infinity) and `high` infinity where the record sets no bound.
-    log_likelihood
-        The largest log likelihood.
-    kurtosis, kurtosis_error
-        Excess kurtosis of the innovations: 0 for Gaussian noise, larger with outliers; and its
-        standard error for Gaussian noise.
+    values, low, high: Estimate and interval, shape (4,), in the order of `PARAMETERS`. `low` is 0
+        (for a delay minus infinity) and `high` infinity where the record sets no bound.
+    log_likelihood: the largest log likelihood.
+    kurtosis, kurtosis_error: Excess kurtosis of the innovations: 0 for Gaussian noise, larger with
+        outliers; and its standard error for Gaussian noise.
     """
 
     values: Array
@@ -51,13 +46,9 @@ class Fit:
 def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
     """Fit IMU sigma, position sigma, bias walk and delay by maximum likelihood.
 
-    Parameters
-    ----------
-    stated
-        The stated values, at which the search begins, shape (4,).
-    floor
-        IMU sigma that the IMU's own spectrum shows, m/s^2. It is used if the positions alone do not
-        contradict it: then the IMU's noise is white, and its sigma is known to a few per cent.
+    stated: the stated values, at which the search begins, shape (4,).
+    floor: IMU sigma that the IMU's own spectrum shows, m/s^2. It is used if the positions alone do
+        not contradict it: then the IMU's noise is white, and its sigma is known to a few per cent.
     """
     best, value = find_most_likely(problem, stated)
     if np.isfinite(floor) and _allows(problem, best, value, _bounds(stated[3]), np.log(floor)):

@@ -34,16 +34,12 @@ FLOOR_ERROR = 0.02
 class Differences(NamedTuple):
     """Third differences of a series of positions at given times.
 
-    Attributes
-    ----------
-    first, weights
-        Index of the first of the four positions of each difference, shape (n,), and weights of the
-        four, shape (n, 4).
-    of_position, of_white, of_walk
-        Covariance of the differences, per axis, for unit noise: for positions with white noise of 1
-        m; for a white acceleration noise of density 1 (m/s^2)^2/Hz; for an acceleration bias that
-        walks with density 1 (m/s^2)^2/s. Shape (4, n) each: row k holds the covariances of
-        difference j with difference j + k.
+    first, weights: Index of the first of the four positions of each difference, shape (n,), and
+        weights of the four, shape (n, 4).
+    of_position, of_white, of_walk: Covariance of the differences, per axis, for unit noise: for
+        positions with white noise of 1 m; for a white acceleration noise of density 1 (m/s^2)^2/Hz;
+        for an acceleration bias that walks with density 1 (m/s^2)^2/s. Shape (4, n) each: row k
+        holds the covariances of difference j with difference j + k.
     """
 
     first: NDArray[np.int64]
@@ -170,17 +166,11 @@ def _integrate(values: Array, step: float) -> Array:
 class Problem:
     """Positions, and the acceleration that an IMU measured; both axes share all parameters.
 
-    Attributes
-    ----------
-    integral
-        The double integral of the acceleration, in NED.
-    time
-        Times of the positions on the clock of the IMU, shape (n,), s.
-    differences, measured
-        The third differences of series at these times, and those of the measured positions, shape
-        (m, 2).
-    floor
-        IMU sigma that the IMU's own spectrum shows (m/s^2, `measure_floor`); NaN: not used.
+    integral: the double integral of the acceleration, in NED.
+    time: Times of the positions on the clock of the IMU, shape (n,), s.
+    differences, measured: the third differences of series at these times, and those of the measured
+        positions, shape (m, 2).
+    floor: IMU sigma that the IMU's own spectrum shows (m/s^2, `measure_floor`); NaN: not used.
     """
 
     integral: DoubleIntegral
@@ -227,14 +217,10 @@ class Problem:
 def pose(integral: DoubleIntegral, time: Array, positions: Array, delay: float) -> Problem | None:
     """Make the problem of positions at given times; None if fewer than 8 can be used.
 
-    Parameters
-    ----------
-    integral
-        The double integral of the measured acceleration, in NED; time 0 is its first sample.
-    time, positions
-        When positions came (s, shape (n,)) and what they said (m, shape (n, 2)); NaN: none came.
-    delay
-        The stated delay, s. Positions for whose time, at any delay within `REACH`, there is no
+    integral: the double integral of the measured acceleration, in NED; time 0 is its first sample.
+    time, positions: when positions came (s, shape (n,)) and what they said (m, shape (n, 2)); NaN:
+        none came.
+    delay: the stated delay, s. Positions for whose time, at any delay within `REACH`, there is no
         acceleration are left out.
     """
     known = np.all(np.isfinite(positions), axis=1)

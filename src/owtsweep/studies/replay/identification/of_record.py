@@ -52,13 +52,10 @@ FLAT = 0.15
 class Estimated:
     """One parameter as stated and as estimated from a record.
 
-    Attributes
-    ----------
-    parameter, source
-        A name of `UNITS`, and what the IMU was compared with: "fixes" or "reference".
-    stated, estimate, low, high
-        The stated value (NaN if nothing is stated), the estimate and its 95 % interval. `low` is 0
-        (NaN for a time) and `high` NaN where the record sets no bound.
+    parameter, source: a name of `UNITS`, and what the IMU was compared with: "fixes" or
+        "reference".
+    stated, estimate, low, high: the stated value (NaN if nothing is stated), the estimate and its
+        95 % interval. `low` is 0 (NaN for a time) and `high` NaN where the record sets no bound.
     """
 
     parameter: str

@@ -65,13 +65,9 @@ class Filtered:
 class FilterScheme(Scheme):
     """A scheme that consists of a model and of a filter on it, made by `model` and `tune`.
 
-    Attributes
-    ----------
-    any_input
-        Whether inputs may be anything, so that sensors must tell all of them apart. Inputs that
-        fade by themselves need not be seen.
-    linear
-        Whether estimates are linear in the measurements.
+    any_input: whether inputs may be anything, so that sensors must tell all of them apart. Inputs
+        that fade by themselves need not be seen.
+    linear: whether estimates are linear in the measurements.
     """
 
     name: str
