@@ -17,8 +17,7 @@ from owtsweep.config.axes import is_axis
 from owtsweep.config.section import bare_type, is_section, item_type, read_facts
 from owtsweep.config.typed import as_mapping
 from owtsweep.io.markdown import table
-from owtsweep.studies.composing import compose
-from owtsweep.studies.registry import OURS
+from owtsweep.studies.registry import OURS, compose
 
 INTRODUCTION = """\
 # Configuration

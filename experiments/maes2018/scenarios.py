@@ -13,7 +13,7 @@ from owtsweep.studies.blade.contract import Estimates, Measured, Setting, Truth
 from owtsweep.studies.blade.measures import Judged
 from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.schemes import SCHEMES
-from owtsweep.studies.composing import compose
+from owtsweep.studies.registry import compose
 
 #: Overrides: the paper's system, outages, and name -> what is wrong with the reference system.
 CELL, COASTING, REFERENCE = read_data(__file__).values()

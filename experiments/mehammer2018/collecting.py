@@ -15,7 +15,6 @@ from experiments.command import compute
 from experiments.mehammer2018.scenarios import OWN, PAPER, run_composed
 from experiments.mehammer2018.scores import score
 from owtsweep.studies.base.axes import Cell
-from owtsweep.studies.composing import compose
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.declaration import make_setting
@@ -23,6 +22,7 @@ from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import make_truth
+from owtsweep.studies.registry import compose
 
 #: The default sweeps.
 PLANES = ("delay_bias", "snr_loss", "believed_snr")

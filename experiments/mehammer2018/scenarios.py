@@ -15,7 +15,6 @@ from experiments.command import read_data
 from owtsweep.arrays import Array
 from owtsweep.motion.lines import Series
 from owtsweep.studies.base.contract import Ready
-from owtsweep.studies.composing import compose
 from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.contract import Estimates, Measured, Setting, Truth
@@ -23,6 +22,7 @@ from owtsweep.studies.floater.declaration import make_setting
 from owtsweep.studies.floater.measuring import measure
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
+from owtsweep.studies.registry import compose
 
 #: Sensors and start of the paper's tests with virtual data (section 3.1): accelerations have no
 #: noise, the estimator begins at the truth, and the noise of positions refers to the mean square.

@@ -18,7 +18,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.observability import find_unobservable
 from owtsweep.io.steps import tell_step
-from owtsweep.studies.composing import compose
+from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, tell
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import DIRECTIONS, Estimates, Setting

@@ -30,7 +30,7 @@ from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contest import WINDOW
 from owtsweep.studies.base.contract import Unable
-from owtsweep.studies.composing import compose
+from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, tell
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import describe_truth

@@ -30,7 +30,7 @@ from experiments.command import write
 from experiments.tower.placement_figure import draw_placement
 from owtsweep.errors import InputError
 from owtsweep.streams import stream
-from owtsweep.studies.composing import compose
+from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.measuring import Faults, add_errors, take_signals
 from owtsweep.studies.tower.placement import (
     Choice,

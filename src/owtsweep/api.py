@@ -61,7 +61,7 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Raises InputError if no file can be used, a file does not exist, or an override is wrong.
         Nothing has been written in this case.
     """
-    from owtsweep.studies.composing import require_texts
+    from owtsweep.studies.registry import require_texts
     from owtsweep.studies.replay.running import Replay, configure, execute
 
     named = [files] if isinstance(files, str | PathLike) else files

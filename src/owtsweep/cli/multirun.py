@@ -27,7 +27,7 @@ from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.files import check_writable, refuse_in_one_line
 from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
-from owtsweep.studies.composing import Located
+from owtsweep.studies.registry import Located
 from owtsweep.sweep.keys import hash_text, run_folder
 from owtsweep.sweep.multirun_record import (
     OUTCOMES,

@@ -1,6 +1,5 @@
 """The studies: each is a package with a class that implements `owtsweep.sweep.study.Study`."""
 
-from owtsweep.studies.composing import compose, from_mapping, locate
-from owtsweep.studies.registry import get_study, names
+from owtsweep.studies.registry import compose, from_mapping, get_study, locate, names
 
 __all__ = ["compose", "from_mapping", "get_study", "locate", "names"]

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
-from owtsweep.studies.composing import compose
-from owtsweep.studies.registry import OURS, get_study
+from owtsweep.studies.registry import OURS, compose, get_study
 from owtsweep.sweep.study import blame
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from experiments.tower.placement import simulate
 from owtsweep.cli import BAD_INPUT, DONE, INTERRUPTED, main
 from owtsweep.structures import find_structure
 from owtsweep.structures.bernoulli import assemble_cut
-from owtsweep.studies.composing import compose
+from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.placement import predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
 from owtsweep.studies.tower.placing import list_defaults

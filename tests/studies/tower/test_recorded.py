@@ -11,7 +11,7 @@ import pytest
 from owtsweep.errors import InputError
 from owtsweep.structures import read_structure
 from owtsweep.structures.bernoulli import assemble_cut
-from owtsweep.studies.composing import compose
+from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.contract import Channel, Estimates
 from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.recorded import (

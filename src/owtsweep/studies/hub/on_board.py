@@ -36,11 +36,11 @@ def online(
     Raises InputError if the scheme cannot run on board, or the overrides or the origin are wrong.
     """
     from owtsweep.studies import compose
-    from owtsweep.studies.composing import require_texts
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Known
     from owtsweep.studies.hub.listed import resolve
     from owtsweep.studies.hub.sensors import sensors
+    from owtsweep.studies.registry import require_texts
 
     registered = resolve(scheme)
     if not registered.on_board:

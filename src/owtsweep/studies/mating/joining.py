@@ -14,8 +14,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.composing import compose
-from owtsweep.studies.registry import get_study
+from owtsweep.studies.registry import compose, get_study
 
 if TYPE_CHECKING:
     from owtsweep.config import Config
