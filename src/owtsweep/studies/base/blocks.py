@@ -309,3 +309,29 @@ def explain(error: BaseException) -> Judgement[Any]:
     if isinstance(error, Unable):
         return Judgement(None, UNABLE, str(error))
     return Judgement(None, FAILED, str(error) if isinstance(error, NotFinite) else as_text(error))
+
+
+class DeclaredBlocks:
+    """The part of an engine that follows from a declaration: plans and runs blocks."""
+
+    def __init__(self, declaration: AnyDeclaration) -> None:
+        self.declaration = declaration
+
+    def plan(
+        self,
+        config: AnyConfig,
+        cells: Sequence[Cell] | None = None,
+        replicates: int | None = None,
+    ) -> list[Block]:
+        """Return all blocks of a configuration, or of some cells with another number of records."""
+        return plan(self.declaration, config, cells, replicates)
+
+    def run(
+        self, config: AnyConfig, of_group: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
+        """Run blocks of one group; yield each with its rows."""
+        return run(self.declaration, config, of_group)
+
+    def warm_up(self, config: AnyConfig) -> None:
+        """Warn of what the configuration makes doubtful."""
+        self.declaration.warn(config)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Generic
 
-from owtsweep.config import AnyConfig
-from owtsweep.studies.base import blocks, maps, tables
-from owtsweep.studies.base.axes import Cell
+from owtsweep.studies.base import maps, tables
+from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.base.contest import AnyContest, C, Contest, ContestConfig
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.sweep.study import Engine
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.figures.drawings import Drawing
-    from owtsweep.sweep.study import Block
 
 
 class ContestEngine(Engine, Generic[C]):
@@ -59,32 +57,6 @@ class ContestEngine(Engine, Generic[C]):
     def overview(self, config: C) -> str:
         """Return the name of the map by the key `criterion`."""
         return f"map_{config.criterion}"
-
-
-class DeclaredBlocks:
-    """The part of an engine that follows from a declaration: plans and runs blocks."""
-
-    def __init__(self, declaration: AnyDeclaration) -> None:
-        self.declaration = declaration
-
-    def plan(
-        self,
-        config: AnyConfig,
-        cells: Sequence[Cell] | None = None,
-        replicates: int | None = None,
-    ) -> list[Block]:
-        """Return all blocks of a configuration, or of some cells with another number of records."""
-        return blocks.plan(self.declaration, config, cells, replicates)
-
-    def run(
-        self, config: AnyConfig, of_group: Sequence[Block]
-    ) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of one group; yield each with its rows."""
-        return blocks.run(self.declaration, config, of_group)
-
-    def warm_up(self, config: AnyConfig) -> None:
-        """Warn of what the configuration makes doubtful."""
-        self.declaration.warn(config)
 
 
 class DeclaredEngine(DeclaredBlocks, ContestEngine[ContestConfig]):

@@ -11,7 +11,7 @@ from owtsweep.config import AnyConfig
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
 from owtsweep.results.summary import summarise
-from owtsweep.studies.base.engine import DeclaredBlocks
+from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.checks import count_table_bytes
 from owtsweep.studies.hub.conditions import (
