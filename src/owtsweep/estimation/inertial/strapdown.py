@@ -17,7 +17,7 @@ the gyroscopes takes it up while the heading stays, but only if as large a bias 
 of a fibre-optic or tactical unit (docs/blade.md, section 4).
 
 State vectors have 16 elements: p, v, quaternion (scalar first), b, c. Errors have 15. More may
-    stand behind them: what moves a state lets them stand, what corrects it corrects them, too.
+stand behind them: what moves a state lets them stand, what corrects it corrects them, too.
 """
 
 from __future__ import annotations
