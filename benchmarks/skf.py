@@ -38,7 +38,7 @@ def main(seconds: float = 2000.0, repeats: int = 5) -> None:
     kernel = resolve("SKF").own_kernel(known, records.steps)
     made = time.perf_counter() - begun
     inside = 0.0
-    run = spectral_batch.AxisRun.advance
+    run = spectral_batch.follow
 
     def timed(*arguments: Any) -> None:
         nonlocal inside
@@ -46,13 +46,13 @@ def main(seconds: float = 2000.0, repeats: int = 5) -> None:
         run(*arguments)
         inside += time.perf_counter() - began
 
-    spectral_batch.AxisRun.advance = timed  # type: ignore[method-assign]
+    spectral_batch.follow = timed
     spent = []
     for _ in range(repeats + 1):  # the first one compiles
         inside = 0.0
         kernel.sum_errors(records, 0, AMPLITUDE)
         spent.append(inside)
-    spectral_batch.AxisRun.advance = run  # type: ignore[method-assign]
+    spectral_batch.follow = run
     each = 16 * records.steps * config.skf.states
     print(f"shaping filter (if not cached) and gains of a cell: {made:.2f} s")
     print(

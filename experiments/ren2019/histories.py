@@ -19,14 +19,14 @@ from joblib import cpu_count
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import batch, estimates
+from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain, bias_of
 from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.histories import choose_sea
 from owtsweep.studies.hub.listed import resolve_all
-from owtsweep.studies.hub.records import Records, make_records, make_records_at
+from owtsweep.studies.hub.records import Lanes, Records, make_records, make_records_at
 from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the case of section 5.2, s.
@@ -129,7 +129,7 @@ def absolute_errors(
         "position" (m), "velocity" (m/s) and "bias" (m/s^2) -> absolute errors, shape (steps, 2),
         columns x and y.
     """
-    lanes = batch.Lanes(records)
+    lanes = Lanes(records)
     force, fixes = lanes.at(amplitude)
     position, velocity, _ = estimates.trajectories(chain, records.sensors, force, fixes)
     # The predictor keeps the bias constant, so the filter's newest estimate is the present one.

@@ -30,8 +30,8 @@ from owtsweep.estimation.windowing import schedule_row
 
 #: Largest scaled change of the covariance over an interval that still counts as settled.
 TOLERANCE = 1e-12
-#: Least number of steps whose gains are computed at a time: few enough (some ms) for an estimator
-#: on board.
+#: Number of steps whose gains are computed at a time: few enough (some ms) for an estimator on
+#: board. Always as many, so that it does not matter how a record is cut.
 CHUNK = 8192
 
 
@@ -161,11 +161,9 @@ class LateGains:
         numbers of the model differ too much in magnitude.
         """
         while len(self._rows.fast) < steps and not self.repeats:
-            filled = len(self._rows.fast)
-            # as many again, so that long records need few attempts
-            count = max(CHUNK, min(filled, steps - filled))
+            filled, fixes = len(self._rows.fast), -(-CHUNK // self.model.interval)
             more, self.repeats = self._compute(
-                filled, -(-count // self.model.interval), self._covariance, self._before, TOLERANCE
+                filled, fixes, self._covariance, self._before, TOLERANCE
             )
             self._rows = LateRows(*map(np.concatenate, zip(self._rows, more, strict=True)))
         return self._rows

@@ -11,12 +11,11 @@ from owtsweep.motion.source import Motion
 from owtsweep.studies import compose
 from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.batch import Lanes
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_curves import inputs
 from owtsweep.studies.hub.error_spectrum import error_spectrum
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import Feed, make_records
+from owtsweep.studies.hub.records import Feed, Lanes, make_records
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

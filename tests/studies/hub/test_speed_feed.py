@@ -10,7 +10,7 @@ from user_schemes import Saturated
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.records import Lanes, make_records
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
@@ -56,7 +56,7 @@ def test_kept_noise_is_drawn_noise(yaw: float) -> None:
     drawn, kept = make_records(config, 4.0, [0, 1]), make_records(config, 4.0, [0, 1])
     chain = resolve("MKF").kernel(Known(drawn.sensors, config), drawn.steps)
     one = batch.sum_errors([chain], drawn, 100)[0].products
-    other = batch.sum_errors([chain], batch.Lanes(kept).records, 100)[0].products
+    other = batch.sum_errors([chain], Lanes(kept).records, 100)[0].products
     assert not drawn.keeps_noise
     np.testing.assert_array_equal(one, other)
 

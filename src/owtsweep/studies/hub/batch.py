@@ -30,7 +30,6 @@ from owtsweep.studies.hub.kernels.layout import (
 from owtsweep.studies.hub.lines import sum_line_errors
 from owtsweep.studies.hub.measures import Sums
 from owtsweep.studies.hub.records import Feed, Records, Span, make_records_at
-from owtsweep.studies.hub.records import Lanes as Lanes
 
 #: Number of steps that kernels process at once, a chunk: so few that their rows fit the
 #: second-level cache.

@@ -10,14 +10,14 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Value
-from owtsweep.studies.hub import batch, estimates
+from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
 from owtsweep.studies.hub.conditions import find_world, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.plant import make_plant
-from owtsweep.studies.hub.records import Records, make_records, make_records_at
+from owtsweep.studies.hub.records import Lanes, Records, make_records, make_records_at
 from owtsweep.studies.hub.sensors import Sensors, simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.
@@ -129,7 +129,7 @@ def simulate_histories(config: HubConfig) -> Histories:
         factor * np.outer(series, records.direction)
         for series in (motion.position, motion.velocity, motion.acceleration)
     ]
-    force, fixes = batch.Lanes(records).at(factor)
+    force, fixes = Lanes(records).at(factor)
     T = sensors.step
     measured = force + np.array(sensors.gravity)
     integrated_velocity = signal[1][0] + _shift_by_one(np.cumsum(T * measured, axis=0))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import Lanes, backend, sum_errors
+    from owtsweep.studies.hub.batch import backend, sum_errors
     from owtsweep.studies.hub.chain import Chain, Line, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.conditions import find_world
     from owtsweep.studies.hub.config import Grid, HubConfig
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-    from owtsweep.studies.hub.records import make_records
+    from owtsweep.studies.hub.records import Lanes, make_records
     from owtsweep.studies.hub.sensors import (
         ForceNoise,
         Sensors,
@@ -51,7 +51,7 @@ __all__ = [
 
 #: Module -> names that it provides.
 _HOMES = {
-    "batch": ["Lanes", "backend", "sum_errors"],
+    "batch": ["backend", "sum_errors"],
     "chain": ["Chain", "Line", "bias_of", "has_acceleration", "lag_of"],
     "conditions": ["find_world"],
     "config": ["Grid", "HubConfig"],
@@ -61,7 +61,7 @@ _HOMES = {
     "kernels.layout": ["WIDTH"],
     "listed": ["BASELINES", "INSTEAD", "SCHEMES", "resolve", "resolve_all"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
-    "records": ["make_records"],
+    "records": ["Lanes", "make_records"],
     "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
     "tuning_rules": ["believe", "follow_sensors"],
