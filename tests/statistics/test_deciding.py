@@ -40,6 +40,10 @@ def test_the_test_is_student_s_and_hall_s() -> None:
     hall = np.sqrt(n) * (S + g * S**2 / 3 + g**2 * S**3 / 27 + g / (6 * n))
     statistic = np.where(np.abs(g) > 1.0, hall, np.sqrt(n) * S)
     np.testing.assert_array_equal(is_below(many, 0.02), statistic < t.ppf(0.02, n - 1))
+    for samples, value in zip(many[:40], statistic, strict=False):  # each at its own level
+        p_value = t.cdf(value, n - 1)
+        found = [bool(is_below(samples, p_value * part)) for part in (1.0 - 1e-6, 1.0 + 1e-6)]
+        assert found == [False, True]
     assert 0 < np.sum(np.abs(g) > 1.0) < 200
     equal = np.array([[-1.0] * 8, [0.0] * 8, [2.0] * 8])
     assert is_below(equal, 0.05).tolist() == [True, False, False]
