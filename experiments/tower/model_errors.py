@@ -112,8 +112,8 @@ def draw(cube: Cube, config: TowerConfig, records: int, criterion: str) -> Figur
     """Draw the map of one criterion."""
     figure = best_scheme_map.draw(
         find_best_schemes(cube, WINDOW, [criterion]), COMPARED, CONDITIONS, criterion=criterion,
-        window=WINDOW, tuning=config.tuning_name, quantity=CRITERIA[criterion], score="error",
-        replicates=records,
+        window=WINDOW, tuning=config.tuning_name, quantity=CRITERIA[criterion].title, score="error",
+        records=f"{records} records per cell",
     )  # fmt: skip
     truth = f"Truth: {describe_truth(config)}; {NOISE:g} % noise, soil of the model right"
     style.add_origin(figure, f"{truth}; seed {config.seed}.")

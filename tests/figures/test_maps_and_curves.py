@@ -102,7 +102,7 @@ def test_the_terminal_shows_any_number_of_conditions():
     ]
     assert sum(line.split()[:3] == ["sand", "clay", "rock"] for line in lines) == 0
     assert sum("sand" in line and "rock" in line for line in lines) == 2
-    assert lines[-1].startswith("cells won: ")
+    assert any(line.startswith("cells: ") for line in lines)
 
 
 @pytest.mark.parametrize("along", [SOIL, FACTOR, NOISE])

@@ -28,13 +28,14 @@ LONG = [f"{name}_with_a_name_of_sixty_letters".ljust(60, "x") for name in SCHEME
 
 
 def make_best(schemes=SCHEMES, conditions=CONDITIONS, grid=(PERIODS, AMPLITUDES)) -> pd.DataFrame:
-    """Every scheme wins some cells; every third cell is not distinguishable."""
+    """Every scheme wins some cells; every third cell is open, and one is tied."""
     names = [condition.name for condition in conditions]
     rows = []
     for number, cell in enumerate(itertools.product(*grid)):
         row = dict(zip(names, cell, strict=True)) | {"criterion": "position", "window": "full"}
         row |= {"best": schemes[number % 4], "mse_best": 1.0, "mse_runner_up": 1.0 + number / 2.0}
-        rows.append(row | {"distinguishable": number % 3 > 0})
+        row |= {"verdict": "open" if number % 3 == 0 else "tie" if number == 1 else "won"}
+        rows.append(row | {"error_best": 0.01234 * (1 + number)})
     return pd.DataFrame(rows)
 
 
@@ -50,7 +51,11 @@ def test_sixty_columns_hold_the_map_of_the_paper():
     assert sum("3 s" in line and "8 s" in line for line in lines) == 1
     (highest,) = [line for line in lines if line.strip().startswith("10 m")]
     assert highest.split() == ["10", "m", "HME1", "MKF", "EKF", "HME2", "HME1", "MKF"]
-    assert "~ not distinguishable from the runner-up" in " ".join(" ".join(lines).split())
+    told = " ".join(" ".join(lines).split())
+    assert "= tie: the simplest of several" in told
+    assert "~ open: the data do not tell" in told
+    below = lines[lines.index(highest) + 1]
+    assert below.split() == ["0.0370", "0.0740", "0.111", "0.148", "0.185", "0.222"]
 
 
 @pytest.mark.parametrize("width", [16, 24, 40, 60, 80, 200])
@@ -66,17 +71,19 @@ def test_nothing_is_cut_at_any_width(width, schemes):
         count = int((best["best"] == name).sum())
         told = f"{name}{count}" if sign == name else f"{sign}={name}{count}"
         assert told in whole
-    body = text.split("cells won")[0]
+    body = text.split("cells:")[0]
     for sign in signs.values():
         assert len(re.findall(rf" {sign} ", body)) == list(best["best"].map(signs)).count(sign)
-    assert body.count(terminal.MARK) == (~best["distinguishable"]).sum()
+    for verdict in ("open", "tie"):
+        count = body.count(terminal.MARKS[verdict])
+        assert count == (best["verdict"] == verdict).sum()
     assert "-noresult" in whole
 
 
 def test_a_long_name_leaves_the_short_ones():
     schemes = ["A", "MKF", "my_scheme_of_the_last_fix", "HME2"]
     text = show(make_best(schemes), schemes, width=80, color_system=None)
-    body, legend = text.split("cells won")
+    body, legend = text.split("cells:")
     assert set(re.findall(r"[A-Z]\w*", body.split("\n", 1)[1])) == {"A", "MKF", "B", "HME2"}
     assert "B = my_scheme_of_the_last_fix 4" in legend
 
@@ -137,6 +144,6 @@ def test_two_maps_side_by_side_know_their_widths():
     ]
     measured = Measurement.get(console, console.options, table)
     lines = show(make_best(), width=200, color_system=None).splitlines()
-    assert measured.maximum == max(len(line) for line in lines if " m " in line)
+    assert measured.maximum == max(len(line) for line in lines if " m  " in line)
     narrow = show(make_best(), width=measured.minimum, color_system=None).splitlines()
-    assert max(len(line) for line in narrow if " m " in line) == measured.minimum
+    assert max(len(line) for line in narrow if " m  " in line) == measured.minimum

@@ -9,12 +9,12 @@ from scipy.stats import skew, t, ttest_1samp
 from experiments.deciding import CELLS, draw_lognormal, draw_skewed, find_faults
 from owtsweep.statistics.deciding import (
     LEVEL,
+    LOOKS,
     Rule,
     decide,
     find_level,
     follow_looks,
     is_below,
-    list_looks,
 )
 
 RULE = Rule()
@@ -24,9 +24,7 @@ def test_levels_of_all_looks_are_the_level_of_the_map() -> None:
     levels = [find_level(look) for look in range(1, 200_000)]
     assert sum(levels) == pytest.approx(LEVEL, rel=1e-4)
     assert sum(levels) < LEVEL
-    assert list_looks(256) == [8, 16, 32, 64, 128, 256]
-    assert list_looks(100) == [8, 16, 32, 64, 100]
-    assert list_looks(8) == [8]
+    assert LOOKS[:6] == (8, 16, 32, 64, 128, 256)
 
 
 def test_the_test_is_student_s_and_hall_s() -> None:
@@ -96,9 +94,27 @@ def test_more_records_continue_a_contest_and_change_no_decision() -> None:
         assert seen == long[-1]
 
 
-@pytest.mark.parametrize("most", [0, 7])
-def test_fewer_records_than_a_look_are_refused(most: int) -> None:
-    with pytest.raises(ValueError, match=f"most: {most} records are fewer than the first look's 8"):
+def test_contenders_that_coincide_count_as_one_named_by_the_simplest() -> None:
+    one = np.random.default_rng(8).gamma(5.0, size=64)
+    found = decide(np.stack([one, one * (1.0 + 1e-12), 4.0 * one]), RULE, 60)
+    assert (found.verdict, found.best, found.left, found.look) == ("won", 0, (0, 1), 1)
+    later = np.stack([one, one.copy()])
+    later[1, 10:] *= 0.5 * np.random.default_rng(9).uniform(0.9, 1.1, 54)
+    looks = list(follow_looks(later, RULE, 60))
+    assert looks[0].verdict == "won"  # of eight records nobody can know
+
+
+def test_there_is_no_look_at_records_that_were_not_run() -> None:
+    values = np.random.default_rng(7).gamma(5.0, size=(2, 32))
+    run = np.ones((2, 32), dtype=bool)
+    run[1, 12] = False
+    looks = list(follow_looks(values, RULE, 60, run))
+    assert [look.records for look in looks] == [8]
+
+
+@pytest.mark.parametrize("most", [0, 7, 100])
+def test_most_records_are_those_of_a_look(most: int) -> None:
+    with pytest.raises(ValueError, match=f"most: {most} is not the number of records of a look"):
         decide(np.ones((2, 8)), RULE._replace(most=most), 1)
 
 

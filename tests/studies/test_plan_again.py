@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from owtsweep.studies import compose, get_study
+from owtsweep.studies.base.blocks import PlanPart
 from owtsweep.sweep.keys import block_key
 
 WORDS = [
@@ -25,8 +26,8 @@ def test_more_records_of_a_cell_add_only_the_missing_blocks() -> None:
     engine: Any = STUDY.engine(config)
     cells = engine.contest.list_cells(config)
     first = engine.plan(config)
-    assert list_keys(engine.plan(config, cells, 10)) == list_keys(first)
-    more = engine.plan(config, cells[1:], 30)
+    assert list_keys(engine.plan(config, PlanPart(cells, 10))) == list_keys(first)
+    more = engine.plan(config, PlanPart(cells[1:], 30))
     kept = set(list_keys(first))
     added = [block for block in more if block_key(STUDY, block) not in kept]
     assert len(more) == len(added) + len(first) // 2
@@ -38,7 +39,10 @@ def test_tables_and_maps_are_made_of_cells_with_unequal_numbers_of_records() -> 
     config: Any = compose([*WORDS, "grid.replicates=2"])
     engine: Any = STUDY.engine(config)
     cells = engine.contest.list_cells(config)
-    blocks = [*engine.plan(config, cells[:1]), *engine.plan(config, cells[1:], 4)]
+    blocks = [
+        *engine.plan(config, PlanPart(cells[:1], 2)),
+        *engine.plan(config, PlanPart(cells[1:], 4)),
+    ]
     rows = pd.concat([
         rows for block in blocks for _, rows in engine.run(config, [block])
     ], ignore_index=True)  # fmt: skip
@@ -62,7 +66,11 @@ def test_the_hub_plans_more_records_of_a_cell_too() -> None:
     assert len(cells) == 4
     assert len(first) == 2 * (1 + 2)
     kept = {block_key(study, block) for block in first}
-    more = [b for b in engine.plan(config, cells[2:3], 16) if block_key(study, b) not in kept]
+    more = [
+        block
+        for block in engine.plan(config, PlanPart(cells[2:3], 16))
+        if block_key(study, block) not in kept
+    ]
     told = [
         (b.content["scheme"], b.content.get("amplitude"), b.content["replicates"]) for b in more
     ]

@@ -222,7 +222,7 @@ def test_run_log_holds_times_and_is_let_go(study, config, caplog):
     sweep(study, config())
     lines = (outcome.run.folder / "run.log").read_text().splitlines()
     assert len(lines) == 4
-    assert "INFO sweep of 12 cases, 12 of them stored already" in lines[2]
+    assert "INFO 12 cases, 12 of them stored already" in lines[2]
     assert pd.Timestamp(lines[0].split()[0]).tz is not None
 
 

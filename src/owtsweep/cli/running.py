@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
 MOST_LABELS = 3
-#: Columns of an answer that is not printed on a terminal.
-WIDTH = 120
+#: Most columns of an answer: the same text on a terminal, in a file and in a pipe.
+WIDTH = 80
 
 
 def may_start(options: argparse.Namespace, config: Config) -> bool:
@@ -58,8 +58,7 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
 def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     """Make one run, draw its overview figure, print its result, and return the exit code.
 
-    The result is printed only if stdout is a terminal. The exit code is 1 if a case failed or the
-    figure or the result could not be made, otherwise 0.
+    The exit code is 1 if a case failed or the figure or the result could not be made, otherwise 0.
 
     config: the configuration of the run.
     argv: the words of the command line, which the run stores.
@@ -73,7 +72,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     study = get_study(config.study)
     outcome = sweep(study, config, fresh=fresh, progress=make_progress(), argv=argv)
     shown = _draw_overview(outcome) if outcome.results else True
-    if outcome.results and sys.stdout.isatty():
+    if outcome.results:
         shown &= print_answer(outcome.run, outcome.results)
     code = tell_end(outcome, argv, f"{outcome.run.place}/")
     return code if shown else FAILED
@@ -120,10 +119,11 @@ def print_answer(run: Run, results: Mapping[str, Results]) -> bool:
 
 
 def show_answer(answer: RenderableType) -> None:
-    """Print an answer as wide as the terminal; into a file or a pipe, in `WIDTH` columns."""
+    """Print an answer in `WIDTH` columns, or in those of a narrower terminal."""
     from rich.console import Console
 
-    Console(width=None if sys.stdout.isatty() else WIDTH).print(answer)
+    wide = Console().width if sys.stdout.isatty() else WIDTH
+    Console(width=min(wide, WIDTH)).print(answer)
 
 
 def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
@@ -195,9 +195,10 @@ def foretell(configs: Sequence[Config], *, fresh: bool = False) -> int:
 
 def _describe(each: Forecast) -> list[str]:
     stored = each.cases - each.missing
+    of = "in all" if each.most is None else f"for the first look (at most {each.most})"
     return [
         f"folder  {printable(str(each.folder))}/",
-        f"cases   {each.cases} in all, {stored} stored already, {each.missing} to compute",
+        f"cases   {each.cases} {of}, {stored} stored already, {each.missing} to compute",
         f"time    {_describe_time(each)}",
         f"memory  {_describe_memory(each)}",
     ]

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import field_validator
 
+from owtsweep.config.records import Records
 from owtsweep.config.section import NotNegative, Positive, Section, key
 from owtsweep.errors import require
 
@@ -84,6 +85,11 @@ class Config(Section):
     def tuning_name(self) -> str:
         """The name of the tuning; "" for a study without tunings."""
         return ""
+
+    @property
+    def records(self) -> Records | None:
+        """The keys that say how many records a cell gets; None if the study has no such keys."""
+        return None
 
     def start_of_folder(self) -> str:
         """Return how the name of the run folder begins, before the run's hash."""

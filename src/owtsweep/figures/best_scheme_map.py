@@ -84,7 +84,7 @@ def draw(
     quantity: str = "",
     score: str = "MSE",
     coinciding: Sequence[Sequence[str]] = (),
-    replicates: int | None = None,
+    records: str = "",
     failures: int = 0,
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -100,7 +100,7 @@ def draw(
     score: What legend and footnote call the number by which schemes are judged.
     coinciding: Groups of names of schemes with equal results. The map shows each group under the
         last of its names; legend and footnote say so of the groups that some cell names.
-    replicates: Planned number of records per cell, for the title; None leaves the number out.
+    records: How many records a cell has, in words, for the title.
     failures: Number of failed cases. If it is not 0, title and footnote say that cells may have
         fewer records.
     """
@@ -128,7 +128,7 @@ def draw(
     draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
     axes.set_title(
         f"Best scheme by {quantity or f'{criterion} {score}'}\n{style.describe_window(window)}, "
-        f"tuning: {tuning}{_count_records(replicates, failures)}",
+        f"tuning: {tuning}{_tell_records(records, failures)}",
         loc="left",
     )
     named = {
@@ -239,11 +239,10 @@ def _describe_runner_up(row: Row) -> str:
     return f"{row['runner_up']} {excess:+z.{0 if abs(excess) >= 9.95 else 1}f} %"
 
 
-def _count_records(replicates: int | None, failures: int) -> str:
-    if replicates is None:
+def _tell_records(records: str, failures: int) -> str:
+    if not records:
         return ""
-    count = f"{replicates} record{'s' if replicates != 1 else ''} per cell"
-    return f", up to {count}" if failures else f", {count}"
+    return f", up to {records}" if failures else f", {records}"
 
 
 def _make_legend(

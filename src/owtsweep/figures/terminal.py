@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
+from math import floor, log10
 from string import ascii_uppercase
 
 import pandas as pd
@@ -27,8 +28,12 @@ from owtsweep.results.conditions import Condition
 
 __all__ = ["grid"]
 
-#: Mark after a scheme's name in cells where the data do not distinguish it from the next best.
-MARK = "~"
+#: Verdict -> mark after a scheme's name in a cell.
+MARKS = {"won": " ", "tie": "=", "open": "~"}
+MEANINGS = {
+    "tie": "= tie: the simplest of several within the margin",
+    "open": "~ open: the data do not tell the best and the next best apart",
+}
 NO_RESULT = "-"
 #: If a scheme's name is longer, a letter stands for it in the cells.
 LONGEST_NAME = 10
@@ -46,7 +51,8 @@ def grid(
     criterion: str,
     window: str,
     *,
-    score: str = "MSE",
+    quantity: str = "",
+    unit: str = "",
     notes: Sequence[str] = (),
 ) -> RenderableType:
     """Make a map of the best schemes for the terminal, as tables of names with a legend.
@@ -57,13 +63,14 @@ def grid(
 
     best: a run's table best_scheme.csv, one row per cell, criterion and window.
     schemes: names of all schemes and baselines that the table names; they determine the colours.
-    score: What the number is called by which schemes are judged.
+    quantity, unit: What schemes are judged by, in words, and the unit of the errors in the cells.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
-        return Text(f"No cell to compare by {criterion} {score} ({window} record).")
+        return Text(f"No cell to compare by {criterion} ({window} record).")
+    below = f"; below it the error{f' in {unit}' if unit else ''}" * ("error_best" in shown)
     parts: list[RenderableType] = [
-        Text(f"Best scheme by {criterion} {score}, {window} record", style="bold")
+        Text(f"Best scheme by {quantity or criterion}, {window} record{below}", style="bold")
     ]
     winners = set(shown["best"])
     signs = _choose_signs([name for name in schemes if name in winners])
@@ -79,7 +86,7 @@ def grid(
         rows = {plane.place(row): row for row in cells.to_dict("records")}
         parts.append(_Map(rows, schemes, signs, plane))
         holes |= len(rows) < plane.size
-    parts += [_make_legend(shown, schemes, signs, holes=holes), _Explanation(score)]
+    parts += [_make_legend(shown, schemes, signs, holes=holes), _Explanation()]
     parts += [Text(note) for note in notes]
     return Group(*parts)
 
@@ -125,7 +132,7 @@ class _Map:
         return max(map(cell_len, [self._heading(), *self._labels()])) + 2
 
     def _column_widths(self) -> list[int]:
-        longest = max(map(cell_len, self.signs.values())) + 2 + len(MARK)
+        longest = max(map(cell_len, self.signs.values())) + 3
         return [max(cell_len(shown), longest) for shown in self._headers()]
 
     def _break_columns(self, width: int) -> Iterator[list[int]]:
@@ -166,8 +173,9 @@ class _Map:
     def _make_cell(self, row: Row, shaded: bool | None, wide: int) -> Text:
         """Make the text of a cell; `shaded` is None for a cell without colour."""
         width = max(map(cell_len, self.signs.values()))
-        mark = " " if row["distinguishable"] else MARK
-        text = f" {self.signs[row['best']]:^{width}} {mark}".center(wide)
+        text = f" {self.signs[row['best']]:^{width}} {MARKS[row['verdict']]}".center(wide)
+        if "error_best" in row:
+            text += f"\n{show_error(row['error_best']):^{wide}}"
         if shaded is None:
             return Text(text)
         look = style_of(row["best"], self.schemes)
@@ -175,15 +183,18 @@ class _Map:
         return Text(text, style=Style(color=text_color_on(fill), bgcolor=fill))
 
 
-@dataclass(frozen=True)
 class _Explanation:
     """The sentence that explains the shades, printed only where the map has shades."""
 
-    score: str
-
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         if SHADED.get(console.color_system or "") and not console.no_color:
-            yield Text(margin.explain(self.score))
+            yield Text(margin.explain("error"))
+
+
+def show_error(error: float) -> str:
+    """Return an error with three digits that count, e.g. "0.0141" or "1.20"."""
+    digits = 2 - floor(log10(error)) if error > 0.0 else 0
+    return f"{error:.{digits}f}" if 0 <= digits <= 5 else f"{error:.3g}"
 
 
 def _make_legend(
@@ -195,9 +206,10 @@ def _make_legend(
         for name in schemes
         if name in names
     )
-    legend = f"cells won: {counts}"
-    if not best["distinguishable"].all():
-        legend += f"; {MARK} not distinguishable from the runner-up"
+    legend = f"cells: {counts}"
+    for verdict, meaning in MEANINGS.items():
+        if (best["verdict"] == verdict).any():
+            legend += f"; {meaning}"
     if holes:
         legend += f"; {NO_RESULT} no result"
     return Text(legend)

@@ -26,9 +26,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.statistics.contest import agree
 
 #: Probability that a map holds a wrong decision, and the number of records of the first look.
 LEVEL, FIRST = 0.05, 8
+#: Numbers of records that the looks see.
+LOOKS = tuple(FIRST * 2**k for k in range(18))
+#: The difference that does not matter, as a share of the error; most records of a cell.
+MARGIN, MOST = 0.05, 256
 #: From this number of records on, skewed differences are corrected, and a contender may leave that
 #: is worse by less than the margin. Before, the t-test of skewed differences errs too often.
 ENOUGH = 32
@@ -43,22 +48,23 @@ class Rule(NamedTuple):
     floor: the least such difference, in the error's unit.
     squared: whether the values of records are squares, of whose mean the error is the root;
         otherwise the error is their mean.
-    most: Most records of a cell.
+    most: Most records of a cell, one of `LOOKS`.
     ties_from: Number of records from which on a tie may be called.
     """
 
-    margin: float = 0.05
+    margin: float = MARGIN
     floor: float = 0.0
     squared: bool = True
-    most: int = 256
+    most: int = MOST
     ties_from: int = ENOUGH
 
 
 class Decision(NamedTuple):
     """What is known of a cell after a look.
 
-    verdict: "won": one contender is left. "tie": the simplest one left is surely at most the margin
-        worse than each other one left. "open": neither, yet. "none": all contenders have failed.
+    verdict: "won": one contender is left, or all left coincide. "tie": the simplest one left is
+        surely at most the margin worse than each other one left. "open": neither, yet. "none": all
+        contenders have failed.
     best: Index of the contender to take: the winner, the simplest of a tie, or else the one of
         least mean so far; -1 if all have failed.
     left: indices of the contenders that are left, the simplest first.
@@ -73,38 +79,34 @@ class Decision(NamedTuple):
     records: int
 
 
-def list_looks(most: int) -> list[int]:
-    """Return the numbers of records that the looks see: 8, 16, ... up to `most`, which is last."""
-    looks = [FIRST]
-    while looks[-1] * 2 <= most:
-        looks.append(2 * looks[-1])
-    return looks if looks[-1] >= most else [*looks, most]
-
-
 def find_level(look: int) -> float:
     """Return the level of look number `look`, from 1."""
     return LEVEL * 2.0 / ((look + 1.0) * (look + 2.0))
 
 
-def follow_looks(values: Array, rule: Rule, cells: int) -> Iterator[Decision]:
+def follow_looks(
+    values: Array, rule: Rule, cells: int, run: NDArray[np.bool_] | None = None
+) -> Iterator[Decision]:
     """Yield what is known of a cell after each look that its records allow, to the last one.
 
-    values: shape (contenders, records), the simplest contender first, records in the order in which
-        they were made; NaN where a contender failed, and where one that has left was not run.
-        Contenders that coincide count as one: give only the simplest of them.
+    values: shape (contenders, records), the simplest contender first, records in the order in
+        which they were made; NaN where a contender failed, or was not run.
     rule: By what the cell is decided.
     cells: Number of cells of the map.
-    Raises ValueError if `rule.most` is below the first look.
+    run: whether a contender was run on a record, same shape; None: all were run on all. There is
+        no look at records on which one that is left was not run.
+    Raises ValueError if `rule.most` is none of `LOOKS`.
     """
-    if rule.most < FIRST:
-        raise ValueError(f"most: {rule.most} records are fewer than the first look's {FIRST}")
+    if rule.most not in LOOKS:
+        raise ValueError(f"most: {rule.most} is not the number of records of a look")
     contenders, there = values.shape
     tests = cells * max(contenders - 1, 1)
     left = tuple(range(contenders))
-    for number, records in enumerate(list_looks(rule.most), start=1):
-        if records > there:
+    for number, records in enumerate(LOOKS, start=1):
+        chosen = list(left)
+        if records > min(there, rule.most) or not (run is None or run[chosen, :records].all()):
             return
-        seen = values[list(left), :records]
+        seen = values[chosen, :records]
         found = take_look(seen, left, rule, find_level(number) / tests)._replace(look=number)
         yield found
         if found.verdict != "open":
@@ -112,14 +114,14 @@ def follow_looks(values: Array, rule: Rule, cells: int) -> Iterator[Decision]:
         left = found.left
 
 
-def decide(values: Array, rule: Rule, cells: int) -> Decision:
+def decide(values: Array, rule: Rule, cells: int, run: NDArray[np.bool_] | None = None) -> Decision:
     """Return what is known of a cell after the last look; arguments as for `follow_looks`.
 
     Before the first look the cell is open, and nobody is best.
     """
     *_, last = (
         Decision("open", -1, tuple(range(len(values))), 0, 0),
-        *follow_looks(values, rule, cells),
+        *follow_looks(values, rule, cells, run),
     )
     return last
 
@@ -144,7 +146,7 @@ def take_look(seen: Array, names: tuple[int, ...], rule: Rule, level: float) -> 
     seen, factors = seen[kept], factors[kept]
     left = tuple(np.array(names)[kept].tolist())
     least = left[int(np.argmin(seen.mean(axis=1)))]
-    if len(left) == 1:
+    if agree(seen, seen[0]).all():  # one is left, or all that are left coincide
         return Decision("won", left[0], left, 0, records)
     if records >= rule.ties_from:
         worse = seen[0] - seen[1:] * factors[1:, None]
@@ -180,12 +182,13 @@ def is_below(differences: Array, level: float) -> NDArray[np.bool_]:
             g = np.mean(deviation**3, axis=-1) / sigma**3
             hall = np.sqrt(n) * (S + g * S**2 / 3.0 + g**2 * S**3 / 27.0 + g / (6.0 * n))
             T = np.where(np.abs(g) > SKEWED, hall, T)
-    below: NDArray[np.bool_] = np.where(sigma > 0.0, _quantile(level, n - 1) > T, mean < 0.0)
+    below: NDArray[np.bool_] = np.where(sigma > 0.0, find_quantile(level, n - 1) > T, mean < 0.0)
     return below
 
 
 @lru_cache(256)
-def _quantile(level: float, freedom: int) -> float:
+def find_quantile(level: float, freedom: int) -> float:
+    """Return the quantile of Student's t at a probability, for some degrees of freedom."""
     from scipy.special import stdtrit
 
     return float(stdtrit(freedom, level))

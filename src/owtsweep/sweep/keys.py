@@ -75,9 +75,11 @@ def question_hash(config: Config) -> str:
     """Return the hash that identifies what a sweep was asked: 10 hexadecimal digits.
 
     The hash covers the whole configuration with grid and schemes, but without the keys
-    of `NOT_ASKED`.
+    of `NOT_ASKED` and the time after which a sweep stops.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_ASKED}
+    if config.records is not None:
+        identity["grid"].pop("budget")
     return _digest(identity, HASH_BYTES, what="config")
 
 

@@ -10,16 +10,20 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError, printable
 from owtsweep.io.reading import read_json
 from owtsweep.sweep.keys import block_key, list_versions
 from owtsweep.sweep.study import Block, Study
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Blocks by key, in the study's order.
 Plan = dict[str, Block]
@@ -39,18 +43,45 @@ def make_plan(study: Study, config: Config) -> Plan:
 
     Raises InputError if the configuration has no blocks, or the study refuses the configuration.
     """
-    plan: Plan = {}
-    for tuning, part in config.by_tuning().items():
-        for block in study.engine(part).plan(part):
-            key = block_key(study, block)
-            plan.setdefault(key, block)
-            if tuning and tuning not in plan[key].tunings:
-                plan[key] = replace(plan[key], tunings=(*plan[key].tunings, tuning))
-    for key, block in plan.items():
-        if len(block.tunings) == 1:
-            plan[key] = replace(block, label=f"{block.label}, {block.tunings[0]}")
+    parts = config.by_tuning().items()
+    blocks = {tuning: study.engine(part).plan(part) for tuning, part in parts}
+    plan = _join_tunings(study, {}, blocks)
     require(len(plan) > 0, "grid: it holds no case; give every list of the grid a value")
     return plan
+
+
+def plan_look(
+    study: Study, config: Config, plan: Plan, rows: Mapping[str, pd.DataFrame]
+) -> tuple[Plan, str]:
+    """Return a plan with the blocks of the next look, and what the last one has found, in words.
+
+    It is the same plan if all cells are decided, and the text is "".
+
+    plan: the blocks of all looks before.
+    rows: Tuning -> rows of these blocks.
+    """
+    blocks, found = {}, []
+    for tuning, part in config.by_tuning().items():
+        look = study.engine(part).plan_look(part, rows[tuning]) if tuning in rows else None
+        if look is not None:
+            blocks[tuning] = look.blocks
+            found.append(f"{tuning}: {look.found}" if tuning else look.found)
+    return _join_tunings(study, plan, blocks), "; ".join(found)
+
+
+def _join_tunings(study: Study, plan: Plan, blocks: Mapping[str, Sequence[Block]]) -> Plan:
+    """Return a plan with the blocks of each tuning added, under their keys."""
+    joined = dict(plan)
+    for tuning, of_tuning in blocks.items():
+        for block in of_tuning:
+            key = block_key(study, block)
+            joined.setdefault(key, block)
+            if tuning and tuning not in joined[key].tunings:
+                joined[key] = replace(joined[key], tunings=(*joined[key].tunings, tuning))
+    for key, block in joined.items():
+        if key not in plan and len(block.tunings) == 1:
+            joined[key] = replace(block, label=f"{block.label}, {block.tunings[0]}")
+    return joined
 
 
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:

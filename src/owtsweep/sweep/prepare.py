@@ -13,7 +13,7 @@ from owtsweep.io.files import check_writable, remove_stale, unwritable
 from owtsweep.io.reading import refuse_links
 from owtsweep.sweep import asked
 from owtsweep.sweep.keys import question_hash, run_folder, run_hash
-from owtsweep.sweep.plan import PLAN_FILE, count_cases, is_of_other_version, make_plan
+from owtsweep.sweep.plan import PLAN_FILE, Plan, count_cases, is_of_other_version, make_plan
 from owtsweep.sweep.provenance import read_mean_seconds
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import Study, blame
@@ -103,6 +103,8 @@ class Forecast:
     basis: where `seconds` comes from: blocks that "earlier" sweeps of the folder have computed, or
         a "rough" rate of the study.
     memory: Expected memory, bytes; None if it is not known.
+    most: Most cases, if cells get records until they are decided; `cases` are those of the first
+        look. None for a fixed number of records.
     """
 
     folder: Path
@@ -112,6 +114,7 @@ class Forecast:
     seconds: float | None
     basis: Literal["earlier", "rough"]
     memory: float | None
+    most: int | None = None
 
 
 def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
@@ -149,4 +152,12 @@ def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
         spent / workers if spent is not None and workers else None,
         "rough" if mean is None else "earlier",
         memory,
+        _count_most(config, plan),
     )
+
+
+def _count_most(config: Config, plan: Plan) -> int | None:
+    records = config.records
+    if records is None or not records.decides:
+        return None
+    return count_cases(plan) * records.greatest // records.first

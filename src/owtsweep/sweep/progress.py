@@ -18,7 +18,10 @@ class Progress:
     """The interface through which a sweep reports its progress; this class shows nothing."""
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Begin to show a sweep of `total_cases` cases, of which `reused` are stored already."""
+        """Begin to show `total_cases` cases, or add them, of which `reused` are stored already."""
+
+    def look(self, found: str) -> None:
+        """Report what a look at the map has found, after which more cases are added."""
 
     def advance(self, cases: int) -> None:
         """Add a number of finished cases, successful or failed; may be called from any thread."""
@@ -59,6 +62,10 @@ class ConsoleProgress(Progress):
 
     def start(self, total_cases: int, reused: int) -> None:
         """Show the bar, or the first line; the `reused` cases count as finished at once."""
+        for task in self._bar.tasks:  # there is one, unless this is the first call
+            total, before = (task.total or 0) + total_cases, task.fields["reused"] + reused
+            self._bar.update(task.id, total=total, advance=reused, reused=before)
+            return
         self._task = self._bar.add_task(
             "", total=total_cases, completed=reused, reused=reused, failed=0
         )
@@ -66,6 +73,13 @@ class ConsoleProgress(Progress):
         if self._plain:
             self._say(f"{total_cases} cases, {reused} of them stored already")
             threading.Thread(target=self._tick, daemon=True).start()
+
+    def look(self, found: str) -> None:
+        """Print what a look has found, above the bar or as a line."""
+        if self._plain:
+            self._say(found)
+        else:
+            self._console.print(found, markup=False, highlight=False)
 
     def advance(self, cases: int) -> None:
         """Count a number of finished cases."""

@@ -18,7 +18,15 @@ from owtsweep.sweep.execute import BACKENDS, Executor
 from owtsweep.sweep.gather import Results, join_tables
 from owtsweep.sweep.keys import question_hash, run_folder
 from owtsweep.sweep.log import repeat, run_log
-from owtsweep.sweep.plan import PLAN_FILE, Plan, count_cases, dump_plan, make_plan, make_tasks
+from owtsweep.sweep.plan import (
+    PLAN_FILE,
+    Plan,
+    count_cases,
+    dump_plan,
+    make_plan,
+    make_tasks,
+    plan_look,
+)
 from owtsweep.sweep.prepare import prepare_folder
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.provenance import (
@@ -30,7 +38,7 @@ from owtsweep.sweep.provenance import (
 )
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.study import UNABLE, Study
+from owtsweep.sweep.study import UNABLE, Study, blame
 from owtsweep.sweep.worker import TaskResult, Work, all_versions, one_line
 
 logger = logging.getLogger(__name__)
@@ -110,21 +118,22 @@ class _Sweep:
     failed: list[Setback] = field(default_factory=list)
     unable: list[Setback] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
+    warm: bool = False
 
     def __call__(self, text: str) -> Outcome:
         """Run the sweep; return its outcome. `text` is the content of config.yaml."""
         began = time.perf_counter()
         own = asked.question_folder(self.run.folder, self.run.question)
         earlier = read_earlier_seconds(self.run.folder) | read_earlier_seconds(own)
-        labels = [block.label for block in self.plan.values()]
-        self.seconds = {label: earlier[label] for label in labels if label in earlier}
         others = was_running(self.run.folder)
         backend, workers = self.executor.work.backend, self.executor.workers
         manifest = start_manifest(self.run, text, self.argv, backend, workers)
         self._write_manifest(manifest)
         state = "error"
         try:
-            self._compute(others)
+            self._compute(self.plan, others)
+            while further := self._plan_look(text, began):
+                self._compute(further, others)
             results = self._aggregate()
             state = "incomplete" if self.failed else "done"
         except KeyboardInterrupt as error:
@@ -141,39 +150,70 @@ class _Sweep:
                 "%s: %d computed, %d failed in %.1f s", state, self.computed, failed, seconds
             )
             cases = {"computed": self.computed, "reused": self.reused, "failed": failed}
-            self._write_manifest(finish_manifest(manifest, state, seconds, cases, self.seconds))
+            labels = [block.label for block in self.plan.values()]
+            each = {k: v for k, v in (earlier | self.seconds).items() if k in {*labels}}
+            self._write_manifest(finish_manifest(manifest, state, seconds, cases, each))
         return Outcome(
             self.run, self.computed, self.reused, self.failed, seconds, results, self.unable
         )
 
-    def _compute(self, others: bool) -> None:
+    def _compute(self, plan: Plan, others: bool) -> None:
+        """Compute the blocks of a part of the plan that are not stored."""
         store = self.run.store
         if not others:  # another sweep may have computed a block anew just now: keep that block
-            self._drop_doubtful()
-        missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
-        total = count_cases(self.plan)
-        self.reused = total - count_cases(missing)
-        logger.info("sweep of %d cases, %d of them stored already", total, self.reused)
+            self._drop_doubtful(plan)
+        missing = {key: block for key, block in plan.items() if store.status(key) != "done"}
+        total = count_cases(plan)
+        reused = total - count_cases(missing)
+        self.reused += reused
+        logger.info("%d cases, %d of them stored already", total, reused)
         todo = make_tasks(missing)
         if others:
             # Another sweep may work on this run: start at the other end, to share the work.
             todo.reverse()
-        if todo:
+        if todo and not self.warm:
+            self.warm = True
             for config in self.run.config.by_tuning().values():
                 self.run.engine.warm_up(config)
-        self.progress.start(total, self.reused)
+        self.progress.start(total, reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
             for result in results:
                 self._take(result)
 
-    def _drop_doubtful(self) -> None:
+    def _plan_look(self, text: str, began: float) -> Plan:
+        """Add the blocks of the next look to the plan, and return them; {} if there is none."""
+        records = self.run.config.records
+        if records is None or not records.decides:
+            return {}
+        stored, _ = self.run.stored()
+        with blame(self.run.study):
+            whole, found = plan_look(self.run.study, self.run.config, self.plan, stored)
+        further = {key: block for key, block in whole.items() if key not in self.plan}
+        if not further:
+            return {}
+        logger.info("%s", found)
+        seconds = time.perf_counter() - began
+        if records.budget is not None and seconds > records.budget:
+            logger.warning(
+                "%s; no further look, because %.3g s have passed of grid.budget=%g; the same "
+                "command goes on", found, seconds, records.budget,
+            )  # fmt: skip
+            return {}
+        self.progress.look(found)
+        self.plan = whole
+        self.run = replace(self.run, stored_plan=whole)
+        content = dump_plan(whole, self.run.study, self.run.config, text)
+        asked.write_both(self.run.folder, self.run.question, {PLAN_FILE: content})
+        return further
+
+    def _drop_doubtful(self, plan: Plan) -> None:
         """Delete stored blocks (units of work) that must be computed anew, and log why.
 
         The attribute `anew` of such a block gives the reason.
         """
         store = self.run.store
         reasons: dict[str, int] = {}
-        for key, block in self.plan.items():
+        for key, block in plan.items():
             if block.anew and store.path(key).exists():
                 store.path(key).unlink(missing_ok=True)  # another sweep may delete the file first
                 reasons[block.anew] = reasons.get(block.anew, 0) + block.cases

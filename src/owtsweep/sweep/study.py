@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType, ModuleType
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, OK, UNABLE
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "PlaceQuestion", "Placed", "Square", "Study",
-    "Tuned", "Varied", "add_versions", "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Look", "PlaceQuestion", "Placed", "Square",
+    "Study", "Tuned", "Varied", "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -69,6 +69,17 @@ class Block:
         return config.by_tuning()[self.tunings[0] if self.tunings else ""]
 
 
+class Look(NamedTuple):
+    """The next look at a map, of which some cells are not decided.
+
+    blocks: All blocks of the cells and schemes that are looked at again.
+    found: What the look before has found, in words.
+    """
+
+    blocks: list[Block]
+    found: str
+
+
 class Square(float):
     """The type that `row_types` of an engine gives to a column of mean squares or mean products.
 
@@ -99,6 +110,13 @@ class Engine(ABC):
     @abstractmethod
     def plan(self, config: AnyConfig) -> list[Block]:
         """Return all blocks (units of work) of the configuration, always in the same order."""
+
+    def plan_look(self, config: AnyConfig, rows: pd.DataFrame) -> Look | None:
+        """Return what is to be run for the next look; None if all cells are decided.
+
+        `rows` are those of all looks before, and nothing else determines the result.
+        """
+        return None
 
     @abstractmethod
     def backend(self, config: AnyConfig) -> str:

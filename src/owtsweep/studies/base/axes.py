@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from itertools import product
 from math import ceil, prod
 from operator import attrgetter
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
-from owtsweep.config import Config, key, require
+from owtsweep.config import Config, require
+from owtsweep.config.records import Records
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.grid_size import check_blocks
 
@@ -17,14 +18,6 @@ from owtsweep.studies.grid_size import check_blocks
 Cell = Mapping[str, float]
 #: Records of a block where records are not long.
 RECORDS = 4
-
-
-class Grid(Protocol):
-    """The section `grid`: a list of values, or None, for each axis, and the number of records."""
-
-    @property
-    def replicates(self) -> int:
-        """Records per cell."""
 
 
 C = TypeVar("C", bound=Config)
@@ -85,18 +78,8 @@ class Axes(Generic[C]):
         return _combine(self.get_values(config))
 
 
-def key_of_records(drawn: str) -> Any:
-    """Declare the key `grid.replicates`; `drawn` is what each record draws with its own seed."""
-    return key(
-        f"records per cell, each with its own seed of {drawn}",
-        ge=1,
-        le=10_000,
-        advice="use 1 or more",
-    )
-
-
-def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schemes: int) -> None:
-    """Check that the map has two axes with values, that others have one value each, and its size.
+def check_axes(chosen: Sequence[str], grid: Records, all_axes: Sequence[str], schemes: int) -> None:
+    """Check that the map has two axes with values, others have one value each, and its size.
 
     Raise `InputError` if an axis is unknown, stands there twice or has no value, another has
     several, or a plan would have too many blocks.
@@ -104,6 +87,7 @@ def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schem
     names = ", ".join(all_axes)
     for axis in chosen:
         require(axis in all_axes, f"axes: there is no axis {axis!r}; use two of {names}")
+    grid.check_records()
     across, upwards = chosen
     require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
     for axis in all_axes:
@@ -121,7 +105,7 @@ def check_axes(chosen: Sequence[str], grid: Grid, all_axes: Sequence[str], schem
             f"{upwards}; give it one value, or put it among axes=[{across},{upwards}]",
         )
     cells = prod(len(getattr(grid, axis)) for axis in chosen)
-    check_blocks(cells * schemes * ceil(grid.replicates / RECORDS))
+    check_blocks(cells * schemes * ceil(grid.first / RECORDS))
 
 
 def _combine(values: Values) -> list[Cell]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import groupby, product
 from math import prod
 from types import MappingProxyType
@@ -13,6 +13,7 @@ import numpy as np
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, UNABLE
+from owtsweep.statistics.deciding import FIRST
 from owtsweep.studies.base.axes import Axes, Cell
 from owtsweep.studies.base.contract import NotFinite, Ready, Unable
 from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart
@@ -41,13 +42,24 @@ class Planned(NamedTuple):
     alone: bool = False
 
 
+class PlanPart(NamedTuple):
+    """A part of what a configuration can plan.
+
+    cells, records: Some cells, and number of records of each.
+    holds: whether a scheme runs in a cell.
+    """
+
+    cells: Sequence[Cell]
+    records: int
+    holds: Callable[[str, Cell], bool] = lambda scheme, cell: True
+
+
 def plan(
     declaration: AnyDeclaration,
     config: AnyConfig,
-    cells: Sequence[Cell] | None = None,
-    replicates: int | None = None,
+    part: PlanPart | None = None,
 ) -> list[Block]:
-    """Return all blocks of a configuration, or of some cells with another number of records.
+    """Return all blocks of a configuration, or those of a part of its cells and schemes.
 
     Raise `InputError` if no scheme can serve the configuration.
     """
@@ -71,8 +83,7 @@ def plan(
         declaration.list_content(config),
         declaration.most_records(config),
         declaration.axes.find_entering(*places),
-        cells,
-        replicates,
+        part,
     )
 
 
@@ -83,21 +94,24 @@ def plan_blocks(
     shared: Mapping[str, object],
     most: int,
     grouping: Sequence[str],
-    cells: Sequence[Cell] | None = None,
-    replicates: int | None = None,
+    part: PlanPart | None = None,
 ) -> list[Block]:
-    """Return all blocks of a configuration, or of some cells with another number of records.
+    """Return all blocks of a configuration, or those of a part of its cells and schemes.
 
     A scheme has one block for all values of the axes that it ignores. Blocks begin at the multiples
-    of `most`, so more records of a cell add blocks, and leave the full ones as they are.
+    of `most`, so more records of a cell add blocks, and leave the full ones as they are. Where
+    cells get records until they are decided, the blocks are those of the first look, and no block
+    is in two looks.
 
     shared: What the rows of every block depend on.
     most: Most records of a block.
     grouping: the axes that tell groups apart: on these depends what is made once for a group.
     """
     values, named = axes.get_values(config), axes.find_axes(config)
-    cells = axes.list_cells(config) if cells is None else cells
-    count = config.grid.replicates if replicates is None else replicates
+    part = part or PlanPart(axes.list_cells(config), config.grid.first)
+    cells, count = part.cells, part.records
+    if config.grid.decides:
+        most = 1 << (min(most, FIRST).bit_length() - 1)  # it divides the records of each look
     # made once per scheme: blocks share them, so that a large plan fits into memory
     contents = [{**shared, "scheme": scheme.name, **scheme.content} for scheme in schemes]
     kept = [[axis for axis in axes.names if axis not in scheme.ignored] for scheme in schemes]
@@ -110,7 +124,7 @@ def plan_blocks(
         for scheme, content, names, cases in zip(schemes, contents, kept, every, strict=True):
             known = {axis: cell.get(axis) for axis in names}
             key = (scheme.name, first, *known.values())
-            if key in blocks:
+            if key in blocks or not part.holds(scheme.name, cell):
                 continue
             lines = [scheme.name, *axes.tell(known, named)]
             blocks[key] = Block(
@@ -317,14 +331,9 @@ class DeclaredBlocks:
     def __init__(self, declaration: AnyDeclaration) -> None:
         self.declaration = declaration
 
-    def plan(
-        self,
-        config: AnyConfig,
-        cells: Sequence[Cell] | None = None,
-        replicates: int | None = None,
-    ) -> list[Block]:
-        """Return all blocks of a configuration, or of some cells with another number of records."""
-        return plan(self.declaration, config, cells, replicates)
+    def plan(self, config: AnyConfig, part: PlanPart | None = None) -> list[Block]:
+        """Return all blocks of a configuration, or those of a part of its cells and schemes."""
+        return plan(self.declaration, config, part)
 
     def run(
         self, config: AnyConfig, of_group: Sequence[Block]

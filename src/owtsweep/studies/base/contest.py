@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from owtsweep.config import Config
-from owtsweep.studies.base.axes import Axes, Grid
+from owtsweep.config.records import Records
+from owtsweep.results.criteria import Criterion
+from owtsweep.statistics.deciding import ENOUGH
+from owtsweep.studies.base.axes import Axes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,7 +28,7 @@ class ContestConfig(Config):
     """What the configurations of all contests have; each declares the keys where they stand."""
 
     if TYPE_CHECKING:
-        grid: Grid
+        grid: Records
         record: Record
         schemes: Sequence[str | Mapping[str, object]]
         criterion: str
@@ -33,6 +36,10 @@ class ContestConfig(Config):
         @property
         def tuning_name(self) -> str:
             """The tuning's name."""
+
+    @property
+    def records(self) -> Records:
+        return self.grid
 
 
 C = TypeVar("C", bound=ContestConfig)
@@ -42,18 +49,20 @@ C = TypeVar("C", bound=ContestConfig)
 class Contest(Axes[C]):
     """What is a study's own in a contest.
 
-    criteria: Measures by which schemes are judged -> what the title of a map says.
+    criteria: the measures by which schemes are judged.
     list_measures: Puts names of measures in the order of tables.
     describe_truth, describe_sensors: Say in words what a configuration's motion and sensors are.
     pairing: the keys on which the motion of a record depends, besides its conditions and number.
+    ties_from: Number of records from which on a tie may be called.
     tell_more: Returns further lines for the terminal, of a configuration and its tables.
     """
 
-    criteria: Mapping[str, str]
+    criteria: Mapping[str, Criterion]
     list_measures: Callable[[Iterable[str]], list[str]]
     describe_truth: Callable[[C], str]
     describe_sensors: Callable[[C], str]
     pairing: Sequence[str]
+    ties_from: int = ENOUGH
     tell_more: Callable[[C, Mapping[str, pd.DataFrame]], list[str]] = lambda config, tables: []
 
 
@@ -63,8 +72,7 @@ AnyContest = Contest[Any]
 
 def describe_draws(config: ContestConfig) -> str:
     """Return in words how many records a cell has, and their seed."""
-    count = config.grid.replicates
-    return f"{count} record{'s' * (count != 1)} per cell, seed {config.seed}"
+    return f"{config.grid.describe_records()}, seed {config.seed}"
 
 
 def describe_origin(contest: Contest[C], config: C) -> str:

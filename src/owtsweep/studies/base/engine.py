@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Generic
 
 from owtsweep.studies.base import maps, tables
-from owtsweep.studies.base.blocks import DeclaredBlocks
+from owtsweep.studies.base.blocks import DeclaredBlocks, PlanPart
 from owtsweep.studies.base.contest import AnyContest, C, Contest, ContestConfig
 from owtsweep.studies.base.declaration import AnyDeclaration
-from owtsweep.sweep.study import Engine
+from owtsweep.studies.base.looks import plan_look
+from owtsweep.sweep.study import Block, Engine, Look
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,8 +34,26 @@ class ContestEngine(Engine, Generic[C]):
             **dict.fromkeys((*contest.names, "replicate", "value"), float),
         }
 
+    @abstractmethod
+    def plan(self, config: C, part: PlanPart | None = None) -> list[Block]:
+        """Return all blocks of a configuration, or those of a part of its cells and schemes."""
+
+    @abstractmethod
+    def rank(self, config: C) -> Mapping[str, int]:
+        """Return scheme -> how simple it is; the least is the simplest."""
+
+    def plan_look(self, config: C, rows: pd.DataFrame) -> Look | None:
+        """Return the next look; None if all cells are decided or have most records."""
+        if not config.grid.decides:
+            return None
+        cube = tables.make_cube(self.contest, config, rows, tables.list_competing(config, rows))
+        asked = tables.ask(self.contest, config, self.rank(config))
+        spread = tables.spread_all(self.contest, config, rows)
+        cells = self.contest.list_cells(config)
+        return plan_look(partial(self.plan, config), cells, cube, spread, asked)
+
     def tables(self, config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        return tables.make_tables(self.contest, config, rows)
+        return tables.make_tables(self.contest, config, rows, self.rank(config))
 
     def drawings(
         self,
@@ -65,3 +86,6 @@ class DeclaredEngine(DeclaredBlocks, ContestEngine[ContestConfig]):
     def __init__(self, declaration: AnyDeclaration, contest: AnyContest) -> None:
         DeclaredBlocks.__init__(self, declaration)
         ContestEngine.__init__(self, contest)
+
+    def rank(self, config: ContestConfig) -> Mapping[str, int]:
+        return self.declaration.schemes.rank(config)

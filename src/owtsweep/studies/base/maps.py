@@ -8,7 +8,8 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
-from owtsweep.results.best_scheme import find_coinciding, tell_winners
+from owtsweep.results.answer import tell_answer, tell_counts
+from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.base.contest import (
     WAIT,
@@ -59,7 +60,7 @@ def list_maps(
         for criterion in contest.criteria
         if criterion in set(tables["best_scheme"]["criterion"])
     }  # fmt: skip
-    if config.grid.replicates >= distributions.LEAST_RECORDS:
+    if config.grid.first >= distributions.LEAST_RECORDS:
         drawings[distributions.NAME] = save_figure(
             partial(_draw_distributions, contest, config, cube), metadata
         )
@@ -81,13 +82,20 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
     waiting = summary.loc[summary["measure"] == WAIT, "scheme"].unique()
     names = list_names(config.schemes)
     schemes = [name for name in names if name not in waiting] or names
-    conditions = contest.find_conditions(config)
-    shown = grid(best, schemes, conditions, config.criterion, WINDOW, score="error")
-    lines = [
-        f"By {criterion.replace('_', ' ')}: {tell_winners(cells)}"
-        for criterion in contest.criteria
-        if len(cells := best[best["criterion"] == criterion])
-    ]
+    conditions, chosen = contest.find_conditions(config), contest.criteria[config.criterion]
+    shown = grid(
+        best, schemes, conditions, config.criterion, WINDOW,
+        quantity=chosen.title, unit=chosen.unit,
+    )  # fmt: skip
+    lines = []
+    for name in [config.criterion, *contest.criteria]:
+        cells = best[best["criterion"] == name]
+        if not len(cells):
+            continue
+        if name == config.criterion and not lines:
+            lines += tell_answer(cells, chosen, conditions)
+        elif name != config.criterion:
+            lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if len(schemes) < len(names):
         lines.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
     lines += contest.tell_more(config, tables)
@@ -133,10 +141,10 @@ def _draw_map(
         criterion=criterion,
         window=WINDOW,
         tuning=config.tuning_name,
-        quantity=contest.criteria[criterion],
+        quantity=contest.criteria[criterion].title,
         score="error",
         coinciding=coinciding,
-        replicates=config.grid.replicates,
+        records=config.grid.describe_records(),
         failures=failures,
         notes=notes,
     )
@@ -151,7 +159,7 @@ def _draw_distributions(contest: Contest[C], config: C, cube: Cube) -> Figure:
         distributions.collect(cube, config.criterion, WINDOW),
         cube.schemes,
         cube.conditions,
-        title=f"Errors of single records by {contest.criteria[config.criterion]}\n"
+        title=f"Errors of single records by {contest.criteria[config.criterion].title}\n"
         f"{style.describe_window(WINDOW)}, tuning: {config.tuning_name}",
         label="error",
     )

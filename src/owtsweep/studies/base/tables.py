@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.comparing.comparison import Aspects, Candidate
@@ -10,6 +10,7 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
+from owtsweep.results.verdicts import Asked, add_errors, count_cells, make_table
 from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
 from owtsweep.studies.base.schemes import list_names
 
@@ -17,28 +18,55 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def make_tables(contest: Contest[C], config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables "summary" and "best_scheme" from a run's rows."""
-    cube = make_cube(contest, config, rows, list_competing(config, rows))
-    measured = [name for name in contest.criteria if name in cube.measures]
-    return {
-        "summary": summarise(make_cube(contest, config, rows, list_names(config.schemes))),
-        "best_scheme": find_best_schemes(cube, WINDOW, measured),
-    }
+def make_tables(
+    contest: Contest[C], config: C, rows: pd.DataFrame, ranks: Mapping[str, int]
+) -> dict[str, pd.DataFrame]:
+    """Make the tables "summary" and "best_scheme" from a run's rows.
+
+    ranks: Scheme -> how simple it is; the least is the simplest.
+    """
+    summary = summarise(make_cube(contest, config, rows, list_names(config.schemes)))
+    competing = list_competing(config, rows)
+    cube = make_cube(contest, config, rows, competing)
+    if config.grid.decides:
+        best = make_table(cube, spread_all(contest, config, rows), ask(contest, config, ranks))
+    else:
+        measured = [name for name in contest.criteria if name in cube.measures]
+        best = add_errors(find_best_schemes(cube, WINDOW, measured), summary, contest.criteria)
+    return {"summary": summary, "best_scheme": best}
+
+
+def ask(contest: Contest[C], config: C, ranks: Mapping[str, int]) -> Asked:
+    """Return what a configuration asks of its map, with the criterion that decides first."""
+    grid, first = config.grid, config.criterion
+    return Asked(
+        {first: contest.criteria[first], **contest.criteria},
+        WINDOW,
+        ranks,
+        (),
+        count_cells(contest.get_grid(config)),
+        grid.margin,
+        grid.most,
+        contest.ties_from,
+    )
 
 
 def make_cube(contest: Contest[C], config: C, rows: pd.DataFrame, schemes: Sequence[str]) -> Cube:
     """Arrange the rows of schemes as arrays over the axes of the map, measures and replicates."""
-    grid = contest.get_grid(config)
-    for axis, values in grid.items():
-        rows = spread(rows, axis, values)
     return Cube.of_rows(
-        rows,
+        spread_all(contest, config, rows),
         schemes,
         contest.find_conditions(config),
-        grid,
+        contest.get_grid(config),
         measures=contest.list_measures(rows["measure"][rows["status"] == OK].unique()),
     )
+
+
+def spread_all(contest: Contest[C], config: C, rows: pd.DataFrame) -> pd.DataFrame:
+    """Repeat rows without a value of an axis at every value of it, for each axis of the map."""
+    for axis, values in contest.get_grid(config).items():
+        rows = spread(rows, axis, values)
+    return rows
 
 
 def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFrame:

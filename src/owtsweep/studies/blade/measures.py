@@ -13,17 +13,23 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.angles import find_angles
+from owtsweep.results.criteria import MILLIMETRE, Criterion
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.blade.boom import find_boom_error
 from owtsweep.studies.blade.contract import Estimates, Truth
 
-#: Criteria of the maps -> what the title of a map says.
+#: Criteria of the maps.
 CRITERIA = {
-    "root": "position of the root: rms error in space, m",
-    "attitude": "attitude: rms error about all axes, deg",
-    "worst": "position of the root: largest error in the last outage, m",
-}
+    "root": Criterion("position of the root: rms error in space, m", "root", "m", *MILLIMETRE),
+    "attitude": Criterion(
+        "attitude: rms error about all axes, deg", "root", "deg", 0.01,
+        "on the length of a blade, .01 deg is a centimetre at the tip",
+    ),
+    "worst": Criterion(
+        "position of the root: largest error in the last outage, m", "root", "m", *MILLIMETRE
+    ),
+}  # fmt: skip
 #: Further measures -> what they are.
 OTHERS = {
     "mse": "position of the root: mean squared error in space, m^2",

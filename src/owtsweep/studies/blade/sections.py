@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Annotated
 
 from owtsweep.config import Axis, NotNegative, Positive, Section, key
-from owtsweep.studies.base.axes import key_of_records
+from owtsweep.config.records import Records
 from owtsweep.studies.base.keys import only_freedoms
 from owtsweep.studies.blade.contract import DOF
 
 
-class Grid(Section):
+class Grid(Records):
     """The section `grid`: what is swept over; only the two of `axes` may have many values."""
 
     sigma: Axis[Positive] = key("standard deviation of a GNSS fix, horizontal", unit="m")
@@ -30,7 +30,6 @@ class Grid(Section):
     heading: Axis[Positive] | None = key(
         "standard deviation of the heading; null: that of the motion", unit="deg", default=None
     )
-    replicates: int = key_of_records("motion and noise")
 
 
 class Freedom(Section):

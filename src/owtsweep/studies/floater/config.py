@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar, Literal
 
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
+from owtsweep.config.records import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
-from owtsweep.studies.base.axes import key_of_records
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.keys import (
     key_of_axes,
@@ -21,7 +21,7 @@ from owtsweep.studies.floater.contract import DOF
 from owtsweep.studies.floater.tuning import Tuned, Tuning
 
 
-class Grid(Section):
+class Grid(Records):
     """The section `grid`: what is swept over; only the two of `axes` may have many values."""
 
     delay: Axis[NotNegative] = key("delay of the optical system", unit="samples")
@@ -34,7 +34,6 @@ class Grid(Section):
     roll: Axis[Positive] | None = key(
         "standard deviation of the roll angle; null: that of the motion", unit="deg", default=None
     )
-    replicates: int = key_of_records("motion and noise")
 
 
 class Resonance(Section):

@@ -11,17 +11,28 @@ from collections.abc import Iterable
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.results.criteria import Criterion
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.floater.contract import DOF, Estimates, Truth
 from owtsweep.studies.floater.sums import find_lags, sum_errors
 
-#: Criteria of the maps -> what the title of a map says.
+#: Criteria of the maps.
+_PART = "a hundredth of what moves, or of a report's noise, changes no decision"
 CRITERIA = {
-    "velocity": "velocity: rms error over standard deviation, all degrees of freedom",
-    "position": "position: rms error over standard deviation, all degrees of freedom",
-    "worst": "position: rms error over noise of a report, worst degree of freedom",
-}
+    "velocity": Criterion(
+        "velocity: rms error over standard deviation, all degrees of freedom", "root", "", 0.01,
+        _PART,
+    ),
+    "position": Criterion(
+        "position: rms error over standard deviation, all degrees of freedom", "root", "", 0.01,
+        _PART,
+    ),
+    "worst": Criterion(
+        "position: rms error over noise of a report, worst degree of freedom", "root", "", 0.01,
+        _PART,
+    ),
+}  # fmt: skip
 #: Further measures -> what they are. Each is there per degree of freedom, and over all but `mse`.
 #: NEES and NIS are over their dimension: 1 for a filter that knows its errors.
 OTHERS = {

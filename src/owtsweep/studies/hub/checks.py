@@ -180,11 +180,12 @@ VALUES, NUMBER = 20, 8
 def check_grid(config: HubConfig) -> None:
     """Raise InputError if the grid needs more than `MOST_BLOCKS` blocks or `MOST_BYTES` bytes."""
     grid, schemes = config.grid, len(list_entries(config))
+    grid.check_records()
     periods, amplitudes = _count_conditions(config)
     world = find_world(config)
     key, words = world.section, world.words
     counted = world.counted.format(periods, amplitudes)
-    records = 1 if config.engine == "expected" else grid.replicates
+    records = 1 if config.engine == "expected" else grid.greatest
     each = amplitudes if config.evaluation == "direct" else 1
     blocks = schemes * periods * each * -(-records // count_records_per_block(config))
     require(
@@ -212,7 +213,7 @@ def count_table_bytes(config: HubConfig) -> int:
     """Return how many bytes the tables of a configuration need while they are made."""
     grid, schemes = config.grid, len(config.schemes)
     periods, amplitudes = _count_conditions(config)
-    records = 1 if config.engine == "expected" else grid.replicates
+    records = 1 if config.engine == "expected" else grid.greatest
     each = amplitudes if config.evaluation == "direct" else 1
     # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
     values = NUMBER * VALUES * amplitudes * records

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
 from owtsweep.results.conditions import Condition, Grid, Value
+from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.world import SPECTRUM, World
 
@@ -47,6 +48,17 @@ def require_spectrum(config: HubConfig, what: str) -> None:
 MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
 #: The measures that decide whether two schemes coincide.
 CRITERIA = ("position", "velocity")
+
+
+#: The measures by which schemes may be judged.
+JUDGED = {
+    "position": Criterion("position: rms error in the plane", "square", "m", *MILLIMETRE),
+    "velocity": Criterion(
+        "velocity: rms error in the plane", "square", "m/s", *MILLIMETRE_PER_SECOND
+    ),
+    "x": Criterion("position northwards: rms error", "square", "m", *MILLIMETRE),
+    "y": Criterion("position eastwards: rms error", "square", "m", *MILLIMETRE),
+}
 
 
 def get_conditions(config: HubConfig) -> tuple[Condition, ...]:

@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field
 
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key, require
+from owtsweep.config.records import Records
 from owtsweep.config.section import require_magnitude
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.structures import Structure
@@ -114,12 +115,11 @@ def _read_tilt(value: Any) -> float | str:
 Tilt = Annotated[float | str, BeforeValidator(_read_tilt)]
 
 
-class Grid(Section):
+class Grid(Records):
     """The axes of the sweep: the values of each condition, and the number of replicates."""
 
     natural_period: Axis[Positive] = key("natural periods of the turbine", unit="s")
     amplitude: Axis[Positive] = key("largest displacement of a record (normalise: peak)", unit="m")
-    replicates: int = key("records per cell of the grid", ge=1, le=1_000_000)
 
 
 class MotionConfig(Section):
@@ -337,6 +337,10 @@ class HubConfig(TunedConfig):
     switch: Switch = key("the scheme SWITCH", default=Switch())
     measures: Measures = key("what is measured, and what the map judges")
     tune: Tune = key("what the command `tune` searches", default=Tune())
+
+    @property
+    def records(self) -> Records:
+        return self.grid
 
     def check(self) -> None:
         """Check as `TunedConfig.check`, and that tunings' names can be part of a file's name."""

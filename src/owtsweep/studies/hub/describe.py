@@ -65,8 +65,7 @@ def describe_draws(config: HubConfig) -> str:
     """Return in words how many records a cell has, and their seed."""
     if config.engine == "expected":
         return "mean over all records"
-    count = config.grid.replicates
-    return f"{count} record{'s' * (count != 1)} per cell, seed {config.seed}"
+    return f"{config.grid.describe_records()}, seed {config.seed}"
 
 
 def describe_origin(config: HubConfig) -> str:
@@ -158,8 +157,9 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
     """Find what a map shows in each cell: the best scheme, or a baseline that has less error."""
     names = scheme_names(config)
     table = best[(best["criterion"] == criterion) & (best["window"] == window)].copy()
-    if "baseline_wins" not in table:
-        return Winners(table, names, [])
+    if "baseline_wins" not in table:  # baselines are contenders, or there are none
+        leading = [name for name in list_baselines(config) if (table["best"] == name).any()]
+        return Winners(table, names + leading, explain(leading))
     leads = (table["mse_baseline"] < table["mse_best"]).to_numpy()
     led = table[leads]
     wins = led["baseline_wins"].to_numpy(dtype=bool)
@@ -172,6 +172,11 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
         "ci_low": np.nan,
         "ci_high": np.nan,
         "distinguishable": wins,
+        "verdict": np.where(wins, "won", "open"),
+        "error_best": led["error_baseline"],
+        "error_runner_up": led["error_best"],
+        "error_low": np.nan,
+        "error_high": np.nan,
     }
     for name, values in changed.items():
         table.loc[leads, name] = values

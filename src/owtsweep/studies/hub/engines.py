@@ -9,15 +9,19 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config import AnyConfig
 from owtsweep.figures.drawings import save_figure
-from owtsweep.results.best_scheme import find_best_schemes, tell_beaten, tell_winners
+from owtsweep.results.answer import tell_answer, tell_scheme
+from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
+from owtsweep.results.verdicts import Asked, add_errors, count_cells, make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
+from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
 from owtsweep.studies.hub.checks import count_table_bytes
 from owtsweep.studies.hub.conditions import (
+    JUDGED,
     criteria,
     find_world,
-    get_conditions,
+    get_grid,
     get_map_conditions,
     list_maps,
 )
@@ -33,6 +37,7 @@ from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import (
     REGISTERED,
+    SCHEMES,
     list_baselines,
     list_entries,
     resolve_all,
@@ -41,7 +46,7 @@ from owtsweep.studies.hub.listed import (
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
 from owtsweep.studies.hub.world import World
-from owtsweep.sweep.study import Engine, Square
+from owtsweep.sweep.study import Engine, Look, Square
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -82,10 +87,14 @@ class _Engine(Engine):
         criterion, window = config.measures.criterion, config.measures.window
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
         conditions = get_map_conditions(config)
-        shown = grid(table, names, conditions, criterion, window, notes=notes)
-        sentences = [Text(tell_winners(table))] if len(table) else []
-        sentences += [Text(line) for line in _tell_beaten(config, table, tables["summary"])]
-        sentences.append(Text(OTHER_WINDOW[window]))
+        judged = JUDGED[criterion]
+        shown = grid(
+            table, names, conditions, criterion, window,
+            quantity=judged.title, unit=judged.unit, notes=notes,
+        )  # fmt: skip
+        lines = tell_answer(table, judged, conditions) if len(table) else []
+        lines += _tell_beaten(config, table, tables["summary"])
+        sentences = [Text(line) for line in [*lines, OTHER_WINDOW[window]]]
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         if not self.world.has_spectrum:
             origin.insert(1, self.world.describe(config))
@@ -153,11 +162,26 @@ class RecordsEngine(DeclaredBlocks, _Engine):
     ) -> tuple[float, float] | None:
         return predict_cost(config, blocks, workers)
 
+    def plan_look(self, config: HubConfig, rows: pd.DataFrame) -> Look | None:
+        """Return the next look; None if all cells are decided or have most records."""
+        if not config.grid.decides:
+            return None
+        cube, cells = make_cube(config, rows, baselines=True), self.declaration.axes
+        return plan_look(
+            partial(self.plan, config), cells.list_cells(config), cube, rows, _ask(config)
+        )
+
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         cube = make_cube(config, rows, baselines=True)
-        window = config.measures.window
-        best = find_best_schemes(cube, window, criteria(config), list_baselines(config))
-        return {"summary": _add_efficiency(summarise(cube), config), "best_scheme": best}
+        summary = summarise(cube)
+        if config.grid.decides:
+            best = make_table(cube, rows, _ask(config))
+        else:
+            found = find_best_schemes(
+                cube, config.measures.window, criteria(config), list_baselines(config)
+            )
+            best = add_errors(found, summary, JUDGED)
+        return {"summary": _add_efficiency(summary, config), "best_scheme": best}
 
 
 class ExpectedEngine(_Engine):
@@ -177,13 +201,25 @@ class ExpectedEngine(_Engine):
         return "threading"
 
 
+def _ask(config: HubConfig) -> Asked:
+    """Return what a configuration asks of its map, with the criterion that decides first."""
+    first, grid = config.measures.criterion, config.grid
+    return Asked(
+        {name: JUDGED[name] for name in (first, *criteria(config))},
+        config.measures.window,
+        SCHEMES.rank(config),
+        list_baselines(config),
+        count_cells(get_grid(config)),
+        grid.margin,
+        grid.most,
+    )
+
+
 def _tell_beaten(config: HubConfig, cells: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
     """Return a sentence on each scheme that is best nowhere and is not one of the paper's."""
-    unit = "m²/s²" if config.measures.criterion == "velocity" else "m²"
-    conditions = [condition.name for condition in get_conditions(config)]
     named = {*REGISTERED, *cells["best"]}
     return [
-        tell_beaten(name, cells, summary, conditions, unit)
+        tell_scheme(name, cells, summary, JUDGED[config.measures.criterion])
         for name in scheme_names(config)
         if name not in named and len(cells)
     ]

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator
 
 from owtsweep.config import Axis, Config, NotNegative, Positive, Section, key
 from owtsweep.config.common import Record
-from owtsweep.studies.base.axes import key_of_records
+from owtsweep.config.records import Records
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.keys import key_of_axes
 
@@ -26,14 +26,13 @@ def _refuse_classes(value: object) -> object:
     return value
 
 
-class Grid(Section):
+class Grid(Records):
     """The section `grid`: what is swept over; only the two of `axes` may have many values."""
 
     sigma: Axis[Positive] = key("standard deviation of a fix of the blade's GNSS", unit="m")
     outage: Axis[NotNegative] = key("length of an outage of the blade's GNSS", unit="s")
     hub_sigma: Axis[Positive] = key("standard deviation of a fix of the hub's GNSS", unit="m")
     hold: Axis[Positive] = key("how long root and hub must stay together", unit="s")
-    replicates: int = key_of_records("motions and noise")
 
 
 class Limits(Section):

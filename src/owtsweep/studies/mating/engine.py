@@ -6,11 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.config import as_mapping
+from owtsweep.config.records import Records
 from owtsweep.results.status import FAILED, UNABLE
-from owtsweep.studies.base.blocks import Planned, plan_blocks
+from owtsweep.studies.base.blocks import Planned, PlanPart, plan_blocks
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.engine import ContestEngine
 from owtsweep.studies.base.rows import Judgement, make_rows
+from owtsweep.studies.base.study import DeclaredStudy
 from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import (
     configure_blade,
@@ -20,6 +22,7 @@ from owtsweep.studies.mating.joining import (
     find_true_motion,
 )
 from owtsweep.studies.mating.measures import Limits, compare
+from owtsweep.studies.registry import get_study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,10 +43,15 @@ class MatingEngine(ContestEngine["MatingConfig"]):
     def __init__(self) -> None:
         super().__init__(CONTEST)
 
-    def plan(self, config: MatingConfig) -> list[Block]:
+    def rank(self, config: MatingConfig) -> Mapping[str, int]:
+        blade = get_study("blade")
+        assert isinstance(blade, DeclaredStudy)
+        return blade.declaration().schemes.rank(config)
+
+    def plan(self, config: MatingConfig, part: PlanPart | None = None) -> list[Block]:
         schemes = [Planned(name) for name in config.schemes]
         content = _describe_content(config)
-        return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, CONTEST.names)
+        return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, CONTEST.names, part)
 
     def run(
         self, config: MatingConfig, blocks: Sequence[Block]
@@ -99,7 +107,7 @@ def _describe_content(config: MatingConfig) -> dict[str, object]:
     blade = as_mapping(configure_blade(config, grid.sigma[0], grid.outage[0], config.schemes[:1]))
     hub = as_mapping(configure_hub(config, grid.hub_sigma[0]))
     for other, axes in ((blade, ("sigma", "outage")), (hub, ())):
-        for name in ("replicates", *axes):
+        for name in (*Records.model_fields, *axes):
             other["grid"].pop(name)
         for name in NOT_CONTENT:
             other.pop(name, None)

@@ -12,15 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.mating.joining import Relative
 
-#: Criteria of the maps -> what the title of a map says.
+#: Criteria of the maps.
 CRITERIA = {
-    "relative": "root relative to the hub: rms error of its position in space, m",
-    "speed": "root relative to the hub: rms error of its velocity in space, m/s",
-    "wrong": "share of moments at which a chance to mate is missed or imagined",
-}
+    "relative": Criterion(
+        "root relative to the hub: rms error of its position in space, m", "root", "m", *MILLIMETRE
+    ),
+    "speed": Criterion(
+        "root relative to the hub: rms error of its velocity in space, m/s", "root", "m/s",
+        *MILLIMETRE_PER_SECOND,
+    ),
+    "wrong": Criterion(
+        "share of moments at which a chance to mate is missed or imagined", "plain", "", 0.01,
+        "one moment in a hundred",
+    ),
+}  # fmt: skip
 #: Further measures -> what they are.
 OTHERS = {
     "chance": "share of moments at which root and hub can mate",

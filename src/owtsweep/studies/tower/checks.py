@@ -31,7 +31,8 @@ def check(config: TowerConfig) -> None:
     config.record.check_samples(MOST_SAMPLES)
     _check_loads(config)
     grid = config.grid
-    cells = len(grid.noise) * len(grid.soil_factor) * grid.replicates
+    cells = len(grid.noise) * len(grid.soil_factor) * grid.first
+    grid.check_records()
     check_blocks(cells * len(config.schemes))
     require(
         min(config.grid.noise) > 0.0,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
+from owtsweep.config.records import Records
 from owtsweep.errors import require
-from owtsweep.studies.base.axes import key_of_records
 
 #: Name of a list of sensors in the section `sensors` -> kind of its channels.
 KINDS: dict[str, Literal["x", "theta", "a", "strain"]] = {
@@ -17,7 +17,7 @@ KINDS: dict[str, Literal["x", "theta", "a", "strain"]] = {
 }
 
 
-class Grid(Section):
+class Grid(Records):
     """The section `grid`: what is swept over."""
 
     noise: Axis[NotNegative] = key(
@@ -26,7 +26,6 @@ class Grid(Section):
     soil_factor: Axis[Positive] = key(
         "stiffness of the soil in the schemes' model over the true one; 1: right"
     )
-    replicates: int = key_of_records("wind and waves")
 
 
 class Truth(Section):

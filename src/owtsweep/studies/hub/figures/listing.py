@@ -64,9 +64,9 @@ def drawings(
     rows: the run's rows, including those of failed schemes.
     metadata: texts by name to store inside the figures' files.
     """
-    summary, records = tables["summary"], config.grid.replicates
+    summary, records = tables["summary"], config.grid.describe_records()
     same = find_coinciding(make_cube(config, rows), CRITERIA)
-    best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records)
+    best = partial(draw_cells, config, tables, rows, coinciding=same, records=records)
     results = {
         **maps(config, best),
         **over_amplitude(config, summary, set(summary["natural_period"]), same),
@@ -86,10 +86,13 @@ def drawings_of_plant(
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
     """List all figures of a run with motion=plant, with maps for all conditions off their axes."""
-    records, same = config.grid.replicates, find_coinciding(make_cube(config, rows), CRITERIA)
+    records, same = (
+        config.grid.describe_records(),
+        find_coinciding(make_cube(config, rows), CRITERIA),
+    )
     found: dict[str, Draw] = {}
     for end, at in list_maps(config).items():
-        best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records, at=at)
+        best = partial(draw_cells, config, tables, rows, coinciding=same, records=records, at=at)
         found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
     return {
         **save_each(found, describe_origin(config), metadata),
@@ -135,7 +138,7 @@ def draw_cells(
     criterion: str,
     coinciding: Sequence[Sequence[str]],
     *,
-    replicates: int | None = None,
+    records: str = "",
     at: Mapping[str, Value] | None = None,
 ) -> Figure:
     """Draw the map of the best schemes with one coloured cell per natural period and amplitude.
@@ -144,7 +147,7 @@ def draw_cells(
 
     rows: the run's rows, of which failed ones are counted.
     coinciding: groups of schemes with equal results, shown under the last of their names.
-    replicates: planned number of records per cell, for the title; None leaves it out.
+    records: how many records a cell has, for the title.
     at: values of the conditions that are not axes of the map.
     """
     from owtsweep.figures import best_scheme_map
@@ -161,7 +164,7 @@ def draw_cells(
         tuning=config.tuning_name,
         quantity=f"{criterion} MSE (x + y){values}",
         coinciding=coinciding,
-        replicates=replicates,
+        records=records,
         failures=int((rows["status"] == FAILED).sum()),
         notes=[*notes, OTHER_WINDOW[window]],
     )
@@ -210,7 +213,7 @@ def list_distributions(config: HubConfig, rows: pd.DataFrame) -> dict[str, Draw]
     from owtsweep.studies.hub.figures.mse_over_amplitude import PANELS
 
     criterion, window = config.measures.criterion, config.measures.window
-    if config.grid.replicates < distributions.LEAST_RECORDS:
+    if config.grid.first < distributions.LEAST_RECORDS:
         return {}
 
     def draw() -> Figure:

@@ -1,0 +1,78 @@
+"""The keys of the section `grid` that say how many records a cell of the map gets."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator
+
+from owtsweep.config.section import Positive, Section, key
+from owtsweep.errors import require
+from owtsweep.statistics.deciding import FIRST, LOOKS, MARGIN, MOST
+
+#: Most records of a cell in a fixed design.
+MOST_RECORDS = 1_000_000
+
+
+def _read_count(value: object) -> object:
+    if value == "auto":
+        return value
+    try:
+        count = int(str(value)) if not isinstance(value, float) else value
+    except ValueError:
+        raise ValueError(f"{value!r} is neither a whole number nor auto") from None
+    if count != int(count):
+        raise ValueError(f"{value!r} is neither a whole number nor auto")
+    if not 1 <= count <= MOST_RECORDS:
+        raise ValueError(f"{value} is not from 1 to {MOST_RECORDS}; use auto, or e.g. 20")
+    return int(count)
+
+
+class Records(Section):
+    """The keys of the section `grid` of every study, besides those of its axes."""
+
+    replicates: Annotated[int | Literal["auto"], BeforeValidator(_read_count)] = key(
+        "records per cell, each with random numbers of its own; auto: until the cell is decided"
+    )
+    margin: Positive = key(
+        "with auto: the difference of two errors that does not matter, as a part of the error",
+        default=MARGIN,
+        le=1,
+    )
+    most: int = key(
+        f"with auto: most records per cell, one of {', '.join(map(str, LOOKS[:7]))}, ...",
+        default=MOST,
+    )
+    budget: Positive | None = key(
+        "with auto: after this time no further look begins; the same command goes on", unit="s",
+        default=None,
+    )  # fmt: skip
+
+    @property
+    def decides(self) -> bool:
+        """Whether cells get records until they are decided."""
+        return self.replicates == "auto"
+
+    @property
+    def first(self) -> int:
+        """Number of records that every cell gets."""
+        return FIRST if self.replicates == "auto" else self.replicates
+
+    @property
+    def greatest(self) -> int:
+        """Most records that a cell may get."""
+        return self.most if self.replicates == "auto" else self.replicates
+
+    def check_records(self) -> None:
+        """Raise `InputError` unless `most` is the number of records of a look."""
+        require(
+            self.most in LOOKS,
+            f"grid.most: {self.most} is not the number of records of a look; use one of "
+            f"{', '.join(map(str, LOOKS[:7]))}, ...",
+        )
+
+    def describe_records(self) -> str:
+        """Return in words how many records a cell has."""
+        if self.replicates == "auto":
+            return f"{FIRST} to {self.most} records per cell, until it is decided"
+        return f"{self.replicates} record{'s' * (self.replicates != 1)} per cell"

@@ -1,0 +1,126 @@
+"""Says in words what a map has found: who is best where, how good that is, and what is open."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.results.conditions import Condition
+from owtsweep.results.criteria import Criterion
+from owtsweep.results.verdicts import SEPARATOR, list_shared
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Most open cells that are named.
+MOST_OPEN = 3
+#: A row of best_scheme.csv.
+Row = Mapping[Hashable, Any]
+
+
+def tell_answer(
+    cells: pd.DataFrame, criterion: Criterion, conditions: Sequence[Condition]
+) -> list[str]:
+    """Return sentences on a map: verdicts, errors in the criterion's unit, and open cells.
+
+    cells: rows of best_scheme.csv with one criterion and one window, at least one.
+    """
+    if len(cells) == 1:
+        return tell_cell(cells.iloc[0].to_dict(), criterion)
+    sentences = [
+        f"Best: {tell_counts(cells)}",
+        f"Error of the best: {_tell_range(cells['error_best'], criterion)}.",
+    ]
+    ratio = cells["error_runner_up"] / cells["error_best"]
+    ratio = ratio[np.isfinite(ratio)]
+    if len(ratio):
+        sentences.append(
+            f"Error of the runner-up: {ratio.min():.3g} to {ratio.max():.3g} times as large, "
+            f"median {ratio.median():.3g}."
+        )
+    if "error_baseline" in cells and cells["error_baseline"].notna().any():
+        sentences.append(
+            f"No estimator (best baseline): {_tell_range(cells['error_baseline'], criterion)}."
+        )
+    return sentences + _tell_open(cells, conditions)
+
+
+def tell_counts(cells: pd.DataFrame) -> str:
+    """Return in how many cells which scheme is best, and how many are won, tied and open."""
+    verdicts = cells["verdict"].value_counts()
+    counted = ", ".join(f"{verdicts.get(name, 0)} {name}" for name in ("won", "tie", "open"))
+    winners = ", ".join(f"{name} in {n}" for name, n in _count(cells["best"]))
+    return f"{winners} of {len(cells)} cells ({counted})."
+
+
+def tell_cell(row: Row, criterion: Criterion) -> list[str]:
+    """Return sentences on a cell: its best scheme, error, runner-up, and what is open."""
+    how = {"won": "is best", "tie": "is the simplest of a tie", "open": "is best so far"}
+    low, high = row["error_low"], row["error_high"]
+    interval = f" (95 %: {low:.3g} to {high:.3g})" if np.isfinite(low) else ""
+    records = f"{row['n']} record{'s' * (row['n'] != 1)}"
+    error = f"error {criterion.show(row['error_best'])}{interval}"
+    sentences = [f"{row['best']} {how[row['verdict']]}: {error}, {records}."]
+    if row["runner_up"]:
+        ratio = row["error_runner_up"] / row["error_best"]
+        sentences.append(
+            f"Runner-up: {row['runner_up']}, {criterion.show(row['error_runner_up'])}, "
+            f"{ratio:.3g} times as much."
+        )
+    if row.get("baseline") and row["baseline"] != row["best"]:
+        error = criterion.show(row["error_baseline"])
+        sentences.append(f"No estimator (best baseline {row['baseline']}): {error}.")
+    if row["verdict"] != "won" and row.get("left"):
+        sentences.append(f"Not surely worse: {', '.join(_list_others(row))}.")
+    if row.get("more"):
+        sentences.append(f"Some {row['more']:.2g} more records would decide.")
+    return sentences
+
+
+def tell_scheme(name: str, cells: pd.DataFrame, summary: pd.DataFrame, criterion: Criterion) -> str:
+    """Return in one sentence what error a scheme has that is best in no cell.
+
+    cells: rows of best_scheme.csv with one criterion and one window: one row per cell.
+    summary: the run's table summary.csv.
+    """
+    keys = list_shared(cells, summary)
+    own = summary[(summary["scheme"] == name) & (summary["measure"] == cells["criterion"].iloc[0])]
+    both = cells[[*keys, "error_best"]].merge(own[[*keys, "mean"]], on=keys)
+    if both.empty:
+        return f"{name} is best in no cell: it has no result."
+    error = np.sqrt(both["mean"]) if criterion.values == "square" else both["mean"]
+    ratio = error / both["error_best"]
+    return (
+        f"{name} is best in no cell: its error is {_tell_range(error, criterion)}, "
+        f"{ratio.min():.3g} to {ratio.max():.3g} times the least."
+    )
+
+
+def _tell_open(cells: pd.DataFrame, conditions: Sequence[Condition]) -> list[str]:
+    still = cells[(cells["verdict"] == "open") & (cells["look"] > 0)]
+    sentences = []
+    for row in still.head(MOST_OPEN).to_dict("records"):
+        where = ", ".join(f"{c.word} {c.show(row[c.name])}" for c in conditions)
+        names = " or ".join([row["best"], *_list_others(row)])
+        more = f"; some {row['more']:.2g} more records would decide" if row.get("more") else ""
+        sentences.append(f"Open after {row['n']} records: {where}: {names}{more}.")
+    if len(still) > MOST_OPEN:
+        sentences.append(f"{len(still) - MOST_OPEN} more cells are open: see best_scheme.csv.")
+    return sentences
+
+
+def _list_others(row: Row) -> list[str]:
+    return [name for name in row["left"].split(SEPARATOR) if name != row["best"]]
+
+
+def _tell_range(errors: pd.Series[float], criterion: Criterion) -> str:
+    low, high = float(errors.min()), float(errors.max())
+    unit = f" {criterion.unit}" if criterion.unit else ""
+    return f"{low:.3g} to {high:.3g}{unit}, median {float(errors.median()):.3g}{unit}"
+
+
+def _count(names: pd.Series[str]) -> list[tuple[str, int]]:
+    counts = names.value_counts(sort=False).sort_values(ascending=False, kind="stable")
+    return [(str(name), int(n)) for name, n in counts.items()]

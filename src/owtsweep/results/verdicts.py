@@ -1,0 +1,371 @@
+"""Decides the cells of a map by looks at more and more records, and makes the table of verdicts.
+
+The rule is that of `owtsweep.statistics.deciding`. All schemes and baselines are contenders. A
+contender that has left is not run on further records, so its error is told as that of the best
+scheme, times the ratio of the two over the records that both have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.results.conditions import Value, sort_lines
+from owtsweep.results.criteria import Criterion
+from owtsweep.results.cube import Cube
+from owtsweep.results.status import UNABLE, tell_in_best_scheme
+from owtsweep.statistics.contest import agree
+from owtsweep.statistics.deciding import (
+    ENOUGH,
+    LOOKS,
+    Decision,
+    Rule,
+    decide,
+    find_level,
+    find_quantile,
+)
+from owtsweep.statistics.inference import mean_and_error, ordered_sum, t_quantile
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Columns of best_scheme.csv, after those of the conditions.
+COLUMNS = (
+    "criterion", "window", "verdict", "best", "best_scheme", "runner_up", "look", "n",
+    "error_best", "error_low", "error_high", "error_runner_up", "left", "more", "mse_best",
+    "mse_runner_up", "difference", "ci_low", "ci_high", "distinguishable",
+)  # fmt: skip
+#: Further columns of a run with baselines: the best baseline, and its error.
+BASELINE_COLUMNS = ("baseline", "error_baseline")
+#: Columns that best_scheme.csv and summary.csv have both, but with another meaning.
+_OTHERS = ("ci_low", "ci_high", "n", "status", "reason")
+#: What stands between names in the column `left`.
+SEPARATOR = "; "
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of a map.
+
+    criteria: Measures by which schemes are judged; the first one says how many records a cell gets.
+    window: the window that is judged.
+    ranks: Scheme or baseline -> how simple it is; the least is the simplest.
+    baselines: Names of those that are no schemes.
+    cells: Number of cells of the map.
+    margin, most, ties_from: as in `statistics.deciding.Rule`.
+    """
+
+    criteria: Mapping[str, Criterion]
+    window: str
+    ranks: Mapping[str, int]
+    baselines: Sequence[str]
+    cells: int
+    margin: float
+    most: int
+    ties_from: int = ENOUGH
+
+    def make_rule(self, criterion: Criterion) -> Rule:
+        return Rule(self.margin, criterion.floor, criterion.squared, self.most, self.ties_from)
+
+
+class Cell(NamedTuple):
+    """A cell of a map, and what its records say by one criterion.
+
+    conditions: Condition -> value.
+    names: the contenders, the simplest first.
+    values: What is judged of each contender and record, shape (contenders, records); NaN where it
+        failed or was not run.
+    run: whether a contender was run on a record, same shape.
+    """
+
+    conditions: dict[str, Value]
+    names: list[str]
+    values: Array
+    run: NDArray[np.bool_]
+
+
+def list_cells(cube: Cube, rows: pd.DataFrame, asked: Asked, name: str) -> Iterator[Cell]:
+    """Yield the cells in which a contender was run, with their values by the criterion `name`.
+
+    cube, rows: the rows of a run, and the cube made of them.
+    """
+    criterion, run = asked.criteria[name], _find_run(cube, rows)
+    if cube.empty or name not in cube.measures or asked.window not in cube.windows:
+        return
+    measure, window = cube.measures.index(name), cube.windows.index(asked.window)
+    records = [int(label) for label in cube.replicates]
+    order = sorted(range(len(cube.schemes)), key=lambda i: asked.ranks[cube.schemes[i]])
+    for place in cube.outer_places():
+        values = np.full((len(cube.schemes), len(cube.levels[-1]), run.shape[-1]), np.nan)
+        for i in order:
+            values[i][:, records] = cube.values(i, place, [measure])[:, 0, window]
+        values = criterion.judge(values)
+        for last, value in enumerate(cube.levels[-1]):
+            here = [i for i in order if run[(i, *place, last)].any()]
+            if here:
+                conditions = {**cube.name_outer(place), cube.names[-1]: value}
+                ran = np.stack([run[(i, *place, last)] for i in here])
+                yield Cell(conditions, [cube.schemes[i] for i in here], values[here, last], ran)
+
+
+def _find_run(cube: Cube, rows: pd.DataFrame) -> NDArray[np.bool_]:
+    """Return on which records schemes were run, shape (schemes, *conditions, records).
+
+    A scheme that was unable to work in a cell was not run there. A row without a value of the last
+    condition stands for all its values.
+    """
+    import pandas as pd
+
+    names = cube.names
+    rows = rows[rows["scheme"].isin(list(cube.schemes)) & rows["replicate"].notna()]
+    records = int(rows["replicate"].max()) + 1 if len(rows) else 0
+    lengths = [len(levels) for levels in cube.levels]
+    run = np.zeros((len(cube.schemes), *lengths, records), dtype=bool)
+    if not len(rows):
+        return run
+    lines = rows[["scheme", *names, "replicate", "status"]].drop_duplicates()
+    labels = [("scheme", cube.schemes), *zip(names, cube.levels, strict=True)]
+    at = [
+        pd.Index(levels).get_indexer(
+            pd.Index(lines[name].astype(object if _is_text(levels) else float))
+        )
+        for name, levels in labels
+    ]
+    at.append(lines["replicate"].to_numpy(int))
+    everywhere = lines[names[-1]].isna().to_numpy()
+    known = np.all([index >= 0 for index in at[:-2]], axis=0)
+    for unable in (False, True):  # the latter last: it takes back what other records say
+        of_kind = known & ((lines["status"] == UNABLE).to_numpy() == unable)
+        one = of_kind & (at[-2] >= 0)
+        every = of_kind & everywhere
+        if unable:
+            run[tuple(index[one] for index in at[:-1])] = False
+            run[tuple(index[every] for index in at[:-2])] = False
+        else:
+            run[tuple(index[one] for index in at)] = True
+            *outer, _, record = (index[every] for index in at)
+            run[(*outer, slice(None), record)] = True
+    return run
+
+
+def _is_text(levels: Sequence[Value]) -> bool:
+    return bool(levels) and isinstance(levels[0], str)
+
+
+def find_open(cube: Cube, rows: pd.DataFrame, asked: Asked) -> tuple[int, list[Cell]]:
+    """Find the cells that need the next look, by the first criterion, and how many it sees.
+
+    A cell does not get more records if a record of its last look is missing. The cells have those
+    contenders alone that are left. Without such a cell, the number of records is 0.
+    """
+    name, criterion = next(iter(asked.criteria.items()))
+    rule, going = asked.make_rule(criterion), []
+    for cell in list_cells(cube, rows, asked, name):
+        decision = decide(cell.values, rule, asked.cells, cell.run)
+        if decision.verdict == "open" and decision.records < asked.most and decision.look > 0:
+            left = list(decision.left)
+            going.append((decision.records, cell._replace(names=[cell.names[i] for i in left])))
+    records = max((count for count, _ in going), default=0)
+    # a cell that is behind has lost a record of a look: the same sweep tries it again
+    cells = [cell for count, cell in going if count == records]
+    return (LOOKS[LOOKS.index(records) + 1] if cells else 0), cells
+
+
+def make_table(cube: Cube, rows: pd.DataFrame, asked: Asked) -> pd.DataFrame:
+    """Make the table best_scheme: a line per cell and criterion, sorted as `cube.conditions`.
+
+    The columns are those of the conditions, `COLUMNS` and, with baselines, `BASELINE_COLUMNS`.
+    `best` is the winner, the simplest scheme of a tie, or the best so far; `best_scheme` the same
+    without baselines. `left` names the contenders of which no other is surely better. `n` records
+    were seen at `look`; where the cell is open, some `more` would decide it. Errors are in the
+    criterion's unit; `error_low` and `error_high` are the ends of a 95 % interval. `mse_best` is
+    the mean of what is judged; `mse_runner_up`, `difference` and the 95 % interval of the
+    difference are scaled to it. `runner_up` is the best of the others that do not coincide with the
+    best. If a scheme was unable to work in any cell, there are also the columns `status` and
+    `reason`.
+    """
+    import pandas as pd
+
+    columns = [*cube.names, *COLUMNS, *(BASELINE_COLUMNS if asked.baselines else ())]
+    lines = []
+    for name, criterion in asked.criteria.items():
+        rule = asked.make_rule(criterion)
+        for cell in list_cells(cube, rows, asked, name):
+            decision = decide(cell.values, rule, asked.cells, cell.run)
+            if decision.look == 0 or decision.best < 0:
+                continue
+            line = {**cell.conditions, "criterion": name, "window": asked.window}
+            line |= _describe(cell, decision, criterion, asked.baselines)
+            lines.append(line | {"more": _estimate_more(cell, decision, rule, asked.cells)})
+    if not lines:
+        return pd.DataFrame(columns=columns)
+    order: dict[str, Sequence[object]] = dict(zip(cube.names, cube.levels, strict=True))
+    table = sort_lines(pd.DataFrame(lines), order)
+    return tell_in_best_scheme(table[columns], cube.unable, cube.names)
+
+
+def _describe(
+    cell: Cell, decision: Decision, criterion: Criterion, baselines: Sequence[str]
+) -> dict[str, object]:
+    """Return the columns of a cell's line, besides conditions, criterion and window."""
+    best, n = decision.best, decision.records
+    seen = cell.values[:, :n]
+    mean, error, _ = (float(part) for part in mean_and_error(seen[best]))
+    half = float(t_quantile(n - 1)) * error
+    compared = {i: _compare(seen[i], seen[best]) for i in range(len(seen)) if i != best}
+    others = {i: mean + pair.difference * _scale(mean, pair) for i, pair in compared.items()}
+    apart = [
+        i for i in others if np.isfinite(others[i]) and not agree(seen[i], seen[best])[:n].all()
+    ]
+    second = min(apart, key=lambda i: others[i], default=-1)
+    line: dict[str, object] = {
+        "verdict": decision.verdict,
+        "best": cell.names[best],
+        "best_scheme": _choose(cell, best, others, baselines, among_baselines=False),
+        "runner_up": cell.names[second] if second >= 0 else "",
+        "look": decision.look,
+        "n": n,
+        "error_best": float(criterion.express(mean)),
+        "error_low": float(criterion.express(max(mean - half, 0.0) if mean >= 0.0 else mean)),
+        "error_high": float(criterion.express(mean + half)),
+        "error_runner_up": float(criterion.express(others.get(second, np.nan))),
+        "left": SEPARATOR.join(cell.names[i] for i in decision.left),
+        "mse_best": mean,
+        "mse_runner_up": others.get(second, np.nan),
+        "distinguishable": decision.verdict == "won",
+        **dict.fromkeys(("difference", "ci_low", "ci_high"), np.nan),
+    }
+    if second >= 0:
+        pair = compared[second]
+        scale = _scale(mean, pair)
+        line["difference"] = pair.difference * scale
+        line["ci_low"] = (pair.difference - pair.half) * scale
+        line["ci_high"] = (pair.difference + pair.half) * scale
+    if baselines:
+        name = _choose(cell, best, others, baselines, among_baselines=True)
+        means = {cell.names[i]: value for i, value in others.items()} | {cell.names[best]: mean}
+        line["baseline"] = name
+        line["error_baseline"] = float(criterion.express(means.get(name, np.nan)))
+    return line
+
+
+def _estimate_more(cell: Cell, decision: Decision, rule: Rule, cells: int) -> float:
+    """Estimate how many more records would decide a cell; 0 if it is decided.
+
+    Each pair with the best needs so many that its t-value passes the next level: of a win, or of a
+    tie if that is nearer.
+    """
+    if decision.verdict != "open":
+        return 0.0
+    n, best = decision.records, cell.values[decision.best, : decision.records]
+    level = find_level(decision.look + 1) / (cells * max(len(cell.names) - 1, 1))
+    mean = float(best.mean())
+    factor = 1.0 + max(
+        rule.margin, rule.floor / np.sqrt(mean) if rule.squared else rule.floor / mean
+    )
+    allowed = mean * ((factor**2 if rule.squared else factor) - 1.0)
+    needed = [0.0]
+    for i in decision.left:
+        if i == decision.best:
+            continue
+        difference = cell.values[i, :n] - best
+        gap = max(abs(difference.mean()), allowed - difference.mean())
+        needed.append((find_quantile(level, n - 1) * difference.std(ddof=1) / gap) ** 2)
+    return max(float(np.ceil(max(needed) - n)), 1.0)
+
+
+class _Pair(NamedTuple):
+    """A contender beside the best, over the records that both have.
+
+    difference, half: Mean of contender minus best, and half of its 95 % interval.
+    of_best: Mean of the best over these records.
+    """
+
+    difference: float
+    half: float
+    of_best: float
+
+
+def _compare(values: Array, best: Array) -> _Pair:
+    both = np.isfinite(values) & np.isfinite(best)
+    if not both.any():
+        return _Pair(np.nan, np.nan, np.nan)
+    difference, error, n = mean_and_error((values - best)[both])
+    half = float(t_quantile(n - 1)) * float(error)
+    return _Pair(float(difference), half, float(ordered_sum(best[both])) / int(n))
+
+
+def _scale(mean: float, pair: _Pair) -> float:
+    """Return the best one's mean over all records, divided by that over the pair's."""
+    return mean / pair.of_best if pair.of_best != 0.0 else 1.0
+
+
+def _choose(
+    cell: Cell,
+    best: int,
+    others: Mapping[int, float],
+    baselines: Sequence[str],
+    *,
+    among_baselines: bool,
+) -> str:
+    """Return the best scheme, or the best baseline; "" if there is none."""
+    if (cell.names[best] in baselines) == among_baselines:
+        return cell.names[best]
+    means = {
+        cell.names[i]: value
+        for i, value in others.items()
+        if (cell.names[i] in baselines) == among_baselines and np.isfinite(value)
+    }
+    return min(means, key=lambda name: means[name], default="")
+
+
+def count_cells(grid: Mapping[str, Sequence[Value]]) -> int:
+    return prod(len(values) for values in grid.values())
+
+
+def list_shared(best: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
+    """Return the columns that say to what a line belongs, in best_scheme.csv and in summary.csv."""
+    return [name for name in best.columns if name in summary.columns and name not in _OTHERS]
+
+
+def add_errors(
+    best: pd.DataFrame, summary: pd.DataFrame, criteria: Mapping[str, Criterion]
+) -> pd.DataFrame:
+    """Add to the table best_scheme of a fixed number of records the columns that `make_table` has.
+
+    There were no looks, so `look` is 0, and the verdict is "won" where the runner-up is
+    distinguishable, else "open". A root of a mean square is averaged as it is, not as its square.
+
+    best, summary: the tables best_scheme and summary of a run.
+    criteria: the measures by which schemes are judged.
+    """
+    keys = list_shared(best, summary)
+    named = {
+        "scheme": "best",
+        "measure": "criterion",
+        "ci_low": "error_low",
+        "ci_high": "error_high",
+        "n": "n",
+    }
+    lines = summary[[*keys, *named]].rename(columns=named)
+    table = best.merge(lines, how="left", on=[*keys, "best", "criterion"])
+    table["verdict"] = np.where(table["distinguishable"].astype(bool), "won", "open")
+    table["best_scheme"], table["look"] = table["best"], 0
+    table["n"] = table["n"].fillna(0).astype(int)
+    table["error_best"], table["error_runner_up"] = table["mse_best"], table["mse_runner_up"]
+    roots = ["error_best", "error_low", "error_high", "error_runner_up"]
+    if "mse_baseline" in table:
+        table["error_baseline"] = table["mse_baseline"]
+        roots.append("error_baseline")
+    squares = [name for name, criterion in criteria.items() if criterion.values == "square"]
+    of_squares = table["criterion"].isin(squares)
+    table.loc[of_squares, roots] = np.sqrt(table.loc[of_squares, roots].clip(lower=0.0))
+    added = [name for name in COLUMNS if name not in best and name not in ("left", "more")]
+    added += [name for name in roots if name == "error_baseline"]
+    return table[[*best.columns, *added]]
