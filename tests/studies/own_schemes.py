@@ -24,6 +24,13 @@ class Held(floater.Scheme):
         return floater.Estimates(held, np.zeros_like(held))
 
 
+class Plain(Held):
+    """It says how simple it is: as LOWPASS."""
+
+    name = "PLAIN"
+    simplicity = 18
+
+
 class Falls(tower.Scheme):
     """A scheme for the tower that divides by zero."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Sequence
 from itertools import chain
@@ -12,8 +13,16 @@ from owtsweep.cli import DONE
 from owtsweep.config import Tree
 from owtsweep.errors import InputError
 from owtsweep.studies import get_study, names
-from owtsweep.studies.registry import DEFAULT, blame_package, find_tree, list_schemes
+from owtsweep.studies.registry import (
+    DEFAULT,
+    blame_package,
+    find_tree,
+    list_schemes,
+    list_simplicity,
+)
 
+#: What the number before a scheme's sentence is.
+MEANING = "states + tuned numbers, 1000 more if late, 2000 if after the record"
 #: Plurals of group names that are not formed by adding an s.
 PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 
@@ -43,14 +52,29 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 def _list_choices(study: str, tree: Tree) -> list[str]:
     prefix = "" if study == DEFAULT else f"study={study} "
     with blame_package(study):
-        schemes = list_schemes(study)
-        lines = [f"{prefix}schemes (schemes=[...]):"] if schemes else []
-        lines += [_entry(name, purpose) for name, purpose in schemes.items()]
+        lines = _list_schemes(study, prefix)
         for group in tree.groups():
             lines.append(f"{prefix}{PLURALS.get(group, group + 's')} ({group}=...):")
             for option in tree.options(group):
                 lines.append(_entry(option, _first_comment(tree, group, option)))
     return lines
+
+
+def _list_schemes(study: str, prefix: str) -> list[str]:
+    """Return a heading, and a line for each scheme with its simplicity, the simplest first.
+
+    A scheme of another package, which is not imported, has no number and stands last.
+    """
+    schemes, simplicity = list_schemes(study), list_simplicity(study)
+    if not schemes:
+        return []
+    explained = f"; {MEANING}" if study == DEFAULT else ""
+    names = sorted(schemes, key=lambda name: simplicity.get(name, math.inf))
+    width = max(map(len, names))
+    numbers = {name: f"{simplicity.get(name, '-'):>4} " if simplicity else "" for name in names}
+    return [f"{prefix}schemes (schemes=[...]{explained}):"] + [
+        f"  {name:<{width}} {numbers[name]}{schemes[name]}" for name in names
+    ]
 
 
 def _entry(name: str, purpose: str) -> str:

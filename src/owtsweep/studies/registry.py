@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from owtsweep.config import Config, Tree, admit, checked, compose_plain, conf_directory, require
 from owtsweep.config.common import TREES
@@ -107,6 +107,20 @@ def get_study(name: str) -> Study:
 def list_schemes(name: str) -> Mapping[str, str]:
     """Return name -> description of the schemes of the study called `name`; {} if it has none."""
     return get_study(name).schemes()
+
+
+@runtime_checkable
+class Ranked(Protocol):
+    """A study whose schemes have a simplicity, by which ties are broken."""
+
+    def list_simplicity(self) -> Mapping[str, int]:
+        """Return name -> simplicity of each scheme; no two are equal."""
+
+
+def list_simplicity(name: str) -> Mapping[str, int]:
+    """Return name -> simplicity of the schemes of the study called `name`; {} if it says none."""
+    study = get_study(name)
+    return study.list_simplicity() if isinstance(study, Ranked) else {}
 
 
 def list_serving(command: str) -> str:

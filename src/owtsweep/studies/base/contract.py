@@ -48,6 +48,8 @@ M = TypeVar("M")
 
 #: Most characters of a scheme's name: it stands in the cells and legends of figures.
 LONGEST_NAME = 60
+#: The simplicity of a scheme that does not say how simple it is.
+LEAST_SIMPLE = 1_000_000
 
 
 class Unable(Exception):
@@ -76,6 +78,8 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
         "hme.mhe"), besides those on which the rows of all schemes do.
     told_motion: whether the scheme knows the motion of a case, where a study tells it.
     version: Stands for the scheme's code where that cannot be read; None: nothing does.
+    simplicity: the number of its states plus that of its tuned numbers, as `Listed` counts them.
+        Among schemes that are equally good, the one with the least is taken.
     """
 
     name: str
@@ -84,6 +88,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
     sections: Sequence[str] = ()
     told_motion: bool = False
     version: str | None = None
+    simplicity: int = LEAST_SIMPLE
 
     @abstractmethod
     def prepare(self, known: Known, /) -> Ready[Measured, Estimates]:
@@ -115,6 +120,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
             'configuration, e.g. ("mkf", "hme")',
         )
         require(isinstance(self.told_motion, bool), "it lacks told_motion (True or False)")
+        check_simplicity(self.name, self.simplicity)
         str(self.version)  # a property that raises would do so in a sweep
 
 
@@ -137,4 +143,17 @@ def check_name(name: object) -> str:
     raise InputError(
         f"schemes: the name {str(name)[:LONGEST_NAME]!r} cannot be used; give one of 1 to "
         f"{LONGEST_NAME} printable characters"
+    )
+
+
+def check_simplicity(name: str, simplicity: object) -> int:
+    """Check what a scheme called `name` says of its simplicity; return it.
+
+    Raise `InputError` if it is no whole number, or below zero.
+    """
+    if isinstance(simplicity, int) and not isinstance(simplicity, bool) and simplicity >= 0:
+        return simplicity
+    raise InputError(
+        f"schemes: {name} has simplicity = {simplicity!r}; give a whole number, 0 or more: that of "
+        "its states plus that of its tuned numbers"
     )

@@ -16,7 +16,12 @@ from pydantic import BeforeValidator
 from owtsweep.config import AnyConfig, Plain, Section, as_mapping
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.figures.palette import SchemeStyle, reserve
-from owtsweep.studies.base.contract import Scheme, check_name
+from owtsweep.studies.base.contract import (
+    LEAST_SIMPLE,
+    Scheme,
+    check_name,
+    check_simplicity,
+)
 from owtsweep.studies.registry import OURS, list_schemes
 from owtsweep.sweep.source import describe_source, explain_doubt
 
@@ -31,29 +36,37 @@ class Listed(NamedTuple):
     """What is known of a scheme without importing it.
 
     sentence, look: What it is, in words, and its style; None: as a user's.
+    simplicity: the number of its states, which it carries from sample to sample, plus that of its
+        tuned numbers, which somebody must set; numbers that are one for several axes count once.
+        Covariances, gains and models of structures do not count. Baselines and schemes without
+        memory come first. A scheme with a latency has 1000 more; one that waits for the end of the
+        record, 2000 more. No two of a study are equal: the less common or more demanding one of two
+        equal schemes moves up to the next free number.
     ignores: the axes of knowledge on which its estimates do not depend.
     module: the module in which it stands under its name, beside its base; "": a module of its own.
     """
 
     sentence: str
     look: SchemeStyle | None
+    simplicity: int
     ignores: tuple[str, ...] = ()
     module: str = ""
 
 
 class StoredScheme(dict[str, object], AnyScheme):
-    """The stand-in for a user's scheme in a stored run: its entry, and its name.
+    """The stand-in for a user's scheme in a stored run: its entry, its name and its simplicity.
 
     A run folder may be another person's, and reading it runs no code that it names. The stand-in
     equals the scheme's entry in the key `schemes`, so that the configuration is written as it was.
     """
 
     #: Attributes of a scheme that a run stores for the stand-in.
-    kept: ClassVar[tuple[str, ...]] = ("name",)
+    kept: ClassVar[tuple[str, ...]] = ("name", "simplicity")
 
     def __init__(self, entry: Mapping[str, object], described: Mapping[str, object]) -> None:
         super().__init__(entry)
         self.name = check_name(described["name"])
+        self.simplicity = check_simplicity(self.name, described["simplicity"])
 
     def prepare(self, known: object) -> NoReturn:
         """Raise `InputError`, because the code of a stored scheme is never run."""
@@ -114,6 +127,33 @@ class SchemeTable:
         """Return name -> sentence of each scheme; those of other packages come last."""
         others = {p.name: f"{p.value}, of another package" for p in self._find_others()}
         return {name: listed.sentence for name, listed in self.listed.items()} | others
+
+    def list_simplicity(self) -> dict[str, int]:
+        """Return name -> simplicity of each scheme of the study."""
+        return {name: listed.simplicity for name, listed in self.listed.items()}
+
+    def rank(self, config: AnyConfig) -> dict[str, int]:
+        """Return name -> simplicity of all contenders of a configuration, the simplest first.
+
+        Where a user's scheme says the same as one of the study's, the latter is first; two of a
+        user stand in the order of the key `schemes`. A scheme of another package that is not
+        installed here is last. Raise `InputError` as `resolve` if a user's class cannot be made;
+        that of a stored run is not made.
+        """
+        ranks = dict(map(self._rank, self.list_entries(config)))
+        order = sorted(ranks, key=lambda name: (ranks[name], name not in self.listed))
+        return {name: ranks[name] for name in order}
+
+    def _rank(self, entry: Entry) -> tuple[str, int]:
+        if isinstance(entry, str) and entry not in self.listed:
+            try:
+                return entry, self.resolve(entry).simplicity
+            except InputError:
+                return entry, LEAST_SIMPLE
+        if isinstance(entry, str):
+            return entry, self.listed[entry].simplicity
+        scheme = self.resolve(entry)
+        return scheme.name, scheme.simplicity
 
     def resolve(self, entry: Entry) -> AnyScheme:
         """Return the scheme for which an entry of the key `schemes` stands.
@@ -208,7 +248,11 @@ class SchemeTable:
 
     def describe_stored(self, schemes: Sequence[AnyScheme]) -> list[dict[str, object]]:
         """Return what a run stores of its schemes for `stand_in`: one mapping per scheme."""
-        return [{fact: getattr(scheme, fact) for fact in self.stored.kept} for scheme in schemes]
+        known = {name: {"simplicity": number} for name, number in self.list_simplicity().items()}
+        return [
+            {fact: getattr(scheme, fact) for fact in self.stored.kept} | known.get(scheme.name, {})
+            for scheme in schemes
+        ]
 
     def stand_in(self, entries: object, described: object) -> object:
         """Replace users' schemes in the key `schemes` of a stored run by stand-ins.

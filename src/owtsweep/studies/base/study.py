@@ -38,6 +38,18 @@ class ContestStudy(Study):
         """Return the two axes of the map."""
         return self.contest().find_conditions(config)
 
+    def scheme_table(self) -> SchemeTable:
+        """Return the schemes of the study."""
+        return self._find("schemes", "SCHEMES")  # type: ignore[no-any-return]
+
+    def schemes(self) -> dict[str, str]:
+        """Return name -> description of each scheme."""
+        return self.scheme_table().describe()
+
+    def list_simplicity(self) -> dict[str, int]:
+        """Return name -> simplicity of each scheme, as `registry.Ranked` says."""
+        return self.scheme_table().list_simplicity()
+
     def contest(self) -> AnyContest:
         return self._find("contest", "CONTEST")  # type: ignore[no-any-return]
 
@@ -79,18 +91,14 @@ class DeclaredStudy(ContestStudy):
 
     commands = frozenset({"compare", "estimate"})
 
-    def schemes(self) -> dict[str, str]:
-        """Return name -> description of each scheme."""
-        return self._find("schemes", "SCHEMES").describe()  # type: ignore[no-any-return]
-
     def describe_code(self, config: ContestConfig) -> object:
         """Return what a run stores of its schemes, so that reading it makes no user's class."""
-        table: SchemeTable = self._find("schemes", "SCHEMES")
+        table = self.scheme_table()
         return table.describe_stored(table.resolve_all(config.schemes))
 
     def hide_code(self, plain: Plain, described: object) -> Plain:
         """Return the keys of a stored run with a stand-in for each user's scheme."""
-        table: SchemeTable = self._find("schemes", "SCHEMES")
+        table = self.scheme_table()
         return {**plain, "schemes": table.stand_in(plain.get("schemes"), described)}
 
     def declaration(self) -> AnyDeclaration:

@@ -30,15 +30,23 @@ REGISTERED = {
     "EKF": Listed(
         "Kalman filter, GNSS innovation zeroed between fixes",
         SchemeStyle("#CC79A7", "s", "-"),
+        simplicity=18,  # as MKF, a tie: MKF updates as the textbook does
         module="mkf",
     ),
     "MKF": Listed(
-        "multirate Kalman filter on the undelayed IMU", SchemeStyle("#009E73", "D", (0, (4, 2)))
+        "multirate Kalman filter on the undelayed IMU",
+        SchemeStyle("#009E73", "D", (0, (4, 2))),
+        simplicity=17,  # 8 states; q_a, q_b, tilt, R of fix and IMU, 4 initial variances
     ),
-    "HME1": Listed("delayed MKF, online smoother, predictor", SchemeStyle("#0072B2", "o", "-")),
+    "HME1": Listed(
+        "delayed MKF, online smoother, predictor",
+        SchemeStyle("#0072B2", "o", "-"),
+        simplicity=19,  # MKF; lengths of register 1 and of the smoother's window
+    ),
     "HME2": Listed(
         "HME1 fed by a moving horizon estimator",
         SchemeStyle("#E69F00", "^", (0, (6, 1, 1, 1))),
+        simplicity=33,  # HME1; of the MHE 6 states of its first node, and 8 keys
     ),
 }
 #: The baselines: pale, and of one hue that no scheme has.
@@ -46,14 +54,19 @@ BASELINES = {
     "NONE": Listed(
         "no estimator: zero position, zero velocity",
         SchemeStyle("#D3CCE3", "*", "-"),
+        simplicity=0,  # nothing
         module="baselines",
     ),
     "HOLD": Listed(
-        "the last fix, zero velocity", SchemeStyle("#B8AED0", "d", (0, (4, 2))), module="baselines"
+        "the last fix, zero velocity",
+        SchemeStyle("#B8AED0", "d", (0, (4, 2))),
+        simplicity=2,  # the last fix
+        module="baselines",
     ),
     "DELTA": Listed(
         "the last fix, moved on with the velocity of the last two fixes",
         SchemeStyle("#9C8FBD", "8", (0, (1, 2))),
+        simplicity=4,  # the last two fixes
         module="baselines",
     ),
 }
@@ -68,12 +81,18 @@ ON_REQUEST = {
     "SKF": Listed(
         "Kalman filter that is told the spectrum and the amplitude of the motion",
         SchemeStyle("#4D4D4D", "p", "-"),
+        simplicity=42,  # 16 states and bias for each axis; 8 keys and variances
     ),
     "SKFA": Listed(
         "SKF that is told nothing and tracks the sea itself; for fixes without outliers",
         SchemeStyle("#B3261E", "h", (0, (4, 2))),
+        simplicity=44,  # 8 states, bias and chosen spectrum (3) for each axis; 20 of its rules
     ),
-    "SWITCH": Listed("HME1 or HME2, by estimated amplitude and period", None),
+    "SWITCH": Listed(
+        "HME1 or HME2, by estimated amplitude and period",
+        None,
+        simplicity=67,  # HME1 and HME2; 11 states of watch and choice; 4 keys
+    ),
 }
 #: Every scheme and baseline, in the order of tables and figures.
 LISTED = {**REGISTERED, **BASELINES, **ON_REQUEST}
@@ -102,7 +121,7 @@ def list_baselines(config: HubConfig) -> list[str]:
 class StoredHubScheme(StoredScheme, Scheme):
     """The stand-in for a user's scheme of the hub in a stored run."""
 
-    kept = ("name", "linear", "batched")
+    kept = ("name", "simplicity", "linear", "batched")
 
     def __init__(self, entry: Mapping[str, object], described: Plain) -> None:
         super().__init__(entry, described)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from owtsweep import estimation, evaluation, motion, sensing
 from owtsweep.config import Plain
 from owtsweep.studies.hub import kernels
-from owtsweep.studies.hub.listed import describe
+from owtsweep.studies.hub.listed import SCHEMES, describe
 from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition, Value
+    from owtsweep.studies.base.schemes import SchemeTable
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.study import Engine, Tuned, Varied
 
@@ -49,14 +50,12 @@ class HubKeys(Study):
         return describe_in_a_line(config)
 
     def describe_code(self, config: HubConfig) -> object:
-        from owtsweep.studies.hub.listed import SCHEMES, resolve_all
+        from owtsweep.studies.hub.listed import resolve_all
 
         one = next(iter(config.by_tuning().values()))
         return SCHEMES.describe_stored(resolve_all(config.schemes, one))
 
     def hide_code(self, plain: Plain, described: object) -> Plain:
-        from owtsweep.studies.hub.listed import SCHEMES
-
         return {**plain, "schemes": SCHEMES.stand_in(plain.get("schemes"), described)}
 
 
@@ -70,6 +69,14 @@ class HubStudy(HubKeys):
 
     def schemes(self) -> dict[str, str]:
         return describe()
+
+    def scheme_table(self) -> SchemeTable:
+        """Return the schemes and baselines of the study."""
+        return SCHEMES
+
+    def list_simplicity(self) -> dict[str, int]:
+        """Return name -> simplicity of each scheme and baseline, as `registry.Ranked` says."""
+        return SCHEMES.list_simplicity()
 
     def config_type(self) -> type[HubConfig]:
         from owtsweep.studies.hub.config import HubConfig

@@ -8,9 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.base.study import ContestStudy
-from owtsweep.studies.registry import get_study, list_schemes
+from owtsweep.studies.registry import get_study
 
 if TYPE_CHECKING:
+    from owtsweep.studies.base.schemes import SchemeTable
     from owtsweep.studies.mating.config import MatingConfig
     from owtsweep.sweep.study import Engine
 
@@ -23,8 +24,11 @@ class MatingStudy(ContestStudy):
     name = "mating"
     numerics_version = 1 + get_study("blade").numerics_version + get_study("hub").numerics_version
 
-    def schemes(self) -> dict[str, str]:
-        return dict(list_schemes("blade"))
+    def scheme_table(self) -> SchemeTable:
+        """Return the schemes of the blade study."""
+        blade = get_study("blade")
+        assert isinstance(blade, ContestStudy)
+        return blade.scheme_table()
 
     def engine(self, config: MatingConfig) -> Engine:
         """Return the study's only engine."""

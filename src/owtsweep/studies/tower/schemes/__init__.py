@@ -13,77 +13,91 @@ LISTED = {
     "AKF": Listed(
         "augmented Kalman filter on the substructure, no wave input (p_1)",
         SchemeStyle("#0072B2", "o", "-"),
-        SOIL,
+        simplicity=28,  # AKF_STEADY; initial variance, 2 sizes of loads
+        ignores=SOIL,
     ),
     "AKF_WAVE": Listed(
         "AKF with a triangular wave load as a further input (p_2)",
         SchemeStyle("#56B4E9", "v", (0, (6, 1, 1, 1))),
-        SOIL,
+        simplicity=32,  # 31: AKF; the wave load, its walk and size; moved by the tie
+        ignores=SOIL,
         module="akf",
     ),
     "AKF_STEADY": Listed(
         "AKF with the gain of the steady state from the first step on",
         SchemeStyle("#8FA8C8", "P", (0, (2, 2))),
-        SOIL,
+        simplicity=25,  # 16 states, 4 loads; process, 2 walks, 2 kinds of sensors
+        ignores=SOIL,
         module="akf",
     ),
     "AKF_LAGGED": Listed(
         "AKF and a smoother that looks a fixed time ahead",
         SchemeStyle("#332288", "s", (0, (4, 2))),
-        SOIL,
+        simplicity=1029,  # AKF; the lag; late
+        ignores=SOIL,
         module="akf",
     ),
     "AKF_MATERN12": Listed(
         "latent interface loads with an exponential correlation (Matern 1/2)",
         SchemeStyle("#44AA99", "<", (0, (1, 1))),
-        SOIL,
+        simplicity=26,  # 16 states, 4 loads; process, 2 sizes, length, 2 kinds of sensors
+        ignores=SOIL,
         module="matern",
     ),
     "AKF_MATERN32": Listed(
         "latent interface loads with smooth paths (Matern 3/2)",
         SchemeStyle("#117733", ">", (0, (8, 3))),
-        SOIL,
+        simplicity=30,  # AKF_MATERN12; 4 rates of loads
+        ignores=SOIL,
         module="matern",
     ),
     "GDF": Listed(
         "Gillijns and De Moor's joint input-state filter on the substructure",
         SchemeStyle("#CC79A7", "D", "-"),
-        SOIL,
+        simplicity=20,  # 16 states; process noise, initial variance, noise of 2 kinds of sensors
+        ignores=SOIL,
         module="joint",
     ),
     "DUAL": Listed(
         "dual Kalman filter on the substructure: inputs, then states",
         SchemeStyle("#882255", "X", (0, (4, 2))),
-        SOIL,
+        simplicity=29,  # as AKF, a tie: DUAL runs two filters
+        ignores=SOIL,
         module="joint",
     ),
     "AKF_WHOLE": Listed(
         "AKF on the whole turbine, with soil and rotor, loads at its top",
         SchemeStyle("#D55E00", "^", "-"),
+        simplicity=31,  # 30: 20 states, 2 loads; as AKF; a tie: its model is larger
         module="akf",
     ),
     "AKF_WHOLE_WAVE": Listed(
         "AKF_WHOLE with a triangular wave load as a further input",
         SchemeStyle("#E69F00", "h", (0, (6, 1, 1, 1))),
+        simplicity=34,  # 33: AKF_WHOLE; the wave load, its walk and size; moved by the tie
         module="akf",
     ),
     "KF_WHOLE": Listed(
         "Kalman filter on the whole turbine, its loads a slow part and white noise",
         SchemeStyle("#F0E442", "p", (0, (4, 2))),
+        simplicity=33,  # 32: 20 states, 4 parts of loads, their sizes; 4 others; moved by the tie
     ),
     "MDE": Listed(
         "modal decomposition and expansion in three bands, offline",
         SchemeStyle("#999933", "d", "-"),
+        simplicity=2004,  # two splits, order, margin; after the record
     ),
     "THRUST_LEVER": Listed(
         "thrust from one sensor, times the lever, static",
         SchemeStyle("#8C8C8C", "*", (0, (1, 2))),
+        simplicity=1,  # no memory; the lever
         module="static",
     ),
     "QUASI_STATIC": Listed(
         "static shapes of the substructure through the inclinometers",
         SchemeStyle("#7A3B12", "8", (0, (3, 1, 1, 1, 1, 1))),
-        SOIL,
+        simplicity=2,  # no memory; noise of two kinds of sensors
+        ignores=SOIL,
         module="static",
     ),
 }
