@@ -28,6 +28,7 @@ from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
+from owtsweep.results.verdicts import add_errors
 from owtsweep.studies.base.contest import WINDOW
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.registry import compose
@@ -110,9 +111,10 @@ def _compose(sensors: str, override: str, overrides: Sequence[str]) -> TowerConf
 
 def draw(cube: Cube, config: TowerConfig, records: int, criterion: str) -> Figure:
     """Draw the map of one criterion."""
+    best = add_errors(find_best_schemes(cube, WINDOW, [criterion]), summarise(cube), CRITERIA)
     figure = best_scheme_map.draw(
-        find_best_schemes(cube, WINDOW, [criterion]), COMPARED, CONDITIONS, criterion=criterion,
-        window=WINDOW, tuning=config.tuning_name, quantity=CRITERIA[criterion].title, score="error",
+        best, COMPARED, CONDITIONS, criterion=criterion,
+        window=WINDOW, tuning=config.tuning_name, quantity=CRITERIA[criterion].title,
         records=f"{records} records per cell",
     )  # fmt: skip
     truth = f"Truth: {describe_truth(config)}; {NOISE:g} % noise, soil of the model right"

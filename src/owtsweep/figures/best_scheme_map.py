@@ -1,8 +1,8 @@
 """Draw a map of the best scheme for each combination of values of two conditions.
 
-The map is like Fig. 18 of Ren et al. (2019). In addition, the map names the next best scheme and by
-how much its MSE is larger, which the fill shows too, and hatches the cells in which the data do not
-show which of the two is better.
+The map is like Fig. 18 of Ren et al. (2019). In addition, the map tells the error of the best
+scheme, names the next best and by how much its error is larger, which the fill shows too, and
+hatches the cells in which the data do not show which of the two is better.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.margin import Shades, add_legend, list_in_legend
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Plane, Row
+from owtsweep.figures.plane import Plane, Row, show_error
 from owtsweep.results.conditions import Condition
 
 __all__ = ["draw"]
@@ -81,8 +81,7 @@ def draw(
     criterion: str,
     window: str,
     tuning: str,
-    quantity: str = "",
-    score: str = "MSE",
+    quantity: str,
     coinciding: Sequence[Sequence[str]] = (),
     records: str = "",
     failures: int = 0,
@@ -96,8 +95,7 @@ def draw(
     best: a run's table best_scheme.csv; rows of `criterion` and `window` are shown.
     schemes: names of all schemes and baselines that the table names, in the order of the legend.
     conditions: the study's conditions; at most two of them may have several values.
-    quantity: What the title says the schemes are judged by; if empty, "<criterion> <score>".
-    score: What legend and footnote call the number by which schemes are judged.
+    quantity: What the title says the schemes are judged by, with the unit of the errors in cells.
     coinciding: Groups of names of schemes with equal results. The map shows each group under the
         last of its names; legend and footnote say so of the groups that some cell names.
     records: How many records a cell has, in words, for the title.
@@ -106,9 +104,7 @@ def draw(
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
-        raise InputError(
-            f"best: no cell judged by {criterion} {score} in window {window!r} to draw"
-        )
+        raise InputError(f"best: no cell judged by {criterion} in window {window!r} to draw")
     plane = Plane.of(shown, conditions)
     columns, lines = len(plane.columns), len(plane.lines)
     beside = LETTER * max(map(len, plane.side_label.splitlines()), default=0)
@@ -124,10 +120,10 @@ def draw(
     figure = style.new_figure(max(7.2, 1.0 + width * columns), cells)
     axes = figure.add_subplot()
     labelled = len(rows) <= MOST_LABELS
-    lines_of_text = "two lines" if tall else "one line"
+    lines_of_text = "lines" if tall else "one line"
     draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
     axes.set_title(
-        f"Best scheme by {quantity or f'{criterion} {score}'}\n{style.describe_window(window)}, "
+        f"Best scheme by {quantity}\n{style.describe_window(window)}, "
         f"tuning: {tuning}{_tell_records(records, failures)}",
         loc="left",
     )
@@ -136,8 +132,8 @@ def draw(
     }
     groups = style.choose_groups(coinciding, named)
     handles = _make_legend(rows, listed, groups, holes=len(rows) < plane.size)
-    add_legend(figure, handles, columns=LEGEND_COLUMNS, score=score)
-    explained = _explain(rows, groups, failures, score, labelled=labelled)
+    add_legend(figure, handles, columns=LEGEND_COLUMNS)
+    explained = _explain(rows, groups, failures, labelled=labelled)
     told = {name for group in groups if group[-1] in listed for name in group}
     unlisted = [name for name in schemes if name not in listed and name not in told]
     beaten = [f"Best in no cell: {', '.join(unlisted)}."] if unlisted else []
@@ -160,9 +156,9 @@ def draw_cells(
 
     rows: the cells: rows of a run's table best_scheme.csv with one criterion and one window.
     schemes: names of all compared schemes, which determine the colours.
-    labels: the text in a cell. "two lines" and "one line": the best and the next best scheme, on
-        two lines or on one. "best": the best scheme only. "none": no text, and the cells are drawn
-        as pixels.
+    labels: the text in a cell. "lines" and "one line": the best scheme, its error and the next
+        best, on lines of their own or, without the error, on one. "best": the best scheme only.
+        "none": no text, and the cells are drawn as pixels.
     crossing: a line that will be drawn across the map. With labels "best", labels in its way move
         aside.
     """
@@ -172,15 +168,14 @@ def draw_cells(
         corner = column - 0.5, number - 0.5
         cell: style.Look = {"width": 1.0, "height": 1.0, "rasterized": labels == "none"}
         axes.add_patch(Rectangle(corner, facecolor=fill, edgecolor="white", **cell))
-        if not row["distinguishable"]:
+        if row["verdict"] == "open":
             edge = to_rgba(text_color_on(fill), HATCH_OPACITY)
             cell |= {"hatch": HATCH, "edgecolor": edge, "linewidth": 0.0}
             axes.add_patch(Rectangle(corner, fill=False, **cell))
         if labels == "best":
             _label_best(axes, fill, (column, number), row["best"], crossing)
         elif labels != "none":
-            names = row["best"], _describe_runner_up(row)
-            _label(axes, fill, (column, number), names, tall=labels == "two lines")
+            _label(axes, fill, (column, number), row, tall=labels == "lines")
     plane.label_axes(axes)
     axes.set_facecolor(NO_RESULT)
     axes.grid(False)
@@ -208,34 +203,37 @@ def _style_text(fill: str) -> style.Look:
     return {"color": text_color_on(fill), "bbox": box, "ha": "center", "va": "center"}
 
 
-def _label(
-    axes: Axes, fill: str, place: tuple[int, int], names: tuple[str, str], *, tall: bool
-) -> None:
-    """Write the names of the best and of the next best scheme (or "") into the cell at `place`.
+def _label(axes: Axes, fill: str, place: tuple[int, int], row: Row, *, tall: bool) -> None:
+    """Write best scheme, its error and the next best scheme into the cell at `place`.
 
-    The colour of the cell, `fill`, gives the colour of the text. `tall` cells have room for two
-    lines.
+    The colour of the cell, `fill`, gives the colour of the text. `tall` cells have room for lines.
     """
     column, line = place
-    best, runner_up = names
+    best, runner_up = row["best"], _describe_runner_up(row)
+    if row["verdict"] == "tie":
+        best = f"{best} ="
     text = _style_text(fill)
     if not tall:
         both = f"{best} ({runner_up})" if runner_up else best
         axes.text(column, line, both, fontsize=7, **text)
         return
-    axes.text(column, line + (0.2 if runner_up else 0.0), best, fontsize=9.5, **text)
+    raised = 0.3 if runner_up else 0.17
+    axes.text(column, line + raised, best, fontsize=8.5, **text)
+    axes.text(column, line + raised - 0.31, show_error(row["error_best"]), fontsize=7, **text)
     if runner_up:
-        axes.text(column, line - 0.23, runner_up, fontsize=7, **text)
+        axes.text(column, line - 0.31, runner_up, fontsize=6.5, **text)
 
 
 def _describe_runner_up(row: Row) -> str:
-    """Return a cell's next best scheme and by how much its MSE is larger, e.g. "HME1 +12 %".
+    """Return a cell's next best scheme and by how much its error is larger, e.g. "HME1 +12 %".
 
-    Return "" if there is none, or if the MSE of the best scheme is not positive.
+    Return "" if there is none, or if the least error is not positive.
     """
-    if not row["runner_up"] or not row["mse_best"] > 0:
+    if not row["runner_up"] or not row["error_best"] > 0:
         return ""
-    excess = 100.0 * row["difference"] / row["mse_best"]
+    excess = 100.0 * (row["error_runner_up"] / row["error_best"] - 1.0)
+    if excess >= 999.5:
+        return f"{row['runner_up']} x{excess / 100.0 + 1.0:.0f}"
     return f"{row['runner_up']} {excess:+z.{0 if abs(excess) >= 9.95 else 1}f} %"
 
 
@@ -262,7 +260,7 @@ def _make_legend(
         label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
         look = style_of(name, schemes)
         handles.append(Shades(facecolor=look.color, label=style.label_of(label)))
-    hatched = not all(row["distinguishable"] for row in rows)
+    hatched = any(row["verdict"] == "open" for row in rows)
     return handles + explain_marks(hatched=hatched, holes=holes)
 
 
@@ -271,7 +269,7 @@ def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
     marks = []
     if hatched:
         look: style.Look = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}
-        marks.append(Patch(label="not distinguishable", **look))
+        marks.append(Patch(label="open", **look))
     if holes:
         marks.append(Patch(facecolor=NO_RESULT, label="no result"))
     return marks
@@ -281,19 +279,27 @@ def _explain(
     rows: Sequence[Row],
     groups: Sequence[Sequence[str]],
     failures: int,
-    score: str,
     *,
     labelled: bool,
 ) -> str:
     sentences = []
     if labelled and any(row["runner_up"] for row in rows):
         sentences.append(
-            f"Second name in a cell: the runner-up, and by how much its {score} is larger."
+            "Second name in a cell: the runner-up, and by how much its error is larger."
         )
-    if not all(row["distinguishable"] for row in rows):
+    if any(row["verdict"] == "tie" for row in rows):
         sentences.append(
-            "Hatched: the data do not tell best and runner-up apart"
-            " (paired difference, 95 %, Holm's correction over all cells)."
+            "=: a tie; the named scheme is the simplest of several whose errors differ by less "
+            "than the margin."
+        )
+    if any(row["verdict"] == "open" for row in rows):
+        looked = any(row.get("look", 0) > 0 for row in rows)
+        test = (
+            "paired differences of all looks" if looked else "paired difference, Holm's correction"
+        )
+        sentences.append(
+            f"Hatched, open: the data do not tell best and runner-up apart ({test}; 95 % over all "
+            "cells)."
         )
     sentences += style.explain_coinciding(groups)
     if failures:

@@ -1,4 +1,4 @@
-"""Shade a scheme's colour by its margin: how many times as large the runner-up's MSE is.
+"""Shade a scheme's colour by its margin: how many times as large the runner-up's error is.
 
 A pale fill says that best and runner-up are nearly equally good; a full one, that the choice
 matters.
@@ -21,29 +21,23 @@ from owtsweep.arrays import Array
 from owtsweep.figures.palette import SchemeStyle, channels_of, mix_with_white
 from owtsweep.figures.plane import Row
 
-#: The fill is the scheme's full colour where the runner-up's MSE is this many times the best one's,
-#: or more.
-FULL = 8.0
+#: The fill is the scheme's full colour where the runner-up's error is this many times the best
+#: one's, or more.
+FULL = 3.0
 #: Share of the scheme's colour in the fill of a tie; the rest is white.
 PALEST = 0.3
 
 
-def explain(score: str = "MSE") -> str:
-    """Return what a map's legend says about the shades; `score` is what schemes are judged by."""
-    return (
-        f"Pale: the runner-up's {score} is equal. Full colour: it is {FULL:g} times as large, or "
-        "more."
-    )
-
-
-#: What the legend of a map of MSE says about the shades.
-EXPLANATION = explain()
+#: What a map's legend says about the shades.
+EXPLANATION = (
+    f"Pale: the runner-up's error is equal. Full colour: it is {FULL:g} times as large, or more."
+)
 
 
 def share_of_color(ratio: ArrayLike) -> Array:
     """Return the share of the scheme's colour in the fill, from `PALEST` to 1; the rest is white.
 
-    It grows with the logarithm of `ratio`, the runner-up's MSE over the best scheme's, and is 1
+    It grows with the logarithm of `ratio`, the runner-up's error over the best one's, and is 1
     where there is no runner-up (NaN).
     """
     ratio = np.asarray(ratio, dtype=float)
@@ -52,12 +46,12 @@ def share_of_color(ratio: ArrayLike) -> Array:
 
 
 def ratio_of(row: Row) -> float:
-    """Return the runner-up's MSE over the best scheme's in a row of best_scheme.csv.
+    """Return the runner-up's error over the best one's in a row of best_scheme.csv.
 
-    NaN without a runner-up, or if the best scheme's MSE is not positive.
+    NaN without a runner-up, or if the least error is not positive.
     """
-    best = float(row["mse_best"])
-    return float(row["mse_runner_up"]) / best if best > 0.0 else float("nan")
+    best = float(row["error_best"])
+    return float(row["error_runner_up"]) / best if best > 0.0 else float("nan")
 
 
 def fill_cell(style: SchemeStyle, ratio: float) -> str:
@@ -116,11 +110,11 @@ class _Strip(HandlerBase):
 HANDLERS: dict[type[Artist], HandlerBase] = {Shades: _Strip()}
 
 
-def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, score: str = "MSE") -> None:
+def add_legend(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
     """Put the legend of a map above its title; the legend's own title explains the shades."""
     figure.legend(
         handles=handles, handler_map=HANDLERS, ncols=columns, loc="outside upper center",
-        frameon=False, title=explain(score), title_fontsize=9,
+        frameon=False, title=EXPLANATION, title_fontsize=9,
     )  # fmt: skip
 
 

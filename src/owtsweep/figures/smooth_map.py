@@ -104,7 +104,7 @@ def draw(
 
 def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
     looks = [style_of(name, schemes) for name in schemes]
-    ratio = 1.0 + field.excess / 100.0
+    ratio = np.sqrt(1.0 + field.excess / 100.0)  # of errors, not of their squares
     fill = margin.fill_regions(field.best, ratio, [look.color for look in looks])
     axes.pcolormesh(field.columns, field.lines, fill, shading="nearest", rasterized=True)
     for number, (name, look) in enumerate(zip(schemes, looks, strict=True)):
@@ -126,7 +126,9 @@ def _cover_baselines(axes: Axes, field: Field, baselines: Sequence[str]) -> None
     if not covered.any():
         return
     looks = [style_of(name, baselines) for name in baselines]
-    fill = margin.fill_regions(field.baseline, np.exp(field.lead), [look.color for look in looks])
+    fill = margin.fill_regions(
+        field.baseline, np.exp(0.5 * field.lead), [look.color for look in looks]
+    )
     cover = np.dstack([fill, covered.T])
     axes.pcolormesh(field.columns, field.lines, cover, shading="nearest", rasterized=True, zorder=6)
     if not covered.all():

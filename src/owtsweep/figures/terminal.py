@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
-from math import floor, log10
 from string import ascii_uppercase
 
 import pandas as pd
@@ -23,7 +22,7 @@ from rich.text import Text
 
 from owtsweep.figures import margin
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Plane, Row
+from owtsweep.figures.plane import Plane, Row, show_error
 from owtsweep.results.conditions import Condition
 
 __all__ = ["grid"]
@@ -188,13 +187,7 @@ class _Explanation:
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         if SHADED.get(console.color_system or "") and not console.no_color:
-            yield Text(margin.explain("error"))
-
-
-def show_error(error: float) -> str:
-    """Return an error with three digits that count, e.g. "0.0141" or "1.20"."""
-    digits = 2 - floor(log10(error)) if error > 0.0 else 0
-    return f"{error:.{digits}f}" if 0 <= digits <= 5 else f"{error:.3g}"
+            yield Text(margin.EXPLANATION)
 
 
 def _make_legend(

@@ -103,11 +103,14 @@ def find_best_schemes(
     return tell_in_best_scheme(whole[columns], cube.unable, cube.names)
 
 
-def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
+def find_coinciding(
+    cube: Cube, criteria: Sequence[str], contenders: Sequence[str] = ()
+) -> list[tuple[str, ...]]:
     """Find groups of schemes whose values are equal up to rounding, everywhere and by all criteria.
 
-    The members of a group are in the order of `cube.schemes`; the last is the name that
-    `find_best_schemes` uses for the group.
+    The last member of a group is the name that stands for the group in the table best_scheme:
+    the simplest, if `contenders` names them all, the simplest first; else the last in
+    `cube.schemes`.
     """
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
@@ -122,7 +125,10 @@ def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]
             compared |= bool(both.any())
         return compared
 
-    return group_coinciding(cube.schemes, coincide)
+    groups = group_coinciding(cube.schemes, coincide)
+    if not contenders:
+        return groups
+    return [tuple(sorted(group, key=contenders.index, reverse=True)) for group in groups]
 
 
 def _find_place(labels: Sequence[str], label: str, argument: str) -> int:

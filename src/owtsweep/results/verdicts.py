@@ -55,7 +55,7 @@ class Asked:
 
     criteria: Measures by which schemes are judged; the first one says how many records a cell gets.
     window: the window that is judged.
-    ranks: Scheme or baseline -> how simple it is; the least is the simplest.
+    contenders: Names of schemes and baselines, the simplest first.
     baselines: Names of those that are no schemes.
     cells: Number of cells of the map.
     margin, most, ties_from: as in `statistics.deciding.Rule`.
@@ -63,7 +63,7 @@ class Asked:
 
     criteria: Mapping[str, Criterion]
     window: str
-    ranks: Mapping[str, int]
+    contenders: Sequence[str]
     baselines: Sequence[str]
     cells: int
     margin: float
@@ -100,7 +100,8 @@ def list_cells(cube: Cube, rows: pd.DataFrame, asked: Asked, name: str) -> Itera
         return
     measure, window = cube.measures.index(name), cube.windows.index(asked.window)
     records = [int(label) for label in cube.replicates]
-    order = sorted(range(len(cube.schemes)), key=lambda i: asked.ranks[cube.schemes[i]])
+    places = {name: place for place, name in enumerate(asked.contenders)}
+    order = sorted(range(len(cube.schemes)), key=lambda i: places[cube.schemes[i]])
     for place in cube.outer_places():
         values = np.full((len(cube.schemes), len(cube.levels[-1]), run.shape[-1]), np.nan)
         for i in order:
@@ -200,9 +201,9 @@ def make_table(cube: Cube, rows: pd.DataFrame, asked: Asked) -> pd.DataFrame:
             decision = decide(cell.values, rule, asked.cells, cell.run)
             if decision.look == 0 or decision.best < 0:
                 continue
-            line = {**cell.conditions, "criterion": name, "window": asked.window}
+            line: dict[str, object] = {**cell.conditions, "criterion": name, "window": asked.window}
             line |= _describe(cell, decision, criterion, asked.baselines)
-            lines.append(line | {"more": _estimate_more(cell, decision, rule, asked.cells)})
+            lines.append({**line, "more": _estimate_more(cell, decision, rule, asked.cells)})
     if not lines:
         return pd.DataFrame(columns=columns)
     order: dict[str, Sequence[object]] = dict(zip(cube.names, cube.levels, strict=True))

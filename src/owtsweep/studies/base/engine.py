@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Generic
 
@@ -39,8 +39,8 @@ class ContestEngine(Engine, Generic[C]):
         """Return all blocks of a configuration, or those of a part of its cells and schemes."""
 
     @abstractmethod
-    def rank(self, config: C) -> Mapping[str, int]:
-        """Return scheme -> how simple it is; the least is the simplest."""
+    def rank(self, config: C) -> Sequence[str]:
+        """Return the names of a configuration's schemes, the simplest first."""
 
     def plan_look(self, config: C, rows: pd.DataFrame) -> Look | None:
         """Return the next look; None if all cells are decided or have most records."""
@@ -63,7 +63,8 @@ class ContestEngine(Engine, Generic[C]):
         metadata: Mapping[str, str],
     ) -> dict[str, Drawing]:
         """Return the map of each criterion, and the errors of single records."""
-        return maps.list_maps(self.contest, config, tables, rows, metadata)
+        contenders = self.rank(config) if config.grid.decides else ()
+        return maps.list_maps(self.contest, config, tables, rows, metadata, contenders)
 
     def terminal(self, config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map by the key `criterion`, and who wins by each one."""
@@ -87,5 +88,5 @@ class DeclaredEngine(DeclaredBlocks, ContestEngine[ContestConfig]):
         DeclaredBlocks.__init__(self, declaration)
         ContestEngine.__init__(self, contest)
 
-    def rank(self, config: ContestConfig) -> Mapping[str, int]:
-        return self.declaration.schemes.rank(config)
+    def rank(self, config: ContestConfig) -> Sequence[str]:
+        return [*self.declaration.schemes.rank(config)]

@@ -39,10 +39,12 @@ def list_maps(
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
     metadata: Mapping[str, str],
+    contenders: Sequence[str] = (),
 ) -> dict[str, Drawing]:
     """Return name -> function that draws: "map_<criterion>" of each criterion, "distributions".
 
-    The latter shows single records, if there are several, by the key `criterion`.
+    The latter shows single records, if there are several, by the key `criterion`. `contenders`
+    names the schemes, the simplest first, if cells get records until they are decided.
     """
     from owtsweep.figures import distributions
 
@@ -53,7 +55,7 @@ def list_maps(
         f"map_{criterion}": save_figure(
             partial(
                 _draw_map, contest, config, tables["best_scheme"], criterion, cube.schemes,
-                find_coinciding(cube, [criterion]), failures, notes,
+                find_coinciding(cube, [criterion], contenders), failures, notes,
             ),
             metadata,
         )
@@ -87,7 +89,7 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
         best, schemes, conditions, config.criterion, WINDOW,
         quantity=chosen.title, unit=chosen.unit,
     )  # fmt: skip
-    lines = []
+    lines: list[str] = []
     for name in [config.criterion, *contest.criteria]:
         cells = best[best["criterion"] == name]
         if not len(cells):
@@ -142,7 +144,6 @@ def _draw_map(
         window=WINDOW,
         tuning=config.tuning_name,
         quantity=contest.criteria[criterion].title,
-        score="error",
         coinciding=coinciding,
         records=config.grid.describe_records(),
         failures=failures,

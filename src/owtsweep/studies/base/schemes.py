@@ -229,12 +229,6 @@ class SchemeTable:
         plain = entry if isinstance(entry, str) else {str(k): v for k, v in entry.items()}
         return {"entry": plain} | describe_source(type(scheme), scheme.version)
 
-    def rank(self, config: AnyConfig) -> dict[str, int]:
-        """Return name -> how simple each contender is; the least is the simplest."""
-        names = list_names(self.list_entries(config))
-        listed = [*self.listed]
-        return {n: listed.index(n) if n in listed else 1000 + i for i, n in enumerate(names)}
-
     def explain_anew(self, scheme: AnyScheme) -> str:
         """Return why stored rows of a scheme must be recomputed; "" if they can be used."""
         ours = scheme.name in self.listed

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.comparing.comparison import Aspects, Candidate
@@ -19,30 +19,30 @@ if TYPE_CHECKING:
 
 
 def make_tables(
-    contest: Contest[C], config: C, rows: pd.DataFrame, ranks: Mapping[str, int]
+    contest: Contest[C], config: C, rows: pd.DataFrame, contenders: Sequence[str]
 ) -> dict[str, pd.DataFrame]:
     """Make the tables "summary" and "best_scheme" from a run's rows.
 
-    ranks: Scheme -> how simple it is; the least is the simplest.
+    contenders: Names of schemes, the simplest first.
     """
     summary = summarise(make_cube(contest, config, rows, list_names(config.schemes)))
     competing = list_competing(config, rows)
     cube = make_cube(contest, config, rows, competing)
     if config.grid.decides:
-        best = make_table(cube, spread_all(contest, config, rows), ask(contest, config, ranks))
+        best = make_table(cube, spread_all(contest, config, rows), ask(contest, config, contenders))
     else:
         measured = [name for name in contest.criteria if name in cube.measures]
         best = add_errors(find_best_schemes(cube, WINDOW, measured), summary, contest.criteria)
     return {"summary": summary, "best_scheme": best}
 
 
-def ask(contest: Contest[C], config: C, ranks: Mapping[str, int]) -> Asked:
+def ask(contest: Contest[C], config: C, contenders: Sequence[str]) -> Asked:
     """Return what a configuration asks of its map, with the criterion that decides first."""
     grid, first = config.grid, config.criterion
     return Asked(
         {first: contest.criteria[first], **contest.criteria},
         WINDOW,
-        ranks,
+        contenders,
         (),
         count_cells(contest.get_grid(config)),
         grid.margin,

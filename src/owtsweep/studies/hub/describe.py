@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from owtsweep.studies.hub.conditions import MEASURES, find_world, get_conditions, get_grid
-from owtsweep.studies.hub.listed import INSTEAD, list_baselines, scheme_names
+from owtsweep.studies.hub.conditions import CRITERIA, MEASURES, find_world, get_conditions, get_grid
+from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
 from owtsweep.studies.hub.tuning_rules import take_facts
 
 if TYPE_CHECKING:
@@ -200,3 +200,11 @@ def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False)
     names = scheme_names(config) + (list_baselines(config) if baselines else [])
     conditions = get_conditions(config)
     return Cube.of_rows(rows, names, conditions, get_grid(config), measures=MEASURES)
+
+
+def find_alike(config: HubConfig, rows: pd.DataFrame) -> list[tuple[str, ...]]:
+    """Find groups of schemes with equal results; the last of a group stands for it on a map."""
+    from owtsweep.results.best_scheme import find_coinciding
+
+    contenders = [*SCHEMES.rank(config)] if config.grid.decides else ()
+    return find_coinciding(make_cube(config, rows), CRITERIA, contenders)

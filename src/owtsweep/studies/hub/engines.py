@@ -207,7 +207,7 @@ def _ask(config: HubConfig) -> Asked:
     return Asked(
         {name: JUDGED[name] for name in (first, *criteria(config))},
         config.measures.window,
-        SCHEMES.rank(config),
+        [*SCHEMES.rank(config)],
         list_baselines(config),
         count_cells(get_grid(config)),
         grid.margin,

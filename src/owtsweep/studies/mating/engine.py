@@ -43,10 +43,10 @@ class MatingEngine(ContestEngine["MatingConfig"]):
     def __init__(self) -> None:
         super().__init__(CONTEST)
 
-    def rank(self, config: MatingConfig) -> Mapping[str, int]:
+    def rank(self, config: MatingConfig) -> Sequence[str]:
         blade = get_study("blade")
         assert isinstance(blade, DeclaredStudy)
-        return blade.declaration().schemes.rank(config)
+        return [*blade.declaration().schemes.rank(config)]
 
     def plan(self, config: MatingConfig, part: PlanPart | None = None) -> list[Block]:
         schemes = [Planned(name) for name in config.schemes]

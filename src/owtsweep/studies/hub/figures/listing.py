@@ -7,10 +7,9 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
-from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.hub.conditions import (
-    CRITERIA,
+    JUDGED,
     find_world,
     get_map_conditions,
     list_maps,
@@ -20,6 +19,7 @@ from owtsweep.studies.hub.describe import (
     OTHER_WINDOW,
     describe_one_record,
     describe_origin,
+    find_alike,
     find_winners,
     make_cube,
 )
@@ -65,7 +65,7 @@ def drawings(
     metadata: texts by name to store inside the figures' files.
     """
     summary, records = tables["summary"], config.grid.describe_records()
-    same = find_coinciding(make_cube(config, rows), CRITERIA)
+    same = find_alike(config, rows)
     best = partial(draw_cells, config, tables, rows, coinciding=same, records=records)
     results = {
         **maps(config, best),
@@ -88,7 +88,7 @@ def drawings_of_plant(
     """List all figures of a run with motion=plant, with maps for all conditions off their axes."""
     records, same = (
         config.grid.describe_records(),
-        find_coinciding(make_cube(config, rows), CRITERIA),
+        find_alike(config, rows),
     )
     found: dict[str, Draw] = {}
     for end, at in list_maps(config).items():
@@ -152,7 +152,7 @@ def draw_cells(
     """
     from owtsweep.figures import best_scheme_map
 
-    window = config.measures.window
+    window, judged = config.measures.window, JUDGED[criterion]
     best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
     values = f", {find_world(config).describe_values(at)}" if at else ""
     return best_scheme_map.draw(
@@ -162,7 +162,7 @@ def draw_cells(
         criterion=criterion,
         window=window,
         tuning=config.tuning_name,
-        quantity=f"{criterion} MSE (x + y){values}",
+        quantity=f"{judged.title} ({judged.unit}){values}",
         coinciding=coinciding,
         records=records,
         failures=int((rows["status"] == FAILED).sum()),

@@ -21,9 +21,9 @@ from owtsweep.figures.best_scheme_map import ONE_LINE, draw_cells
 from owtsweep.figures.margin import HANDLERS, Shades
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
-from owtsweep.results.best_scheme import find_coinciding, tell_winners
-from owtsweep.studies.hub.conditions import CRITERIA, find_world, get_map_conditions, select
-from owtsweep.studies.hub.describe import OTHER_WINDOW, describe_origin, find_winners, make_cube
+from owtsweep.results.answer import tell_counts
+from owtsweep.studies.hub.conditions import JUDGED, find_world, get_map_conditions, select
+from owtsweep.studies.hub.describe import OTHER_WINDOW, describe_origin, find_alike, find_winners
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def draw(
     for tuning, cells in shown.items():
         if cells.empty:
             raise InputError(
-                f"tuning {tuning}: no cell is judged by {criterion} MSE in window {window!r}"
+                f"tuning {tuning}: no cell is judged by {criterion} in window {window!r}"
             )
     names = [*scheme_names(config), *list_baselines(config)]
     axes_of_maps = get_map_conditions(config)[:2]
@@ -89,14 +89,14 @@ def draw(
     column, row = float(np.clip(6.0 / columns, *COLUMN)), float(np.clip(5.0 / lines, *ROW))
     width, height = BESIDE + columns * column, 2.4 + lines * row
     room = region is None and row >= ONE_LINE and column >= LETTER * (max(map(len, names)) + 9)
-    text = "two lines" if room else "best"
+    text = "lines" if room else "best"
     figure = style.new_figure(max(width, 4.8) * len(results), height)
     panels = figure.subplots(1, len(results), squeeze=False)[0]
     for axes, (tuning, cells) in zip(panels, shown.items(), strict=True):
         labels = text if len(cells) <= MOST_LABELS else "none"
         draw_cells(axes, cells.to_dict("records"), names, planes[tuning], labels=labels)
         letters = int(12 * max(width, 4.8))
-        sentence = "\n".join(textwrap.wrap(tell_winners(cells), letters))
+        sentence = "\n".join(textwrap.wrap(tell_counts(cells), letters))
         if region is not None:
             _outline(axes, planes[tuning], region)
         axes.set_title(f"Tuning {tuning}\n{sentence}", loc="left", fontsize=10)
@@ -111,7 +111,7 @@ def draw(
     figure.legend(
         handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
     )
-    title = f"Best scheme by {criterion} MSE, {style.describe_window(window)}"
+    title = f"Best scheme by {JUDGED[criterion].title}, {style.describe_window(window)}"
     title += f", {find_world(config).describe_values(at)}" if at else ""
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
@@ -133,7 +133,7 @@ def _find_groups(result: Results, cells: pd.DataFrame, *, second: bool) -> list[
         return []
     config: AnyConfig = result.config
     named = {*cells["best"], *(cells["runner_up"] if second else ())}
-    return style.choose_groups(find_coinciding(make_cube(config, result.rows), CRITERIA), named)
+    return style.choose_groups(find_alike(config, result.rows), named)
 
 
 #: Yellow, as the envelope is in the paper. There is no fill: it would change the cells' colours.
@@ -150,10 +150,9 @@ def _outline(axes: Axes, plane: Plane, region: Region) -> None:
     axes.add_patch(Polygon(corners, zorder=6, **_OUTLINE))
 
 
-RUNNER_UP = "Second name in a cell: the runner-up, and by how much its MSE is larger."
+RUNNER_UP = "Second name in a cell: the runner-up, and by how much its error is larger."
 EXPLANATION = (
-    f"Colour: the scheme of least mean square error in the cell. {margin.EXPLANATION} Hatched: "
-    "the records do not show that the best scheme is better than the next best (95 %, Holm's "
-    "correction over one map). All tunings have the same records of motion and noise; only what "
-    "the schemes assume differs."
+    f"Colour: the scheme of least error in the cell. {margin.EXPLANATION} Hatched: the records do "
+    "not show that the best scheme is better than the next best (95 % over one map). All tunings "
+    "have the same records of motion and noise; only what the schemes assume differs."
 )
