@@ -14,19 +14,26 @@ from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, curves, style, terminal
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Condition
+from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
+from owtsweep.results.verdicts import add_errors
 
 
 def make_tables(conditions):
     cube = Cube.of_rows(make_rows(conditions), SCHEMES, conditions, GRID)
-    return summarise(cube), find_best_schemes(cube, "full", ["strain"])
+    summary, best = summarise(cube), find_best_schemes(cube, "full", ["strain"])
+    return summary, add_errors(best, summary, {"strain": STRAIN})
+
+
+STRAIN = Criterion("strain: mean square error", "plain", "", 0.01, "it is a test")
 
 
 def draw_map(best, conditions):
     return best_scheme_map.draw(
-        best, SCHEMES, conditions, criterion="strain", window="full", tuning="paper"
-    )
+        best, SCHEMES, conditions, criterion="strain", window="full", tuning="paper",
+        quantity="strain MSE",
+    )  # fmt: skip
 
 
 def labels_of(figure) -> tuple[list[str], list[str], str, str, str]:
@@ -68,6 +75,7 @@ def test_a_map_of_few_cells_has_room_for_its_names(lines):
     with style.context():
         figure = best_scheme_map.draw(
             best, SCHEMES, (SOIL, noise), criterion="strain", window="full", tuning="paper",
+            quantity="strain MSE",
             notes=["In summary.csv, but not in the contest, because estimates wait: ALL."] * 5,
         )  # fmt: skip
         style.add_origin(figure, "Truth: one\nof four\nlong\nlines.")
@@ -75,7 +83,7 @@ def test_a_map_of_few_cells_has_room_for_its_names(lines):
     axes = figure.axes[0]
     assert axes.get_window_extent().height / figure.dpi >= 0.55 * lines
     boxes = [text.get_window_extent() for text in axes.texts]
-    assert len(boxes) == 4 * lines
+    assert len(boxes) == 6 * lines
     boxes += [axes.yaxis.label.get_window_extent(), axes.xaxis.label.get_window_extent()]
     boxes += [figure._supxlabel.get_window_extent(), figure.legends[0].get_window_extent()]
     for one, other in combinations(boxes, 2):

@@ -47,7 +47,7 @@ def test_text_on_every_fill_has_a_contrast_of_at_least_4_5():
     [(2.0, 3.0, 1.5), (2.0, math.nan, math.nan), (0.0, 1.0, math.nan)],
 )
 def test_the_ratio_of_a_cell(best, runner_up, ratio):
-    row = {"mse_best": best, "mse_runner_up": runner_up}
+    row = {"error_best": best, "error_runner_up": runner_up}
     assert ratio_of(row) == pytest.approx(ratio, nan_ok=True)
 
 

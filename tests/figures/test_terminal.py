@@ -33,9 +33,10 @@ def make_best(schemes=SCHEMES, conditions=CONDITIONS, grid=(PERIODS, AMPLITUDES)
     rows = []
     for number, cell in enumerate(itertools.product(*grid)):
         row = dict(zip(names, cell, strict=True)) | {"criterion": "position", "window": "full"}
-        row |= {"best": schemes[number % 4], "mse_best": 1.0, "mse_runner_up": 1.0 + number / 2.0}
+        row |= {"best": schemes[number % 4]}
         row |= {"verdict": "open" if number % 3 == 0 else "tie" if number == 1 else "won"}
-        rows.append(row | {"error_best": 0.01234 * (1 + number)})
+        error = 0.01234 * (1 + number)
+        rows.append(row | {"error_best": error, "error_runner_up": error * (1.0 + number / 8.0)})
     return pd.DataFrame(rows)
 
 

@@ -96,12 +96,8 @@ def test_more_records_continue_a_contest_and_change_no_decision() -> None:
 
 def test_contenders_that_coincide_count_as_one_named_by_the_simplest() -> None:
     one = np.random.default_rng(8).gamma(5.0, size=64)
-    found = decide(np.stack([one, one * (1.0 + 1e-12), 4.0 * one]), RULE, 60)
+    found = decide(np.stack([one, one * (1.0 + 1e-12), 40.0 * one]), RULE, 6)
     assert (found.verdict, found.best, found.left, found.look) == ("won", 0, (0, 1), 1)
-    later = np.stack([one, one.copy()])
-    later[1, 10:] *= 0.5 * np.random.default_rng(9).uniform(0.9, 1.1, 54)
-    looks = list(follow_looks(later, RULE, 60))
-    assert looks[0].verdict == "won"  # of eight records nobody can know
 
 
 def test_there_is_no_look_at_records_that_were_not_run() -> None:

@@ -44,6 +44,10 @@ def tell_answer(
         sentences.append(
             f"No estimator (best baseline): {_tell_range(cells['error_baseline'], criterion)}."
         )
+    if (cells["look"] > 0).all():
+        sentences.append(
+            f"Failures in fewer than 3 of {cells['n'].min()} records could not be seen."
+        )
     return sentences + _tell_open(cells, conditions)
 
 

@@ -370,3 +370,47 @@ def add_errors(
     added = [name for name in COLUMNS if name not in best and name not in ("left", "more")]
     added += [name for name in roots if name == "error_baseline"]
     return table[[*best.columns, *added]]
+
+
+def judge_exactly(best: pd.DataFrame, summary: pd.DataFrame, asked: Asked) -> pd.DataFrame:
+    """Return the table best_scheme of exact means, judged by the margin alone.
+
+    A cell is won if every other contender that does not coincide with the best is worse by more
+    than the margin. Otherwise it is a tie, for the simplest of those within the margin.
+
+    best: what `add_errors` returns.
+    summary: the table summary with the exact means.
+    """
+    keys = list_shared(best, summary)
+    lines = summary[summary["measure"].isin(list(asked.criteria))].copy()
+    named = lines["measure"].map(asked.criteria)
+    squares = (named.map(lambda criterion: criterion.values) == "square").to_numpy()
+    lines["error"] = np.where(squares, np.sqrt(lines["mean"].clip(lower=0.0)), lines["mean"])
+    groups = [*keys, "measure"]
+    least = lines.groupby(groups)["error"].transform("min")
+    floor = named.map(lambda criterion: criterion.floor).astype(float)
+    within = lines["error"] <= least + np.maximum(asked.margin * least, floor)
+    lines = lines[within].assign(
+        simple=lines["scheme"].map({name: n for n, name in enumerate(asked.contenders)}),
+        level=(lines["error"] / least).round(9),
+    )
+    lines = lines.sort_values("simple", kind="stable")
+    found = lines.groupby(groups, as_index=False).agg(
+        simplest=("scheme", "first"),
+        error=("error", "first"),
+        left=("scheme", SEPARATOR.join),
+        levels=("level", "nunique"),
+    )
+    table = best.merge(found, how="left", left_on=[*keys, "criterion"], right_on=groups)
+    known, tied = table["levels"].notna(), table["levels"] > 1
+    table["verdict"] = np.where(tied, "tie", np.where(known, "won", table["verdict"]))
+    moved = known & (table["simplest"] != table["best"])
+    for column, value in (
+        ("runner_up", table["best"].where(tied, table["runner_up"])),
+        ("error_runner_up", table["error_best"].where(tied, table["error_runner_up"])),
+        ("error_best", table["error"]),
+        ("best", table["simplest"]),
+    ):
+        table.loc[moved, column] = value[moved]
+    table["distinguishable"] = table["verdict"] == "won"
+    return table[[*best.columns, "left"]]

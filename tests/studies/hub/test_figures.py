@@ -27,8 +27,9 @@ from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
+from owtsweep.results.verdicts import add_errors
 from owtsweep.studies import compose
-from owtsweep.studies.hub.conditions import CRITERIA
+from owtsweep.studies.hub.conditions import CRITERIA, JUDGED
 from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.listed import StoredHubScheme
@@ -50,12 +51,9 @@ def best_table(periods, amplitudes, *, criterion: str = "position") -> pd.DataFr
                 "window": "full",
                 "best": "HME1" if j > i else "HME2",
                 "runner_up": "HME2" if j > i else "HME1",
-                "mse_best": 2e-3,
-                "mse_runner_up": 2.5e-3,
-                "difference": 5e-4,
-                "ci_low": 1e-4,
-                "ci_high": 9e-4,
-                "distinguishable": abs(i - j) > 1,
+                "error_best": 0.04,
+                "error_runner_up": 0.05,
+                "verdict": "won" if abs(i - j) > 1 else "open",
             }
         )
     return pd.DataFrame(rows)
@@ -114,15 +112,16 @@ def test_map_colours_and_hatches_every_cell_as_the_table_says(periods, amplitude
         criterion="position",
         window="full",
         tuning="paper",
-        replicates=20,
+        quantity="position MSE",
+        records="20 records per cell",
     )
     colours, hatches = cells_of(figure, hatched=False), cells_of(figure, hatched=True)
     assert len(colours) == len(table)
     for row in table.to_dict("records"):
         place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
-        expected = margin.fill_cell(LOOKS[row["best"]], 1.25)  # mse_runner_up / mse_best
+        expected = margin.fill_cell(LOOKS[row["best"]], 1.25)  # error_runner_up / error_best
         assert to_hex(colours[place].get_facecolor()) == expected.lower()
-        assert (place in hatches) == (not row["distinguishable"])
+        assert (place in hatches) == (row["verdict"] == "open")
     shown = texts(figure)
     assert "+25 %" in shown
     assert margin.EXPLANATION in shown
@@ -160,7 +159,7 @@ def test_labels_of_a_map_lie_beside_the_line_that_crosses_it():
 
 def test_map_names_coinciding_schemes_together_and_explains_holes():
     table = best_table([3.0, 4.0], [0.2, 1.0]).iloc[:-1]
-    table["distinguishable"] = True
+    table["verdict"] = "won"
     table.loc[0, "runner_up"] = "MKF"
     figure = best_scheme_map.draw(
         table,
@@ -169,6 +168,7 @@ def test_map_names_coinciding_schemes_together_and_explains_holes():
         criterion="position",
         window="full",
         tuning="matched",
+        quantity="position MSE",
         coinciding=[("EKF", "MKF")],
     )
     shown = texts(figure)
@@ -186,7 +186,7 @@ def test_map_tells_of_coinciding_schemes_only_where_it_names_them(amplitudes):
     table["runner_up"] = "MKF" if len(amplitudes) > 300 else "HME1"
     figure = best_scheme_map.draw(
         table, SCHEMES, CONDITIONS, criterion="position", window="full", tuning="matched",
-        coinciding=[("EKF", "MKF")],
+        quantity="position MSE", coinciding=[("EKF", "MKF")],
     )  # fmt: skip
     shown = texts(figure)
     assert "EKF (0 cells)" in shown
@@ -200,7 +200,7 @@ def test_map_of_many_schemes_says_of_no_winner_that_it_is_best_nowhere():
     names = [*(f"KF_{n}" for n in range(9)), "KF_A", "HME1", "HME2"]
     figure = best_scheme_map.draw(
         best_table([3.0, 4.0], [0.2, 1.0]), names, CONDITIONS, criterion="position", window="full",
-        tuning="matched", coinciding=[("KF_A", "HME1"), ("KF_0", "KF_1")],
+        tuning="matched", quantity="position MSE", coinciding=[("KF_A", "HME1"), ("KF_0", "KF_1")],
     )  # fmt: skip
     shown = texts(figure)
     assert "KF_A = HME1" in shown
@@ -209,13 +209,12 @@ def test_map_of_many_schemes_says_of_no_winner_that_it_is_best_nowhere():
 
 
 def test_map_without_a_runner_up_names_the_best_alone():
-    table = best_table([3.0], [0.2]).assign(
-        runner_up="", mse_runner_up=math.nan, difference=math.nan, distinguishable=False
-    )
+    table = best_table([3.0], [0.2]).assign(runner_up="", error_runner_up=math.nan, verdict="open")
     figure = best_scheme_map.draw(
-        table, ["HME2"], CONDITIONS, criterion="position", window="full", tuning="paper"
-    )
-    assert [text.get_text() for text in figure.axes[0].texts] == ["HME2"]
+        table, ["HME2"], CONDITIONS, criterion="position", window="full", tuning="paper",
+        quantity="position MSE",
+    )  # fmt: skip
+    assert [text.get_text() for text in figure.axes[0].texts] == ["HME2", "0.0400"]
 
 
 def test_map_refuses_a_criterion_without_rows():
@@ -227,6 +226,7 @@ def test_map_refuses_a_criterion_without_rows():
             criterion="velocity",
             window="full",
             tuning="paper",
+            quantity="velocity MSE",
         )
 
 
@@ -328,14 +328,14 @@ def run(monkeypatch):
     rows = run_rows(SCHEMES, periods)
     words = [f"grid.natural_period={periods}", f"grid.amplitude={amplitudes}", "grid.replicates=3"]
     words += [f"schemes=[{','.join(SCHEMES)}]", "baselines=[]", "tuning=paper"]
+    words += ["measures.window=full"]
     config = compose(words)
     # what is drawn from the configuration alone: tests/studies/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures.listing._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})
-    tables = {
-        "summary": summarise(cube),
-        "best_scheme": find_best_schemes(cube, "full", CRITERIA),
-    }
+    summary = summarise(cube)
+    best = add_errors(find_best_schemes(cube, "full", CRITERIA), summary, JUDGED)
+    tables = {"summary": summary, "best_scheme": best}
     return config, tables, rows
 
 
@@ -395,7 +395,7 @@ def test_terminal_map_reads_without_colours():
         ["0.05", "m", "HME2", "~", "HME2", "~"],
     ]
     assert any("3 s" in line and "8 s" in line for line in lines)
-    assert "HME1 3, HME2 3; ~ not distinguishable" in lines[-1]
+    assert any("HME1 3, HME2 3; ~ open: the data" in line for line in lines)
 
 
 def test_terminal_map_of_many_periods_and_of_missing_cells():
@@ -410,7 +410,7 @@ def test_terminal_map_of_many_periods_and_of_missing_cells():
 
 
 def test_what_would_run_the_authors_code_is_left_out_and_told():
-    described = {"name": "HME1", "linear": True, "batched": "chain"}
+    described = {"name": "HME1", "linear": True, "batched": "chain", "simplicity": 99}
     theirs = StoredHubScheme({"_target_": "theirs.HME1"}, described)
     config = changed(configure(tuning="matched"), schemes=["MKF", "HME2", theirs])
     shown = error_spectra.compute(config, points=5)

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from owtsweep.studies.hub.conditions import CRITERIA, MEASURES, find_world, get_conditions, get_grid
+from owtsweep.results.verdicts import Asked, count_cells
+from owtsweep.studies.hub.conditions import (
+    CRITERIA,
+    JUDGED,
+    MEASURES,
+    criteria,
+    find_world,
+    get_conditions,
+    get_grid,
+)
 from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
 from owtsweep.studies.hub.tuning_rules import take_facts
 
@@ -130,10 +139,10 @@ UNDECIDED = (
 )
 #: Window -> what an answer that judges it says of the other one.
 OTHER_WINDOW = {
-    "full": "Judged: the full record, with its start. Over the settled part alone, as `vary` and "
-    "`replay` judge (measures.window=settled), another may be best.",
-    "settled": "Judged: the settled part of a record. Over the full record, as `sweep` judges by "
-    "default (measures.window=full), another may be best.",
+    "full": "Judged: the full record, with its start. Over the settled part alone, as is the "
+    "default (measures.window=settled), another may be best.",
+    "settled": "Judged: the settled part of a record. Over the full record, with its start "
+    "(measures.window=full), another may be best.",
 }
 
 
@@ -208,3 +217,17 @@ def find_alike(config: HubConfig, rows: pd.DataFrame) -> list[tuple[str, ...]]:
 
     contenders = [*SCHEMES.rank(config)] if config.grid.decides else ()
     return find_coinciding(make_cube(config, rows), CRITERIA, contenders)
+
+
+def ask(config: HubConfig) -> Asked:
+    """Return what a configuration asks of its map, with the criterion that decides first."""
+    first, grid = config.measures.criterion, config.grid
+    return Asked(
+        {name: JUDGED[name] for name in (first, *criteria(config))},
+        config.measures.window,
+        [*SCHEMES.rank(config)],
+        list_baselines(config),
+        count_cells(get_grid(config)),
+        grid.margin,
+        grid.most,
+    )

@@ -12,7 +12,7 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.answer import tell_answer, tell_scheme
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
-from owtsweep.results.verdicts import Asked, add_errors, count_cells, make_table
+from owtsweep.results.verdicts import add_errors, make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
@@ -21,13 +21,13 @@ from owtsweep.studies.hub.conditions import (
     JUDGED,
     criteria,
     find_world,
-    get_grid,
     get_map_conditions,
     list_maps,
 )
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.describe import (
     OTHER_WINDOW,
+    ask,
     describe_draws,
     describe_truth,
     find_winners,
@@ -37,7 +37,6 @@ from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
 from owtsweep.studies.hub.listed import (
     REGISTERED,
-    SCHEMES,
     list_baselines,
     list_entries,
     resolve_all,
@@ -168,14 +167,14 @@ class RecordsEngine(DeclaredBlocks, _Engine):
             return None
         cube, cells = make_cube(config, rows, baselines=True), self.declaration.axes
         return plan_look(
-            partial(self.plan, config), cells.list_cells(config), cube, rows, _ask(config)
+            partial(self.plan, config), cells.list_cells(config), cube, rows, ask(config)
         )
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         cube = make_cube(config, rows, baselines=True)
         summary = summarise(cube)
         if config.grid.decides:
-            best = make_table(cube, rows, _ask(config))
+            best = make_table(cube, rows, ask(config))
         else:
             found = find_best_schemes(
                 cube, config.measures.window, criteria(config), list_baselines(config)
@@ -199,20 +198,6 @@ class ExpectedEngine(_Engine):
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
         return "threading"
-
-
-def _ask(config: HubConfig) -> Asked:
-    """Return what a configuration asks of its map, with the criterion that decides first."""
-    first, grid = config.measures.criterion, config.grid
-    return Asked(
-        {name: JUDGED[name] for name in (first, *criteria(config))},
-        config.measures.window,
-        [*SCHEMES.rank(config)],
-        list_baselines(config),
-        count_cells(get_grid(config)),
-        grid.margin,
-        grid.most,
-    )
 
 
 def _tell_beaten(config: HubConfig, cells: pd.DataFrame, summary: pd.DataFrame) -> list[str]:

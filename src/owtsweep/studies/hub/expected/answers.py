@@ -19,10 +19,10 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
-from owtsweep.results.verdicts import add_errors
+from owtsweep.results.verdicts import add_errors, judge_exactly
 from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.hub.conditions import JUDGED, get_grid
-from owtsweep.studies.hub.describe import make_cube
+from owtsweep.studies.hub.describe import ask, make_cube
 from owtsweep.studies.hub.world import CONDITIONS
 
 if TYPE_CHECKING:
@@ -143,7 +143,10 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
         rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]
     summary = summarise(make_cube(config, rows, baselines=True)).assign(n=0)
-    return {"summary": summary, "best_scheme": add_errors(best, summary, JUDGED)}
+    best = add_errors(best, summary, JUDGED)
+    if config.grid.decides:
+        best = judge_exactly(best, summary, ask(config))
+    return {"summary": summary, "best_scheme": best}
 
 
 def best_scheme(
