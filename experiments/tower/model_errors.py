@@ -28,7 +28,6 @@ from owtsweep.results.conditions import Condition
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK, UNABLE
 from owtsweep.results.summary import summarise
-from owtsweep.results.verdicts import add_errors
 from owtsweep.studies.base.contest import WINDOW
 from owtsweep.studies.base.contract import Unable
 from owtsweep.studies.registry import compose
@@ -111,7 +110,7 @@ def _compose(sensors: str, override: str, overrides: Sequence[str]) -> TowerConf
 
 def draw(cube: Cube, config: TowerConfig, records: int, criterion: str) -> Figure:
     """Draw the map of one criterion."""
-    best = add_errors(find_best_schemes(cube, WINDOW, [criterion]), summarise(cube), CRITERIA)
+    best = find_best_schemes(cube, WINDOW, {criterion: CRITERIA[criterion]})
     figure = best_scheme_map.draw(
         best, COMPARED, CONDITIONS, criterion=criterion,
         window=WINDOW, tuning=config.tuning_name, quantity=CRITERIA[criterion].title,

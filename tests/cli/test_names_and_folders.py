@@ -77,7 +77,7 @@ def test_a_long_experiment_is_refused_by_its_key():
 
 @pytest.mark.parametrize("name", ["\x1b[31m", "b" * 61])
 def test_a_stored_name_that_cannot_be_shown_is_refused(name):
-    described = [{"name": name, "linear": True, "batched": ""}]
+    described = [{"name": name, "linear": True, "batched": "", "simplicity": 99}]
     with pytest.raises(InputError, match=r"^schemes: the name '.*' cannot be used"):
         SCHEMES.stand_in([{"_target_": "theirs.Scheme"}], described)
 

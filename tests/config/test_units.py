@@ -19,4 +19,4 @@ def test_units_stand_behind_keys_and_the_data_stay(words):
     assert sum(line.startswith("q_a: ") for line in lines) == sum(
         line.endswith(("# (m/s^3)^2/Hz", "# (m/s^2)^2/Hz")) for line in lines
     )
-    assert "replicates: 20" in lines
+    assert "replicates: auto" in lines

@@ -33,6 +33,8 @@ DESIGN_SUMMARY = ["scheme", "natural_period", "amplitude", "measure", "window"]
 DESIGN_SUMMARY += ["mean", "ci_low", "ci_high", "n"]
 DESIGN_BEST = ["natural_period", "amplitude", "criterion", "window", "best", "runner_up"]
 DESIGN_BEST += ["mse_best", "mse_runner_up", "difference", "ci_low", "ci_high", "distinguishable"]
+DESIGN_BEST += ["verdict", "best_scheme", "look", "n", "error_best", "error_low", "error_high"]
+DESIGN_BEST += ["error_runner_up"]
 VALUE_COLUMNS = ["scheme", "natural_period", "amplitude", "measure", "window", "replicate", "value"]
 
 

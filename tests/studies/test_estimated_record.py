@@ -96,7 +96,7 @@ def test_what_a_record_holds() -> None:
             "grid.sigma=[0.003]",
         ),
         (
-            ["grid=small"],
+            ["grid=small", "tuning=[paper,matched]"],
             0,
             "tuning: paper and matched are several tunings; choose, e.g. tuning=matched",
         ),

@@ -86,7 +86,9 @@ def test_what_a_scheme_is_unable_to_do_is_asked_once(monkeypatch: pytest.MonkeyP
 
     scheme = Refusing()
     monkeypatch.setattr(SchemeTable, "resolve", lambda table, entry: scheme)
-    config = compose([*BUOY, "schemes=[KF]", "grid.delay=[0]", "grid.bias=[0.1]"])
+    config = compose(
+        [*BUOY, "schemes=[KF]", "grid.delay=[0]", "grid.bias=[0.1]", "grid.replicates=10"]
+    )
     engine = get_study("floater").engine(config)
     ((_, rows),) = engine.run(config, engine.plan(config))
     assert rows["reason"].tolist() == ["not on Sundays"] * 10

@@ -61,7 +61,10 @@ def test_a_sweep_that_was_stopped_between_looks_goes_on_to_the_same_table(
     again = sweep(HUB, tmp_path)
     assert again.folder == first.folder
     pd.testing.assert_frame_equal(again.best_scheme(), whole.best_scheme())
-    assert (again.folder / "plan.json").read_text() == (whole.folder / "plan.json").read_text()
+    blocks = [
+        json.loads((run.folder / "plan.json").read_text())["blocks"] for run in (again, whole)
+    ]
+    assert blocks[0] == blocks[1]
 
 
 def test_stored_records_and_workers_change_nothing(whole: Any, tmp_path: Path) -> None:
@@ -84,14 +87,14 @@ def test_more_records_continue_and_change_no_verdict(whole: Any, tmp_path: Path)
 def test_each_other_study_decides_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sweep", *FLOATER, f"results={tmp_path}"]) == 0
     out, err = capsys.readouterr()
-    assert "look 1 (8 records): " in err
+    assert err.startswith("48 cases, ")
     assert "Error of the best: " in out
     assert max(map(len, out.splitlines()[:-1])) <= 80
     (folder,) = tmp_path.iterdir()
     table = pd.read_csv(folder / "best_scheme.csv")
     assert {*table["criterion"]} == {"velocity", "position", "worst"}
     assert {*table["n"]} <= {8, 16}
-    assert len(json.loads((folder / "plan.json").read_text())["blocks"]) > 6
+    assert len(json.loads((folder / "plan.json").read_text())["blocks"]) >= 6
 
 
 def test_a_forecast_tells_the_first_look_and_the_most(capsys: pytest.CaptureFixture[str]) -> None:
@@ -111,7 +114,7 @@ def test_a_forecast_tells_the_first_look_and_the_most(capsys: pytest.CaptureFixt
         ("grid.most=4", "grid.most: 4 is not the number of records of a look; use one of 8, 16"),
         ("grid.most=100", "grid.most: 100 is not the number of records of a look"),
         ("grid.replicates=some", "grid.replicates: 'some' is neither a whole number nor auto"),
-        ("grid.replicates=0", "grid.replicates: 0 is not from 1 to 1000000; use auto"),
+        ("grid.replicates=0", "grid.replicates: 0 must be at least 1"),
         ("grid.budget=0", "grid.budget: 0 s must be a finite number above zero"),
     ],
 )

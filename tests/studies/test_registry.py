@@ -176,7 +176,10 @@ def test_runs_of_two_studies_are_not_compared(capsys: pytest.CaptureFixture[str]
         (["study=stranger", "grid.nothing=[1]"], "grid.nothing: there is no such key; there are "),
         (["study=stranger", "grid.level=[{log:[3,1,2]}]"], "grid.level: {log: [3, 1, 2]} does not"),
         (["grid.amplitude=[{log:[0.1,1]}]"], "grid.amplitude: {log: [0.1, 1]} is no entry of an "),
-        (["grid.replicates=[{log:[1,2,3]}]"], "grid.replicates: [{'log': [1, 2, 3]}] is not a who"),
+        (
+            ["grid.replicates=[{log:[1,2,3]}]"],
+            "grid.replicates: [{'log': [1, 2, 3]}] is neither a whole number nor auto",
+        ),
         (["grid.amplitude={log:[1,2,3]}"], "grid.amplitude: {log:[1,2,3]} is no list; use e.g. gr"),
         (["sensors.imu=[1]"], "sensors.imu: [1] is a list where keys are expected; use sensors.im"),
         (["study=hub", "experiment=readings"], "study: 'hub' is named, but the study's files or "),

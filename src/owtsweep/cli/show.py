@@ -113,6 +113,10 @@ def _describe_question(opened: Run, question: Question) -> str:
     return ", ".join(parts)[:LONGEST_LINE]
 
 
+#: Keys of `grid` that say how a contest goes on, not what it is over.
+ASKED_BESIDE = ("margin", "most", "budget")
+
+
 def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, object]]:
     """Yield name and values of each axis of a question's grid, then the grid's further numbers.
 
@@ -127,6 +131,8 @@ def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, object]]:
             yield name, values[name]
     grid = question.config.get("grid")
     for name, values in grid.items() if isinstance(grid, Mapping) else ():
+        if name in ASKED_BESIDE:
+            continue
         if name in conditions or not isinstance(values, list | None):
             yield name, values
 

@@ -85,7 +85,7 @@ def draw(
                 axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color="0.4")
                 continue
             judged = runs[index]
-            cells = _add_errors(judged.best, shared.score).to_dict("records")
+            cells = judged.best.to_dict("records")
             draw_cells(axes, cells, shared.schemes, plane, labels="none")
             title = "\n".join(f"{key} = {text}" for key, text in judged.run.shown.items())
             axes.set_title(title, loc="left", fontsize=9)
@@ -112,16 +112,6 @@ def draw(
         style.add_legend_above(figure, handles, f"Best scheme {subtitle}", 4, HANDLERS)
         style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
-
-
-def _add_errors(best: pd.DataFrame, score: str) -> pd.DataFrame:
-    """Add the errors of best scheme and runner-up, of which the MSE is the square."""
-    power = 0.5 if score == "MSE" else 1.0
-    errors = best[["mse_best", "mse_runner_up"]].clip(lower=0.0) ** power
-    verdict = np.where(best["distinguishable"].astype(bool), "won", "open")
-    return best.assign(
-        error_best=errors["mse_best"], error_runner_up=errors["mse_runner_up"], verdict=verdict
-    )
 
 
 def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) -> bool:

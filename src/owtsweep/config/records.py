@@ -23,8 +23,10 @@ def _read_count(value: object) -> object:
         raise ValueError(f"{value!r} is neither a whole number nor auto") from None
     if count != int(count):
         raise ValueError(f"{value!r} is neither a whole number nor auto")
-    if not 1 <= count <= MOST_RECORDS:
-        raise ValueError(f"{value} is not from 1 to {MOST_RECORDS}; use auto, or e.g. 20")
+    if count < 1:
+        raise ValueError(f"{value} must be at least 1")
+    if count > MOST_RECORDS:
+        raise ValueError(f"{value} is more than {MOST_RECORDS}; lower it")
     return int(count)
 
 
@@ -71,8 +73,11 @@ class Records(Section):
             f"{', '.join(map(str, LOOKS[:7]))}, ...",
         )
 
+    def count_records(self) -> str:
+        """Return in words how many records a cell has, e.g. "20" or "8 to 256"."""
+        return f"{FIRST} to {self.most}" if self.replicates == "auto" else str(self.replicates)
+
     def describe_records(self) -> str:
-        """Return in words how many records a cell has."""
-        if self.replicates == "auto":
-            return f"{FIRST} to {self.most} records per cell, until it is decided"
-        return f"{self.replicates} record{'s' * (self.replicates != 1)} per cell"
+        """Return in words that a cell has so many records."""
+        until = ", until it is decided" * self.decides
+        return f"{self.count_records()} record{'s' * (self.replicates != 1)} per cell{until}"

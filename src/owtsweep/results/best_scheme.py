@@ -7,13 +7,14 @@ motion and the same noise.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import sort_lines
+from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import tell_in_best_scheme
 from owtsweep.statistics.contest import agree, challenge, contest, group_coinciding
@@ -31,10 +32,18 @@ VERDICT_COLUMNS = (
 
 #: Further columns of a run with baselines.
 BASELINE_COLUMNS = ("baseline", "mse_baseline", "baseline_wins")
+#: Columns in the unit of the criterion, and what they rest on.
+ERROR_COLUMNS = (
+    "verdict", "best_scheme", "look", "n", "error_best", "error_low", "error_high",
+    "error_runner_up",
+)  # fmt: skip
 
 
 def find_best_schemes(
-    cube: Cube, window: str, criteria: Sequence[str], baselines: Sequence[str] = ()
+    cube: Cube,
+    window: str,
+    criteria: Sequence[str] | Mapping[str, Criterion],
+    baselines: Sequence[str] = (),
 ) -> pd.DataFrame:
     """Find the scheme of least mean in every cell, and whether the runner-up is distinguishable.
 
@@ -45,19 +54,23 @@ def find_best_schemes(
     runner-up is the best of the other schemes; if all schemes of a cell agree, the runner-up is
     another of these schemes. Raise `InputError` if a criterion or the window was not measured.
 
-    Return the conditions, `VERDICT_COLUMNS` and, if there are baselines, `BASELINE_COLUMNS`, sorted
-    by conditions, then in the order of `criteria`. `difference` is the runner-up's mean minus the
-    best scheme's; `ci_low` and `ci_high` are the ends of its 95 % confidence interval by the paired
-    t-test in that cell alone. `distinguishable` applies Holm's step-down correction at 5 % to all
-    cells of the criterion. In a cell with one scheme, `runner_up` is empty and the numbers that
-    need a runner-up are NaN. In a cell with one replicate, the interval is NaN. In both cases
-    `distinguishable` is false. `baseline` is the baseline of least mean, and `mse_baseline` its
-    mean. `baseline_wins` says whether `mse_baseline` is less than the best scheme's mean and the
-    paired difference is significant, with Holm's correction as above. If a scheme was unable to
-    work in any cell, there are also the columns `status` and `reason`.
+    Return the conditions, `VERDICT_COLUMNS`, `ERROR_COLUMNS` and, if there are baselines,
+    `BASELINE_COLUMNS` and `error_baseline`, sorted by conditions, then in the order of `criteria`.
+    `difference` is the runner-up's mean minus the best scheme's; `ci_low` and `ci_high` are the
+    ends of its 95 % confidence interval by the paired t-test in that cell alone. `distinguishable`
+    applies Holm's step-down correction at 5 % to all cells of the criterion. In a cell with one
+    scheme, `runner_up` is empty and the numbers that need a runner-up are NaN. In a cell with one
+    replicate, the interval is NaN. In both cases `distinguishable` is false. `baseline` is the
+    baseline of least mean, and `mse_baseline` its mean. `baseline_wins` says whether `mse_baseline`
+    is less than the best scheme's mean and the paired difference is significant, with Holm's
+    correction as above. If a scheme was unable to work in any cell, there are also the columns
+    `status` and `reason`. The verdict is "won" where `distinguishable`, else "open"; `look` is 0,
+    because there were no looks; `n` is the number of compared replicates. `error_low` and
+    `error_high` are the ends of a 95 % interval. A root of a mean square is averaged as it is.
 
     window: the window to judge.
-    criteria: names of the measures to judge by. Each measure gives rows of its own.
+    criteria: the measures to judge by, with the unit of their errors; errors are the means
+        themselves where only names are given. Each measure gives rows of its own.
     baselines: Those of `cube.schemes` that do not compete. In each cell, the best scheme is
         compared with the baseline of least mean, over the replicates that decide between the
         schemes.
@@ -65,6 +78,7 @@ def find_best_schemes(
     import pandas as pd
 
     columns = [*cube.names, *VERDICT_COLUMNS, *(BASELINE_COLUMNS if baselines else ())]
+    columns += [*ERROR_COLUMNS, *(["error_baseline"] if baselines else [])]
     last = cube.names[-1]
     competing = [i for i, name in enumerate(cube.schemes) if name not in baselines]
     beside = [cube.schemes.index(name) for name in baselines]
@@ -93,6 +107,14 @@ def find_best_schemes(
             parts.append(part[result.judged])
         table = pd.concat(parts)
         table = table.assign(distinguishable=holm(table["p"]))
+        table["verdict"] = np.where(table["distinguishable"], "won", "open")
+        table["best_scheme"], table["look"] = table["best"], 0
+        squares = isinstance(criteria, Mapping) and criteria[criterion].values == "square"
+        for name, mean in (
+            ("best", "mse_best"), ("low", "low"), ("high", "high"), ("runner_up", "mse_runner_up"),
+            *([("baseline", "mse_baseline")] if baselines else []),
+        ):  # fmt: skip
+            table[f"error_{name}"] = table[mean].clip(lower=0.0) ** 0.5 if squares else table[mean]
         if baselines:
             table["baseline_wins"] = holm(table["p_baseline"]) & (table["gain"] > 0.0)
         tables.append(table)

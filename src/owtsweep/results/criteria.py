@@ -34,11 +34,11 @@ class Criterion:
         return self.values != "plain"
 
     def judge(self, values: Array) -> Array:
-        """Return what is judged, whose mean is that of records: squares, or values as they are."""
+        """Return what is judged of values of any shape: squares, or the values as they are."""
         return values**2 if self.values == "root" else values
 
     def express(self, mean: Array | float) -> Array:
-        """Return the error that belongs to a mean of what is judged; NaN for a negative mean."""
+        """Return the errors, in `unit`, of means of what is judged; NaN for a negative mean."""
         with np.errstate(invalid="ignore"):
             return np.asarray(np.sqrt(mean) if self.squared else mean)
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.results.best_scheme import ERROR_COLUMNS, VERDICT_COLUMNS
 from owtsweep.results.conditions import Value, sort_lines
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
@@ -36,11 +37,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Columns of best_scheme.csv, after those of the conditions.
-COLUMNS = (
-    "criterion", "window", "verdict", "best", "best_scheme", "runner_up", "look", "n",
-    "error_best", "error_low", "error_high", "error_runner_up", "left", "more", "mse_best",
-    "mse_runner_up", "difference", "ci_low", "ci_high", "distinguishable",
-)  # fmt: skip
+COLUMNS = (*VERDICT_COLUMNS, *ERROR_COLUMNS, "left", "more")
 #: Further columns of a run with baselines: the best baseline, and its error.
 BASELINE_COLUMNS = ("baseline", "error_baseline")
 #: Columns that best_scheme.csv and summary.csv have both, but with another meaning.
@@ -335,50 +332,13 @@ def list_shared(best: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
     return [name for name in best.columns if name in summary.columns and name not in _OTHERS]
 
 
-def add_errors(
-    best: pd.DataFrame, summary: pd.DataFrame, criteria: Mapping[str, Criterion]
-) -> pd.DataFrame:
-    """Add to the table best_scheme of a fixed number of records the columns that `make_table` has.
-
-    There were no looks, so `look` is 0, and the verdict is "won" where the runner-up is
-    distinguishable, else "open". A root of a mean square is averaged as it is, not as its square.
-
-    best, summary: the tables best_scheme and summary of a run.
-    criteria: the measures by which schemes are judged.
-    """
-    keys = list_shared(best, summary)
-    named = {
-        "scheme": "best",
-        "measure": "criterion",
-        "ci_low": "error_low",
-        "ci_high": "error_high",
-        "n": "n",
-    }
-    lines = summary[[*keys, *named]].rename(columns=named)
-    table = best.merge(lines, how="left", on=[*keys, "best", "criterion"])
-    table["verdict"] = np.where(table["distinguishable"].astype(bool), "won", "open")
-    table["best_scheme"], table["look"] = table["best"], 0
-    table["n"] = table["n"].fillna(0).astype(int)
-    table["error_best"], table["error_runner_up"] = table["mse_best"], table["mse_runner_up"]
-    roots = ["error_best", "error_low", "error_high", "error_runner_up"]
-    if "mse_baseline" in table:
-        table["error_baseline"] = table["mse_baseline"]
-        roots.append("error_baseline")
-    squares = [name for name, criterion in criteria.items() if criterion.values == "square"]
-    of_squares = table["criterion"].isin(squares)
-    table.loc[of_squares, roots] = np.sqrt(table.loc[of_squares, roots].clip(lower=0.0))
-    added = [name for name in COLUMNS if name not in best and name not in ("left", "more")]
-    added += [name for name in roots if name == "error_baseline"]
-    return table[[*best.columns, *added]]
-
-
 def judge_exactly(best: pd.DataFrame, summary: pd.DataFrame, asked: Asked) -> pd.DataFrame:
     """Return the table best_scheme of exact means, judged by the margin alone.
 
     A cell is won if every other contender that does not coincide with the best is worse by more
     than the margin. Otherwise it is a tie, for the simplest of those within the margin.
 
-    best: what `add_errors` returns.
+    best: the table best_scheme of `find_best_schemes`.
     summary: the table summary with the exact means.
     """
     keys = list_shared(best, summary)

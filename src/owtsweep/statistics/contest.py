@@ -45,8 +45,10 @@ class Contest(NamedTuple):
 
     judged: whether there is a replicate that all schemes taking part in the cell have finished. If
         not, the other attributes have no meaning.
+    n: Number of these replicates.
     best, runner_up: indices of the scheme of least mean and of the runner-up (see `Ranking`).
     mse_best, mse_runner_up: Means of both; the latter is NaN without a runner-up.
+    low, high: Ends of the 95 % confidence interval of `mse_best`; NaN for one replicate.
     difference, ci_low, ci_high: `mse_runner_up` minus `mse_best`, and its 95 % confidence interval
         by the paired t-test; NaN without a runner-up.
     p: Two-sided p-value of that test; 1 if there are too few replicates for a test, or all schemes
@@ -54,10 +56,13 @@ class Contest(NamedTuple):
     """
 
     judged: Flags
+    n: Places
     best: Places
     runner_up: Places
     mse_best: Array
     mse_runner_up: Array
+    low: Array
+    high: Array
     difference: Array
     ci_low: Array
     ci_high: Array
@@ -99,14 +104,19 @@ def contest(values: Array) -> Contest:
     gap = np.where(common & second[:, np.newaxis], values[place, cells], np.nan)
     with np.errstate(invalid="ignore"):
         _, error, _ = mean_and_error(gap - values[best, cells])
+        _, own_error, _ = mean_and_error(np.where(common, values[best, cells], np.nan))
     difference = np.where(second, means[place, cells] - means[best, cells], np.nan)
-    margin = t_quantile(n - 1) * error
+    quantile = t_quantile(n - 1)
+    margin, half = quantile * error, quantile * own_error
     return Contest(
         judged=judged,
+        n=n,
         best=best,
         runner_up=np.where(second, place, -1),
         mse_best=means[best, cells],
         mse_runner_up=np.where(second, means[place, cells], np.nan),
+        low=means[best, cells] - half,
+        high=means[best, cells] + half,
         difference=difference,
         ci_low=difference - margin,
         ci_high=difference + margin,

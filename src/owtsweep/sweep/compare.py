@@ -166,6 +166,11 @@ def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.D
             notes.append(f"{run.folder.name} is left out: no case of it has succeeded")
             continue
         failed, unable = (int((rows["status"] == status).sum()) for status in (FAILED, UNABLE))
+        if run.config.records is not None and run.config.records.decides:
+            notes.append(
+                f"{run.folder.name}: its cells got records until they were decided; a cell is "
+                "compared over the records that all its schemes have"
+            )
         if missing:
             notes.append(f"{run.folder.name} is incomplete: {missing} of its blocks are missing")
         if failed:

@@ -250,7 +250,7 @@ def test_process_bias_and_delay_are_the_truth_or_what_is_declared() -> None:
     assert truth.acceleration_sigma == pytest.approx(0.01 * size)
     assert truth.bias_sigma == pytest.approx(0.2 * size)
     assert truth.delay == pytest.approx(3.0 * STEP)
-    paper = tell("filters.process_share=0.07", "filters.bias_share=0.04", **case)
+    paper = tell("tuning=paper", "filters.process_share=0.07", "filters.bias_share=0.04", **case)
     assert paper.acceleration_sigma == pytest.approx(0.07 * size)
     assert paper.bias_sigma == pytest.approx(0.04 * size)
     assert not paper.bias_walk.any()

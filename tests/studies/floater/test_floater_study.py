@@ -67,7 +67,7 @@ def test_a_sweep_says_who_is_best_and_who_waits() -> None:
     config = result.config.by_tuning()["matched"]
     of_tuning = {name: table[table["tuning"] == "matched"] for name, table in tables.items()}
     Console(file=shown, width=300).print(result.engine.terminal(config, of_tuning))
-    assert "Best scheme by velocity error" in shown.getvalue()
+    assert "Best scheme by velocity: rms error over standard deviation" in shown.getvalue()
     assert "Not in the contest, because its estimates wait: FIXED_LAG." in shown.getvalue()
 
 

@@ -70,7 +70,7 @@ def test_refused_by_compose(overrides: str, key: str, message: str) -> None:
 VALUES = [
     ("sensors.gnss.rate=abc", "'abc' is not a number"),
     ("sensors.gnss.rate=null", "None is not a number"),
-    ("grid.replicates=2.5", "2.5 is not a whole number"),
+    ("grid.replicates=2.5", "2.5 is neither a whole number nor auto"),
     ("grid.replicates=true", "True is not a whole number"),
     ("measures.extremes=maybe", "'maybe' is not true or false"),
     ("grid.natural_period=4", r"4 is no list; use e.g. grid.natural_period=\[4\]"),

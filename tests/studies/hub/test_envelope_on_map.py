@@ -31,15 +31,17 @@ def test_a_point_takes_the_nearest_cell_on_the_maps_scales():
         natural_period=[3.9, 4.1, 3.9, 3.9, 6.1, 4.9, 4.9],
         amplitude=[0.31, 0.31, 0.32, 3.2, 0.3, 0.03, 1.1],
     )
-    config = compose(["tuning=paper"])
+    config = compose(["tuning=paper", "measures.window=full"])
     found = ["A", "C", "B", "", "", "", "D"]
     assert find_best(config, make_best(), points) == found  # type: ignore[arg-type]
-    config = compose(["tuning=paper", "normalise=rms"])  # then .31 m is .1 m rms
+    config = compose(
+        ["tuning=paper", "normalise=rms", "measures.window=full"]
+    )  # then .31 m is .1 m rms
     assert find_best(config, make_best(), points)[2:4] == ["A", "B"]  # type: ignore[arg-type]
 
 
 def test_a_map_without_area_is_refused():
-    best, config = make_best(), compose(["tuning=paper"])
+    best, config = make_best(), compose(["tuning=paper", "measures.window=full"])
     points = make_points(natural_period=[3.0], amplitude=[0.1])
     for name, value in (("natural_period", 3.0), ("amplitude", 0.1)):
         with pytest.raises(InputError, match=rf"grid\.{name}: .* give two or more"):
@@ -76,7 +78,7 @@ def test_the_answer_names_scheme_and_sea():
 
 def test_a_cell_without_a_result_names_no_scheme():
     points = make_points(natural_period=[3.0, 5.0], amplitude=[0.1, 1.0])
-    config, best = compose(["tuning=paper"]), make_best()
+    config, best = compose(["tuning=paper", "measures.window=full"]), make_best()
     assert find_best(config, best.iloc[:3], points) == ["A", ""]  # type: ignore[arg-type]
     best.loc[3, "best"] = np.nan
     assert find_best(config, best, points) == ["A", ""]  # type: ignore[arg-type]
@@ -89,7 +91,7 @@ def test_figures_draws_the_envelope_over_the_map(
         [
             "grid.natural_period=[3.0,4.0,5.0]", "grid.amplitude=[0.2,1.0]", "schemes=[MKF,HME1]",
             "sensors.imu.rate=20", "record.duration=40", "grid.replicates=2",
-            "measures.settling_time=5", f"results={tmp_path}",
+            "measures.settling_time=5", "tuning=[paper,matched]", f"results={tmp_path}",
         ]
     )  # fmt: skip
     monkeypatch.setattr(envelope, "list_seas", lambda: [Sea(2.0, 6.0)])

@@ -27,9 +27,8 @@ from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
-from owtsweep.results.verdicts import add_errors
 from owtsweep.studies import compose
-from owtsweep.studies.hub.conditions import CRITERIA, JUDGED
+from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.listed import StoredHubScheme
@@ -333,9 +332,10 @@ def run(monkeypatch):
     # what is drawn from the configuration alone: tests/studies/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures.listing._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})
-    summary = summarise(cube)
-    best = add_errors(find_best_schemes(cube, "full", CRITERIA), summary, JUDGED)
-    tables = {"summary": summary, "best_scheme": best}
+    tables = {
+        "summary": summarise(cube),
+        "best_scheme": find_best_schemes(cube, "full", CRITERIA),
+    }
     return config, tables, rows
 
 

@@ -226,7 +226,10 @@ def _fixes(data: Any, sensors: Any) -> Any:
     [
         (["skf.states=7"], "skf.states: 7 is odd"),
         (["skf.states=26"], "skf.states"),
-        (["engine=expected"], "measures.window: engine=expected knows the errors of SKF once"),
+        (
+            ["engine=expected", "measures.window=full"],
+            "measures.window: engine=expected knows the errors of SKF once",
+        ),
         (
             ["engine=expected", "measures.window=settled", "sensors.imu.bias_walk=0"],
             "schemes: without a bias walk SKF never settles",

@@ -41,12 +41,13 @@ def both(folder: Path) -> Run:
     return owtsweep.load(folder / "both")
 
 
-def test_the_default_is_both_tunings_each_composed_by_itself() -> None:
-    config = compose([])
+def test_the_papers_maps_have_both_tunings_each_composed_by_itself() -> None:
+    config = compose(["experiment=paper"])
     assert list(config.by_tuning()) == ["paper", "matched"]
     for name, part in config.by_tuning().items():
-        assert as_mapping(part) == as_mapping(compose([f"tuning={name}"]))
-        assert dump(part) == dump(compose([f"tuning={name}"]))
+        alone = compose(["experiment=paper", f"tuning={name}"])
+        assert as_mapping(part) == as_mapping(alone)
+        assert dump(part) == dump(alone)
 
 
 def test_tables_are_those_of_each_tuning_alone(folder: Path, both: Run) -> None:
@@ -109,7 +110,7 @@ def test_a_multirun_runs_both_tunings_each_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    words = [*TINY, "--multirun", "sensors.gnss.delay=0.1,0.2"]
+    words = [*TINY, "tuning=[paper,matched]", "--multirun", "sensors.gnss.delay=0.1,0.2"]
     assert main(["sweep", *words]) == 0
     tables = [pd.read_csv(path) for path in tmp_path.glob("results/*/*/best_scheme.csv")]
     assert [set(table["tuning"]) for table in tables] == [{"paper", "matched"}] * 2

@@ -90,6 +90,6 @@ def list_origin(contest: Contest[C], config: C) -> dict[str, str]:
         "tuning": config.tuning_name,
         "truth": contest.describe_truth(config),
         "sensors": contest.describe_sensors(config),
-        "records per cell": str(config.grid.replicates),
+        "records per cell": config.grid.count_records(),
         "seed": str(config.seed),
     }

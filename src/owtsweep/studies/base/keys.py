@@ -8,11 +8,12 @@ from typing import Any
 from pydantic import BeforeValidator
 
 from owtsweep.config import Section, key
+from owtsweep.config.records import Records
 
 
 def key_of_axes(grid: type[Section]) -> Any:
-    """Declare the key `axes`; the keys of the section `grid` but the last are names of axes."""
-    *names, _ = grid.model_fields
+    """Declare the key `axes`, of names of axes: keys of the section `grid`."""
+    names = [name for name in grid.model_fields if name not in Records.model_fields]
     return key(
         f"the two axes of the map, the horizontal one first, of {', '.join(names)}; plane=NAME "
         "sets them and their values",

@@ -10,7 +10,7 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
-from owtsweep.results.verdicts import Asked, add_errors, count_cells, make_table
+from owtsweep.results.verdicts import Asked, count_cells, make_table
 from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
 from owtsweep.studies.base.schemes import list_names
 
@@ -31,8 +31,8 @@ def make_tables(
     if config.grid.decides:
         best = make_table(cube, spread_all(contest, config, rows), ask(contest, config, contenders))
     else:
-        measured = [name for name in contest.criteria if name in cube.measures]
-        best = add_errors(find_best_schemes(cube, WINDOW, measured), summary, contest.criteria)
+        measured = {name: each for name, each in contest.criteria.items() if name in cube.measures}
+        best = find_best_schemes(cube, WINDOW, measured)
     return {"summary": summary, "best_scheme": best}
 
 

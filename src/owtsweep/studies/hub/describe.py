@@ -107,7 +107,7 @@ def list_origin(config: HubConfig) -> dict[str, str]:
         facts["motion"] = motion
     if config.engine == "expected":
         return facts | {"records per cell": "infinitely many (expected value)"}
-    return facts | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
+    return facts | {"records per cell": config.grid.count_records(), "seed": str(config.seed)}
 
 
 def _tell(config: HubConfig, draws: str) -> str:

@@ -12,7 +12,7 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.answer import tell_answer, tell_scheme
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
-from owtsweep.results.verdicts import add_errors, make_table
+from owtsweep.results.verdicts import make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.hub.batch import backend, uses_kernels
@@ -176,10 +176,9 @@ class RecordsEngine(DeclaredBlocks, _Engine):
         if config.grid.decides:
             best = make_table(cube, rows, ask(config))
         else:
-            found = find_best_schemes(
-                cube, config.measures.window, criteria(config), list_baselines(config)
-            )
-            best = add_errors(found, summary, JUDGED)
+            judged = {name: JUDGED[name] for name in criteria(config)}
+            window, baselines = config.measures.window, list_baselines(config)
+            best = find_best_schemes(cube, window, judged, baselines)
         return {"summary": _add_efficiency(summary, config), "best_scheme": best}
 
 

@@ -36,7 +36,7 @@ NO_PART["recorded"] = "it simulates the record that gives the size of every sign
 def list_defaults(given: Collection[str]) -> list[str]:
     """Return the overrides that `place` puts before those of the user, who sets the keys `given`.
 
-    They are one noise and, if the user names no sensor, accelerometers at every node, which `place`
+    They are one noise, the tuning paper and, if the user names no sensor, accelerometers at every node, which `place`
     thins out. Raise `InputError` if a given key has no part in the choice.
     """
     for key in sorted(given):
@@ -44,7 +44,9 @@ def list_defaults(given: Collection[str]) -> list[str]:
         for end in range(1, len(parts) + 1):
             why = NO_PART.get(".".join(parts[:end]), "")
             require(not why, f"{key}: `place` does not take it, because {why}; leave it out")
-    start = [] if "grid.noise" in given else ["grid.noise=[1]"]
+    start = ["grid.replicates=1"]
+    start += [] if "grid.noise" in given else ["grid.noise=[1]"]
+    start += [] if "tuning" in given else ["tuning=paper"]  # loads are declared, not told
     if "sensors" not in given:
         start.append("sensors=accelerometers")
     if not _name_sensors(given):

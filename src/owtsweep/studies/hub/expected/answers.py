@@ -19,7 +19,7 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
-from owtsweep.results.verdicts import add_errors, judge_exactly
+from owtsweep.results.verdicts import judge_exactly
 from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.hub.conditions import JUDGED, get_grid
 from owtsweep.studies.hub.describe import ask, make_cube
@@ -143,7 +143,6 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
         rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]
     summary = summarise(make_cube(config, rows, baselines=True)).assign(n=0)
-    best = add_errors(best, summary, JUDGED)
     if config.grid.decides:
         best = judge_exactly(best, summary, ask(config))
     return {"summary": summary, "best_scheme": best}
@@ -164,8 +163,10 @@ def best_scheme(
     against the best scheme.
     """
     cube = Cube.of_rows(rows, [*schemes, *baselines], CONDITIONS, grid)
-    table = find_best_schemes(cube, window, criteria, baselines)
+    judged = {name: JUDGED[name] for name in criteria}
+    table = find_best_schemes(cube, window, judged, baselines).assign(n=0)
     table["distinguishable"] = table["difference"] > RESOLUTION * table["mse_best"]
+    table["verdict"] = np.where(table["distinguishable"], "won", "open")
     if baselines:
         gain = table["mse_best"] - table["mse_baseline"]
         table["baseline_wins"] = gain > RESOLUTION * table["mse_baseline"]
