@@ -21,23 +21,19 @@ def compute_trac(truth: Array, estimate: Array, *, centred: bool = False) -> Arr
     takes them off first, and gives the square of the correlation coefficient. NaN for a channel
     that is zero throughout (with `centred`: constant).
     """
-    truth, estimate = _pair(truth, estimate)
     if centred:
         truth, estimate = _centre(truth), _centre(estimate)
     return _compare(truth, estimate, np.ones(len(truth)))
 
 
-def compute_frac(truth: Array, estimate: Array, *, centred: bool = False) -> Array:
+def compute_frac(truth: Array, estimate: Array) -> Array:
     """Compute the frequency response assurance criterion (Eq. 28) of magnitudes, from 0 to 1.
 
     With complex spectra Eq. (28) would be Eq. (27) again, by Parseval's theorem. What is printed in
     the paper differs from TRAC, so this function takes the magnitudes of the spectra, over positive
-    and negative frequencies. Phases do not matter then, and FRAC is never below TRAC. `centred` and
-    NaN are as in `compute_trac`.
+    and negative frequencies. Phases do not matter then, and FRAC is never below TRAC. NaN is as in
+    `compute_trac`.
     """
-    truth, estimate = _pair(truth, estimate)
-    if centred:
-        truth, estimate = _centre(truth), _centre(estimate)
     steps = len(truth)
     true_size, size = (np.abs(np.fft.rfft(signal, axis=0)) for signal in (truth, estimate))
     weights = np.full(len(size), 2.0)  # a positive frequency and its negative
@@ -49,13 +45,11 @@ def compute_frac(truth: Array, estimate: Array, *, centred: bool = False) -> Arr
 
 def compute_mae(truth: Array, estimate: Array) -> Array:
     """Compute the mean absolute error (Eq. 29), in the signals' unit."""
-    truth, estimate = _pair(truth, estimate)
     return np.asarray(np.abs(estimate - truth).mean(axis=0))
 
 
 def compute_rms_error(truth: Array, estimate: Array) -> Array:
     """Compute the root mean square of the error, mean included, in the signals' unit."""
-    truth, estimate = _pair(truth, estimate)
     return np.asarray(np.sqrt(np.square(estimate - truth).mean(axis=0)))
 
 
@@ -88,7 +82,6 @@ def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -
     Raise `InputError` if `longest` is shorter than a sampling interval, or not below half the
     record.
     """
-    truth, estimate = _pair(truth, estimate)
     steps, most = len(truth), round(longest / step)
     require(
         1 <= most < steps / 2,
@@ -122,17 +115,6 @@ def _find_shift(truth: Array, estimate: Array, most: int) -> float:
     before, at, after = coefficients[best - 1 : best + 2]
     bend = before - 2.0 * at + after
     return float(shifts[best] + (0.5 * (before - after) / bend if bend < 0.0 else 0.0))
-
-
-def _pair(truth: Array, estimate: Array) -> tuple[Array, Array]:
-    """Return both signals as arrays of floats; raise `InputError` unless the shapes are one."""
-    truth, estimate = np.asarray(truth, dtype=float), np.asarray(estimate, dtype=float)
-    require(
-        truth.shape == estimate.shape and truth.ndim in (1, 2) and len(truth) > 0,
-        f"estimate: its shape {estimate.shape} and the truth's {truth.shape} must be one, (steps,) "
-        "or (steps, channels), with one step or more",
-    )
-    return truth, estimate
 
 
 def _centre(signal: Array) -> Array:
