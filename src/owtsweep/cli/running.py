@@ -6,11 +6,12 @@ import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from math import floor, log10
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.cli.program import DONE, FAILED, same_command
 from owtsweep.config import Config
-from owtsweep.errors import InputError, printable
+from owtsweep.errors import InputError, printable, require
 from owtsweep.freed_memory import keep_freed_memory
 
 if TYPE_CHECKING:
@@ -21,12 +22,45 @@ if TYPE_CHECKING:
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
+    from owtsweep.sweep.study import Study
 
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
 MOST_LABELS = 3
 #: Columns of an answer that is not printed on a terminal.
 WIDTH = 120
+
+
+def require_serving(command: str, name: str) -> Study:
+    """Return the study with a name; raise `InputError` if it does not have this command."""
+    from owtsweep.studies import get_study
+    from owtsweep.studies.registry import list_serving
+
+    study = get_study(name)
+    if command not in study.commands:
+        serving = list_serving(command)
+        raise InputError(
+            f"study: `{command}` serves {serving} only, not {name!r}; use "
+            f"study={serving.partition(',')[0]}"
+        )
+    return study
+
+
+def name_folder(command: str, config: Config, query: str) -> Path:
+    """Return the folder for the answer to a query, checked: named by the command and a hash."""
+    from owtsweep.io.files import check_writable
+    from owtsweep.io.reading import refuse_links
+    from owtsweep.sweep.keys import hash_text
+
+    require(
+        config.name is None,
+        f"name: `{command}` names its folder by the query; leave out name, or choose another place "
+        "by results=FOLDER",
+    )
+    folder = Path(config.results) / f"{command}-{hash_text(query)}"
+    refuse_links(folder)
+    check_writable(folder)
+    return folder
 
 
 def may_start(options: argparse.Namespace, config: Config) -> bool:

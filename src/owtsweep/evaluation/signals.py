@@ -59,7 +59,7 @@ def divide_by_deviation(error: Array, truth: Array) -> Array:
     NaN for a channel whose true signal is constant.
     """
     deviation = np.sqrt(np.square(_centre(truth)).mean(axis=0))
-    return _divide(np.asarray(error), deviation)
+    return divide(np.asarray(error), deviation)
 
 
 def scatter(truth: Array, estimate: Array) -> Array:
@@ -108,7 +108,7 @@ def _find_shift(truth: Array, estimate: Array, most: int) -> float:
     late, early = np.maximum(shifts, 0), np.maximum(-shifts, 0)
     true_power = powers[0][steps - late] - powers[0][early]
     estimate_power = powers[1][steps - early] - powers[1][late]
-    coefficients = _divide(products, np.sqrt(np.maximum(true_power * estimate_power, 0.0)))
+    coefficients = divide(products, np.sqrt(np.maximum(true_power * estimate_power, 0.0)))
     best = int(np.nanargmax(coefficients))
     if best in (0, 2 * most):
         return float(shifts[best])
@@ -130,10 +130,11 @@ def _compare(first: Array, second: Array, weights: Array) -> Array:
         for a, b in ((first, second), (first, first), (second, second))
     )
     # Two quotients: the product of both squares could overflow or vanish.
-    return _divide(product, own) * _divide(product, other)
+    return divide(product, own) * divide(product, other)
 
 
-def _divide(numerator: Array, denominator: Array) -> Array:
-    quotient = np.full(np.shape(numerator), np.nan)
+def divide(numerator: Array, denominator: Array) -> Array:
+    """Divide arrays; NaN where the denominator is zero."""
+    quotient = np.full(np.broadcast_shapes(np.shape(numerator), np.shape(denominator)), np.nan)
     np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
     return quotient

@@ -37,7 +37,7 @@ class Freedom(Section):
     """The motion of one degree of freedom: a resonance, and slow wandering in gusts."""
 
     period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio")
+    damping: Positive = key("damping ratio", lt=1.0)
     sigma: NotNegative = key("standard deviation of the resonance, m or deg")
     gust: NotNegative = key("standard deviation of what gusts add, m or deg")
 
@@ -50,13 +50,14 @@ class Bending(Section):
         "under the blade's weight",
         unit="m",
         default=0.0,
+        le=1.5,
     )
     vibration: NotNegative = key(
         "standard deviation of the vibration in the first flapwise mode there", unit="m",
-        default=0.0,
+        default=0.0, le=1.5,
     )  # fmt: skip
     period: Positive = key("natural period of that mode", unit="s", default=0.8)
-    damping: Positive = key("damping ratio of that mode", default=0.01)
+    damping: Positive = key("damping ratio of that mode", default=0.01, lt=1.0)
 
 
 class Tugger(Section):
@@ -89,7 +90,7 @@ class BoomMode(Section):
     """One mode of the boom: the tip moves to and fro along a line."""
 
     period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio")
+    damping: Positive = key("damping ratio", lt=1.0)
     sigma: list[float] = key(
         "standard deviation of the tip along x, y and z; signs say along which line", unit="m",
         min_length=3, max_length=3, form="three numbers, those of x, y and z in m",

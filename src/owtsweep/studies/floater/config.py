@@ -41,7 +41,7 @@ class Resonance(Section):
     """A narrow resonance of one degree of freedom."""
 
     period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio")
+    damping: Positive = key("damping ratio", lt=1.0)
     sigma: NotNegative = key("standard deviation, m or deg")
 
 
@@ -116,7 +116,9 @@ class Sensors(Section):
         "reports per second; null: one at every sample", unit="Hz", default=None
     )
     jitter: NotNegative = key(
-        "standard deviation of the time of a report, as a part of the sampling interval, at most 1"
+        "standard deviation of the time of a report, as a part of the sampling interval; above 1 "
+        "reports would overtake each other",
+        le=1.0,
     )
 
 
