@@ -171,8 +171,8 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
         print(line, file=sys.stderr)
     if outcome.failed:
         cases = sum(setback.cases for setback in outcome.failed)
-        told = f"{_count(cases)} failed; " if cases else ""
-        print(f"{told}the same command tries again:", file=sys.stderr)
+        again = f"{_count(cases)} failed; " if cases else ""
+        print(f"{again}the same command tries again:", file=sys.stderr)
         print(f"  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
     print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {place}")
@@ -215,15 +215,15 @@ def foretell(configs: Sequence[Config], *, fresh: bool = False) -> int:
     from owtsweep.studies import get_study
     from owtsweep.sweep.prepare import forecast
 
-    told = [forecast(get_study(config.study), config, fresh=fresh) for config in configs]
+    forecasts = [forecast(get_study(config.study), config, fresh=fresh) for config in configs]
     print("Nothing was computed or written. This command without --dry-run would do:")
-    for each in told:
+    for each in forecasts:
         print("\n".join(_describe(each)))
-    if len(told) > 1:
+    if len(forecasts) > 1:
         cases, missing = (
-            sum(getattr(each, name) for each in told) for name in ("cases", "missing")
+            sum(getattr(each, name) for each in forecasts) for name in ("cases", "missing")
         )
-        print(f"{len(told)} runs, one after the other: {cases} cases, {missing} to compute")
+        print(f"{len(forecasts)} runs, one after the other: {cases} cases, {missing} to compute")
     return DONE
 
 

@@ -82,7 +82,7 @@ def test_a_constant_covariance_is_that_of_every_sample(truth: Truth, estimates: 
 
 
 def test_what_a_scheme_does_not_say_is_not_measured(truth: Truth) -> None:
-    plain = Estimates(truth.position + 0.1, truth.velocity, wait=1.5)
+    plain = Estimates(truth.position + 0.1, truth.velocity, latency=1.5)
     found = compare(truth, plain, SIGMA, SETTLED)
     assert not [name for name in found if name.startswith(("nees", "nis", "rms_over_p"))]
     assert found["wait"] == 1.5

@@ -25,7 +25,7 @@ class Grid(Section):
         default=None,
     )
     lever: Axis[NotNegative] = key(
-        "by how much the antenna stands elsewhere than believed, in a random direction", unit="m"
+        "by how much the antenna stands elsewhere than assumed, in a random direction", unit="m"
     )
     heading: Axis[Positive] | None = key(
         "standard deviation of the heading; null: that of the motion", unit="deg", default=None
@@ -184,7 +184,7 @@ class Sensors(Section):
     prism_rate: Positive = key("prism positions per second, at irregular times", unit="Hz")
     prism_offset: NotNegative = key("by what the total stations' clock is late", unit="s")
     stretch: NotNegative = key(
-        "by how much farther the first and the last prism are apart than believed, along the "
+        "by how much farther the first and the last prism are apart than assumed, along the "
         "blade, which bends under its weight",
         unit="m",
     )

@@ -64,7 +64,7 @@ def _check_sensors(config: FloaterConfig) -> None:
 
 
 def _check_losses(config: FloaterConfig) -> None:
-    """Check that losses leave reports, and that those at given times are told by their keys."""
+    """Check that losses leave reports, and that those at given times fit."""
     sensors, record, grid = config.sensors, config.record, config.grid
     require(
         max(grid.loss) < 1.0,

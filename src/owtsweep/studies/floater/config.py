@@ -30,7 +30,7 @@ class Grid(Section):
     )
     snr: Axis[Finite] = key("signal-to-noise ratio of all sensors", unit="dB")
     loss: Axis[NotNegative] = key("share of optical reports that is lost")
-    believed: Axis[Positive] = key("variance R that schemes believe, over the true one")
+    believed: Axis[Positive] = key("variance R that schemes assume, over the true one")
     roll: Axis[Positive] | None = key(
         "standard deviation of the roll angle; null: that of the motion", unit="deg", default=None
     )
@@ -135,7 +135,7 @@ class FloaterConfig(TunedConfig, ContestConfig):
     sensors: Sensors = key("the optical system and the inertial unit")
     tuning: str | list[str] = key_of_tuning()
     tunings: dict[str, Tuned] = key_of_tunings()
-    filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
+    filters: Tuning = key("what schemes assume, and their own numbers", default=ABSENT)
     schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 

@@ -88,8 +88,8 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
         found |= {f"{name}_{dof}": float(value) for dof, value in zip(DOF, values, strict=True)}
         if name in over_all:
             found[name] = over_all[name]
-    if estimates.wait > 0.0:
-        found[WAIT] = estimates.wait
+    if estimates.latency > 0.0:
+        found[WAIT] = estimates.latency
     return {name: value for name, value in found.items() if not np.isnan(value)}
 
 

@@ -11,7 +11,7 @@ from owtsweep.config.hints import suggest_name
 from owtsweep.errors import require
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contest import describe_errors
+from owtsweep.studies.tower.describe import describe_errors
 from owtsweep.studies.tower.placed import QUANTITIES, PlacedSensors
 from owtsweep.studies.tower.placement import choose_greedily, extend, predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
