@@ -71,7 +71,9 @@ def scatter(truth: Array, estimate: Array) -> Array:
     return divide_by_deviation(np.std(estimate - truth, axis=0), truth)
 
 
-def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -> Array:
+def find_lag(
+    truth: Array, estimate: Array, step: float, longest: float = 5.0, *, nearest: bool = False
+) -> Array:
     """Find by how much an estimate comes late, in s; negative if it runs ahead of the truth.
 
     The lag is where the correlation coefficient of the truth and the shifted estimate, over the
@@ -79,7 +81,8 @@ def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -
     sampling interval `step` (s). Means are taken off first. The true lag of a signal with one
     period is known but for whole periods; make `longest` (s) shorter than half a period then. A
     result of +-`longest` means that the lag is that long or longer; NaN means a constant signal.
-    Raise `InputError` if `longest` is shorter than a sampling interval, or not below half the
+    With `nearest`, it is the first maximum on the way from no lag. Raise `InputError` if `longest`
+    is shorter than a sampling interval, or not below half the
     record.
     """
     steps, most = len(truth), round(longest / step)
@@ -90,11 +93,13 @@ def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -
     )
     shape = truth.shape[1:]
     pairs = zip(truth.reshape(steps, -1).T, estimate.reshape(steps, -1).T, strict=True)
-    lags = [step * _find_shift(_centre(true), _centre(guess), most) for true, guess in pairs]
+    lags = [
+        step * _find_shift(_centre(true), _centre(guess), most, nearest) for true, guess in pairs
+    ]
     return np.array(lags).reshape(shape)
 
 
-def _find_shift(truth: Array, estimate: Array, most: int) -> float:
+def _find_shift(truth: Array, estimate: Array, most: int, nearest: bool) -> float:
     """Return the shift, in samples, at which two signals without means correlate best."""
     if not (truth.any() and estimate.any()):
         return float("nan")
@@ -110,6 +115,10 @@ def _find_shift(truth: Array, estimate: Array, most: int) -> float:
     estimate_power = powers[1][steps - early] - powers[1][late]
     coefficients = divide(products, np.sqrt(np.maximum(true_power * estimate_power, 0.0)))
     best = int(np.nanargmax(coefficients))
+    if nearest:
+        best, way = most, 1 if coefficients[most + 1] > coefficients[most - 1] else -1
+        while 0 < best < 2 * most and coefficients[best + way] > coefficients[best]:
+            best += way
     if best in (0, 2 * most):
         return float(shifts[best])
     before, at, after = coefficients[best - 1 : best + 2]

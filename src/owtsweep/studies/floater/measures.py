@@ -105,7 +105,7 @@ def list_measures(names: Iterable[str]) -> list[str]:
 def _find_lag(truth: Array, estimate: Array, step: float) -> Array:
     """Return lags in ms, shape (6,), NaN where a signal is constant."""
     longest = max(1, round(min(LONGEST_LAG / step, LONGEST_PART * len(truth))))
-    return 1000.0 * find_lag(truth, estimate, step, longest * step)
+    return 1000.0 * find_lag(truth, estimate, step, longest * step, nearest=True)
 
 
 def _find_relative(truth: Array, error: Array) -> Array:
