@@ -81,9 +81,8 @@ def find_lag(
     sampling interval `step` (s). Means are taken off first. The true lag of a signal with one
     period is known but for whole periods; make `longest` (s) shorter than half a period then. A
     result of +-`longest` means that the lag is that long or longer; NaN means a constant signal.
-    With `nearest`, it is the first maximum on the way from no lag. Raise `InputError` if `longest`
-    is shorter than a sampling interval, or not below half the
-    record.
+    With `nearest`, the lag is at the first maximum on the way from no lag. Raise `InputError` if
+    `longest` is shorter than a sampling interval, or not below half the record.
     """
     steps, most = len(truth), round(longest / step)
     require(
