@@ -38,7 +38,7 @@ from owtsweep.studies.tower.schemes.filtered import (
     noise_of_states,
     prior,
 )
-from owtsweep.studies.tower.setting import make_believed, make_setting
+from owtsweep.studies.tower.setting import make_priors, make_setting
 
 #: Greatest times: of a filter over a record in one direction (gains at hand), of the damage of all
 #: welds in both directions, and of the default study on two cores, s; greatest memory of the study,
@@ -68,8 +68,8 @@ def make_job(*overrides: str, direction: str = "fa") -> Job:
     config: Any = compose(["study=tower", *overrides])
     case = make_case(config, 0)
     channels = list_channels(config, case, direction, NOISE)
-    believed = make_believed(config.filters, 1.0 / config.record.rate, case.motion[direction])
-    setting = make_setting(config, case.part, direction, 1.0, channels, believed)
+    priors = make_priors(config.filters, 1.0 / config.record.rate, case.motion[direction])
+    setting = make_setting(config, case.part, direction, 1.0, channels, priors)
     return Job(config, case, setting, measure(config, case, direction, channels))
 
 

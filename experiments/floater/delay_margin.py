@@ -18,7 +18,7 @@ is unstable.
 A scheme is taken as it is: the responses of its estimates to one report and to one acceleration are
 recorded after it has settled, and the loop is judged by Nyquist's criterion. So a scheme must be
 linear and settle, which all here do while yaw is zero; only the gain of a bias without walk fades
-for ever, and is taken as it is then. A scheme that waits is late by its wait.
+for ever, and is taken as it is then. A scheme that waits is late by its latency.
 """
 
 from dataclasses import dataclass, replace
@@ -220,10 +220,10 @@ def record_responses(name: str, setting: Setting, loop: Loop, delay: int) -> tup
             specific_force=None,
         )
         estimates = prepared.run(measured)
-        wait = round(estimates.wait / setting.step)
+        latency = round(estimates.latency / setting.step)
         found = np.stack([estimates.position[:, X], estimates.velocity[:, X]], axis=-1)
-        # An estimate of sample k is there at sample k + wait.
-        responses.append(found[before - wait : before - wait + after])
+        # An estimate of sample k is there at sample k + latency.
+        responses.append(found[before - latency : before - latency + after])
     return responses[0], responses[1]
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.inertial.angles import find_angles, require_rotations, to_heading
+from owtsweep.estimation.inertial.angles import find_angles, to_heading
 from owtsweep.estimation.wahba import carry_point, find_pose
 from owtsweep.studies.blade.contract import PRISMS, ROOT, Estimates, Measured, Truth
 
@@ -79,13 +79,7 @@ def find_angles_as_printed(rotations: Array) -> Array:
     ----------
     rotations
         Shape (samples, 3, 3).
-
-    Raises
-    ------
-    InputError
-        If a matrix is no rotation.
     """
-    require_rotations(rotations)
     T = np.moveaxis(rotations, 0, -1)
     in_plane = np.sqrt(T[0, 0] ** 2 + T[1, 0] ** 2)
     psi = -sign(T[1, 0]) * arccos(T[0, 0], in_plane)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from scipy.integrate import quad_vec
 from scipy.linalg import expm
 
@@ -43,11 +42,6 @@ def test_first_order_is_the_print_made_symmetric() -> None:
     np.testing.assert_allclose(discrete.Q, expected)
 
 
-def test_other_methods_are_refused() -> None:
-    with pytest.raises(ValueError, match="method is 'euler'"):
-        discretise(any_model(), STEP, "euler")
-
-
 def test_a_first_order_hold_is_the_integral_over_a_linear_input() -> None:
     model = any_model()
     discrete = discretise(model, STEP, hold="first")
@@ -68,8 +62,3 @@ def test_the_prints_order_is_kept_under_a_linear_input() -> None:
     discrete = discretise(model, STEP, "first_order", hold="first")
     np.testing.assert_allclose(discrete.B_next, STEP / 2 * B + STEP**2 / 6 * A @ B)
     np.testing.assert_allclose(discrete.B, STEP / 2 * B + STEP**2 / 3 * A @ B)
-
-
-def test_an_unknown_hold_is_refused() -> None:
-    with pytest.raises(ValueError, match="hold is 'second'"):
-        discretise(any_model(), STEP, hold="second")

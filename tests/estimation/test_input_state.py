@@ -16,7 +16,7 @@ from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.dual import make_dual
 from owtsweep.estimation.gillijns import make_gillijns
 from owtsweep.estimation.input_state import InputStateModel, hold_inputs
-from owtsweep.estimation.latent import make_latent
+from owtsweep.estimation.latent import WIDE, make_latent
 
 #: A beam's cut in small: a rigid translation (no stiffness), and a damped mode.
 RIGID = np.array([[0.0, 0, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0], [0, -90.0, 0, -0.3]])
@@ -208,35 +208,25 @@ def test_gillijns_filter_is_the_filter_that_believes_nothing_of_inputs() -> None
         assert made[last] == pytest.approx(best[-6:], rel=1e-7, abs=1e-7)
 
 
-def test_gillijns_filter_needs_the_rank_of_the_feedthrough() -> None:
-    model = rigid()
-    J = model.J.copy()
-    J[:, 1] = 2.0 * J[:, 0]
-    short = InputStateModel(model.A, model.B, model.G, J, STEP)
-    with pytest.raises(InputError, match=r"J: its rank is 1, but there are 2 inputs"):
-        make_gillijns(short, np.eye(4), np.eye(4), np.eye(4))
+def test_units_of_inputs_do_not_matter_to_gillijns_filter() -> None:
     pair = [make_gillijns(rigid(scale=s), np.eye(4), np.eye(4), np.eye(4)) for s in (1.0, 1e12)]
     unit = np.array([[1.0]] * 4 + [[1e12]] * 2)  # of states and of inputs
     assert pair[1].K / unit == pytest.approx(pair[0].K, rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("reading", ["predicted", "previous"])
-def test_dual_filter_is_two_textbook_filters(reading) -> None:
+def test_dual_filter_is_two_textbook_filters() -> None:
     case = draw_case(8)
     A, B, G, J = case.model.A, case.model.B, case.model.G, case.model.J
     Px, Pp = case.P0[:4, :4], case.P0[4:, 4:]
-    made = make_dual(case.model, case.Q, case.S, case.R, Px, Pp, reading)
+    made = make_dual(case.model, case.Q, case.S, case.R, Px, Pp)
     filtered = made.run(case.y)
     x, p = np.zeros(4), np.zeros(2)
     for k, y in enumerate(case.y):
         predicted = A @ x + B @ p
-        known = predicted if reading == "predicted" else x
         Pp = Pp + case.S
         K = Pp @ J.T @ np.linalg.inv(J @ Pp @ J.T + case.R)
-        p = p + K @ (y - G @ known - J @ p)
+        p = p + K @ (y - G @ predicted - J @ p)
         Pp = Pp - K @ J @ Pp
-        if reading == "previous":
-            predicted = A @ x + B @ p
         Px = A @ Px @ A.T + case.Q
         K = Px @ G.T @ np.linalg.inv(G @ Px @ G.T + case.R)
         x = predicted + K @ (y - G @ predicted - J @ p)
@@ -263,46 +253,20 @@ def test_latent_filter_is_gaussian_process_regression(kernel) -> None:
     sigma, length = np.array([2.0, 0.7]), np.array([0.5, 0.11])
     times = case.model.step * np.arange(steps + 1)
     before = np.zeros((4 + 2 * (steps + 1),) * 2)
-    before[:4, :4] = case.P0[:4, :4]
+    before[:4, :4] = WIDE * np.eye(4)
     for i in range(2):
         r = np.abs(times[:, None] - times) / length[i]
         a = np.sqrt(3.0) * r
         shape = np.exp(-r) if kernel == "matern12" else (1.0 + a) * np.exp(-a)
         before[4 + i :: 2, 4 + i :: 2] = sigma[i] ** 2 * shape
     dense = WrittenOut(case.model, case.Q, case.R, before, steps)
-    made = make_latent(case.model, case.Q, case.R, kernel, sigma, length, case.P0[:4, :4])
+    made = make_latent(case.model, case.Q, case.R, kernel, sigma, length)
     filtered = made.run(case.y)
     for k in range(steps):
         assert filtered[k] == pytest.approx(dense.estimate(case.y, k, k), rel=1e-8, abs=1e-8)
 
 
-BAD = {
-    "R: the covariance of the sensors' noise is singular": {"R": np.diag([0.0, 1, 1])},
-    "Q: the matrix has a negative eigenvalue": {"Q": -np.eye(4)},
-    "P0: the matrix is not symmetric": {"P0": np.triu(np.ones((6, 6)))},
-}
-
-
-@pytest.mark.parametrize("said", BAD)
-def test_what_is_no_covariance_is_refused(said: str) -> None:
+def test_noise_that_is_singular_is_refused() -> None:
     case = draw_case(3)
-    given = {"Q": case.Q, "S": case.S, "R": case.R, "P0": case.P0} | BAD[said]
-    with pytest.raises(InputError, match=said):
-        make_augmented(case.model, **given)
-
-
-def test_bad_records_and_arguments_are_refused() -> None:
-    case = draw_case(3)
-    made = make_augmented(case.model, case.Q, case.S, case.R, case.P0)
-    with pytest.raises(InputError, match=r"y: its shape is \(5, 2\); give \(steps, 3\)"):
-        made.run(np.zeros((5, 2)))
-    with pytest.raises(InputError, match="y: 1 values are not finite"):
-        made.run(np.array([[0.0, np.nan, 0.0]]))
-    with pytest.raises(InputError, match="lag: -1 steps; give 0 or more"):
-        make_lagged(case.model, case.Q, case.S, case.R, case.P0, -1)
-    with pytest.raises(InputError, match="reading: 'both' is not one of predicted, previous"):
-        make_dual(case.model, case.Q, case.S, case.R, np.eye(4), np.eye(2), "both")
-    with pytest.raises(InputError, match="length: give 2 positive numbers"):
-        make_latent(case.model, case.Q, case.R, "matern12", np.ones(2), np.zeros(2))
-    with pytest.raises(InputError, match="kernel: 'rbf' is not one of matern12, matern32"):
-        make_latent(case.model, case.Q, case.R, "rbf", np.ones(2), np.ones(2))
+    with pytest.raises(InputError, match="R: the covariance of the sensors' noise is singular"):
+        make_augmented(case.model, case.Q, case.S, np.diag([0.0, 1, 1]), case.P0)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from owtsweep.errors import InputError
 from owtsweep.evaluation.signals import (
     compute_frac,
     compute_mae,
@@ -66,7 +65,6 @@ def test_frac_is_blind_to_time_shift_and_reversal():
     for other in (np.roll(truth, 137, axis=0), truth[::-1]):
         np.testing.assert_allclose(compute_frac(truth, other), 1.0, rtol=1e-12)
         assert (compute_trac(truth, other, centred=True) < 0.1).all()
-        np.testing.assert_allclose(compute_frac(truth, other, centred=True), 1.0, rtol=1e-12)
 
 
 def test_errors_by_hand():
@@ -95,9 +93,8 @@ def test_zero_and_constant_signals_have_no_criterion():
     for first, second in ((truth, nothing), (nothing, truth), (nothing, nothing)):
         assert np.isnan(compute_trac(first, second)).all()
         assert np.isnan(compute_frac(first, second)).all()
-    for compute in (compute_trac, compute_frac):
-        assert not np.isnan(compute(truth, constant)).any()
-        assert np.isnan(compute(truth, constant, centred=True)).all()
+    assert not np.isnan(compute_trac(truth, constant)).any()
+    assert np.isnan(compute_trac(truth, constant, centred=True)).all()
     assert np.isnan(find_lag(truth, constant, 0.01, 1.0)).all()
     assert np.isnan(find_lag(constant, truth, 0.01, 1.0)).all()
 
@@ -154,12 +151,3 @@ def test_a_lag_beyond_the_longest_is_given_as_the_longest():
     truth, late = make_smooth(0.0), make_smooth(0.3)
     assert find_lag(truth, late, 0.01, 0.2) == pytest.approx(0.2)
     assert find_lag(late, truth, 0.01, 0.2) == pytest.approx(-0.2)
-
-
-def test_wrong_signals_are_refused():
-    truth, estimate = make_signals()
-    with pytest.raises(InputError, match=r"estimate: its shape \(999, 3\)"):
-        compute_trac(truth, estimate[:-1])
-    for longest in (0.001, 5.0):
-        with pytest.raises(InputError, match=r"longest: .* must be from one sampling interval"):
-            find_lag(truth, estimate, 0.01, longest)

@@ -7,7 +7,6 @@ import pytest
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.signal import freqs, residue
 
-from owtsweep import InputError
 from owtsweep.motion.shaping import ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 
@@ -66,24 +65,3 @@ def test_more_states_come_closer_and_the_error_is_the_divergence(fitted: Shaping
 def test_a_fit_does_not_hang_on_the_scale_of_the_density(fitted: ShapingFilter) -> None:
     scaled = fit_shaping_filter(FREQUENCY, 1e-3 * DENSITY, 8, FLOOR)
     np.testing.assert_allclose(scaled.A, fitted.A, rtol=1e-6, atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("density", "states", "floor", "words"),
-    [
-        (DENSITY - 1e-9, 8, FLOOR, "density: the spectrum is negative, -1e-09 at 0.001 Hz"),
-        (0.0 * DENSITY, 8, FLOOR, "density: the spectrum is zero everywhere"),
-        (DENSITY, 0, FLOOR, "states: a shaping filter cannot have 0 states; choose an even"),
-        (DENSITY, 7, FLOOR, "states: a shaping filter cannot have 7 states; choose an even"),
-        (DENSITY, 40, FLOOR, "cannot have 40 states; choose an even number from 4 to 24"),
-        (DENSITY, 8, 0.0, "floor: the floor must be finite and above zero"),
-        (DENSITY[1:], 8, FLOOR, "frequency, density: arrays of the shapes"),
-        (np.where(INSIDE, np.inf, 0.0), 8, FLOOR, "density: a density is infinite"),
-    ],
-)
-def test_bad_input_is_refused_in_a_line(
-    density: np.ndarray, states: int, floor: np.ndarray, words: str
-) -> None:
-    with pytest.raises(InputError) as caught:
-        fit_shaping_filter(FREQUENCY, density, states, floor)
-    assert words in str(caught.value)

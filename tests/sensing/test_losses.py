@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.errors import InputError
 from owtsweep.sensing.faults import Losses
 from owtsweep.streams import stream
 
@@ -39,22 +38,7 @@ def test_outages_last_their_length() -> None:
     assert np.median(lengths) == 25
 
 
-@pytest.mark.parametrize("pieces", [[500], [1, 499], [3, 0, 2, 10, 4, 481]])
-@pytest.mark.parametrize("length", [1, 7, 100])
-def test_pieces_are_those_of_one_draw(pieces: list[int], length: int) -> None:
-    whole = Losses(uniforms(), 0.02, length).draw(500)
-    losses = Losses(uniforms(), 0.02, length)
-    np.testing.assert_array_equal(np.concatenate([losses.draw(n) for n in pieces]), whole)
-
-
 def test_more_losses_keep_those_that_were() -> None:
     few = Losses(uniforms(), 0.05, 3).draw(1000)
     assert np.all(Losses(uniforms(), 0.1, 3).draw(1000)[few])
     assert np.all(Losses(uniforms(), 0.05, 9).draw(1000)[few])
-
-
-def test_losses_that_cannot_be() -> None:
-    with pytest.raises(InputError, match=r"probability: 1.5 is not between 0 and 1"):
-        Losses(uniforms(), 1.5)
-    with pytest.raises(InputError, match="length: an outage of 0 samples; give 1 or more"):
-        Losses(uniforms(), 0.5, 0)

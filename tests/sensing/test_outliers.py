@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.errors import InputError
 from owtsweep.sensing.faults import draw_outliers
 from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.streams import stream
@@ -52,12 +51,3 @@ def test_red_noise_is_stationary_and_forgets_at_its_time_constant() -> None:
     after = np.mean(many[:, 5:] * many[:, :-5]) / np.mean(many[:, 5:] ** 2)
     assert after == pytest.approx(np.exp(-10.0 / 20.0), abs=0.02)
     assert np.mean(many[..., 0] * many[..., 1]) == pytest.approx(0.0, abs=0.01)
-
-
-def test_outliers_and_red_noise_that_cannot_be() -> None:
-    with pytest.raises(InputError, match=r"rate: 0.7 is not from 0 to 0.5"):
-        draw_outliers(*streams("when", "how"), 9, rate=0.7, sigma=1.0)
-    with pytest.raises(InputError, match="length: a burst of 0 samples; give 1 or more"):
-        draw_outliers(*streams("when", "how"), 9, rate=0.1, sigma=1.0, length=0)
-    with pytest.raises(InputError, match="time: 0 s is no time constant"):
-        draw_gauss_markov(*streams("red"), 9, sigma=1.0, time=0.0, step=1.0)

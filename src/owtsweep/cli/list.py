@@ -37,13 +37,13 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     choices: dict[Path, list[str]] = {}
     for name in names():
         try:
-            told = _purpose(name)
+            purpose = _purpose(name)
             tree = find_tree(name)
             if tree.folder not in choices:
                 choices[tree.folder] = _list_choices(name, tree)
         except InputError as error:  # a broken study of another package; list the others
-            told = str(error)
-        print(_entry(name, told))
+            purpose = str(error)
+        print(_entry(name, purpose))
     for line in chain(*choices.values()):
         print(line)
     return DONE

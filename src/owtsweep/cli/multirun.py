@@ -74,8 +74,8 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         return DONE
     given = [o.partition("=")[2] for o in options.overrides if _is_results(o)]
     results = configs[0].results if configs else ["results", *given][-1]
-    asked = hash_text("\n".join(sorted(options.overrides)))
-    folder = Path(results) / f"multirun-{asked}"
+    query = hash_text("\n".join(sorted(options.overrides)))
+    folder = Path(results) / f"multirun-{query}"
     if options.dry_run:
         require(
             bool(configs), "--dry-run: this works with Hydra's basic sweeper only; leave it out"
@@ -138,7 +138,7 @@ class Job:
             task.insert(0, f"study={self.study}")
         name = "refused-" + hash_text("\n".join(task))
         try:
-            # composed anew: Hydra would lay several tunings on top of each other
+            # composed again: Hydra would lay several tunings on top of each other
             config = compose([*task, f"results={quoted(self.folder)}"], self.config_dir)
             name = run_folder(config).name
             code = run_one(config, self.argv)

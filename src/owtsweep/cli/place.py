@@ -7,11 +7,10 @@ import math
 import sys
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
-from owtsweep.cli.running import show_answer
-from owtsweep.errors import InputError, require
+from owtsweep.cli.running import name_folder, require_serving, show_answer
+from owtsweep.errors import require
 from owtsweep.sweep.study import PlaceQuestion
 
 #: Most heights to choose from that are read.
@@ -25,36 +24,22 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         refused.
     """
     from owtsweep.config import dump
-    from owtsweep.io.files import check_writable, refuse_in_one_line, write_all
-    from owtsweep.io.reading import refuse_links
+    from owtsweep.io.files import refuse_in_one_line, write_all
     from owtsweep.io.steps import show_steps
     from owtsweep.io.tables import dump_tables
-    from owtsweep.studies import compose, get_study, locate
-    from owtsweep.studies.registry import DEFAULT, list_serving
-    from owtsweep.sweep.keys import hash_text, question_hash
+    from owtsweep.studies import compose, locate
+    from owtsweep.studies.registry import DEFAULT
+    from owtsweep.sweep.keys import question_hash
     from owtsweep.sweep.study import blame
 
-    study = get_study(locate(options.overrides).study or DEFAULT)
-    if "place" not in study.commands:
-        serving = list_serving("place")
-        raise InputError(
-            f"study: {study.name!r} has no sensors to place; `place` serves {serving} only: "
-            f"`owtsweep place study={serving.partition(',')[0]}`"
-        )
+    study = require_serving("place", locate(options.overrides).study or DEFAULT)
     given = frozenset(word.lstrip("+~").partition("=")[0] for word in options.overrides)
     question = PlaceQuestion(options.quantity, options.count, _read_heights(options.heights), given)
     with blame(study):
         defaults = study.list_place_defaults(given)
     config = compose([*defaults, *options.overrides], options.config_dir)
-    require(
-        config.name is None,
-        "name: `place` names its folder by what is asked; leave out name, or choose another place "
-        "by results=FOLDER",
-    )
-    asked = f"{question_hash(config)} {question.quantity} {question.count} {question.heights}"
-    folder = Path(config.results) / f"place-{hash_text(asked)}"
-    refuse_links(folder)
-    check_writable(folder)
+    query = f"{question_hash(config)} {question.quantity} {question.count} {question.heights}"
+    folder = name_folder("place", config, query)
     with blame(study):
         try:
             with show_steps():

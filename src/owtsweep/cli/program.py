@@ -90,8 +90,8 @@ def _add_place(parser: Parser) -> None:
         "--quantity", metavar="NAME", help="whose error counts: stress (default) or base_moment"
     )
     parser.add_argument("--count", metavar="N", type=int, help="most sensors to choose; default 8")
-    told = "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements"
-    parser.add_argument("--heights", metavar="LIST", help=told)
+    text = "to choose from, in m above the ground, e.g. 10,25,40; default: all ends of elements"
+    parser.add_argument("--heights", metavar="LIST", help=text)
     _add_config_dir(parser)
 
 
@@ -101,14 +101,14 @@ def _add_run(parser: Parser) -> None:
 
 def _add_fidelity(parser: Parser) -> None:
     _add_run(parser)
-    told = "a file of claims (TOML) instead of those of the study's paper"
-    parser.add_argument("--claims", metavar="FILE", help=told)
+    text = "a file of claims (TOML) instead of those of the study's paper"
+    parser.add_argument("--claims", metavar="FILE", help=text)
 
 
 def _add_figures(parser: Parser) -> None:
     _add_run(parser)
-    told = "only the map, with where a structure is on it: a name in conf/structure or a YAML file"
-    parser.add_argument("--envelope", metavar="STRUCTURE", help=told)
+    text = "only the map, with where a structure is on it: a name in conf/structure or a YAML file"
+    parser.add_argument("--envelope", metavar="STRUCTURE", help=text)
 
 
 def _add_runs(parser: Parser) -> None:
@@ -118,8 +118,8 @@ def _add_runs(parser: Parser) -> None:
 
 
 def _add_overrides(parser: Parser, example: str) -> None:
-    told = f"Hydra override, e.g. {example}"
-    parser.add_argument("overrides", nargs="*", metavar="override", help=told)
+    text = f"Hydra override, e.g. {example}"
+    parser.add_argument("overrides", nargs="*", metavar="override", help=text)
 
 
 def _add_run_options(parser: Parser) -> None:
@@ -229,8 +229,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except KeyboardInterrupt as error:
         # The message of an interrupted sweep says how many cases are stored.
-        told = str(error) or "interrupted; finished blocks are kept"
-        print(f"owtsweep: {told}; the same command goes on from there", file=sys.stderr)
+        text = str(error) or "interrupted; finished blocks are kept"
+        print(f"owtsweep: {text}; the same command goes on from there", file=sys.stderr)
         if arguments[:1] in (["sweep"], ["replay"]):
             print(f"  {same_command(arguments)}", file=sys.stderr)
         return INTERRUPTED
@@ -239,8 +239,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return DONE
     except OSError as error:
         if error.errno in (errno.EMFILE, errno.ENFILE):
-            told = "this process may not open more files; raise its limit (ulimit -n 1024)"
-            print(f"owtsweep: {told}", file=sys.stderr)
+            text = "this process may not open more files; raise its limit (ulimit -n 1024)"
+            print(f"owtsweep: {text}", file=sys.stderr)
             return BAD_INPUT
         print(f"owtsweep: {as_text(error)}", file=sys.stderr)  # stdout on a full disk, say
         return FAILED

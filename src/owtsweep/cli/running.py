@@ -6,11 +6,12 @@ import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from math import floor, log10
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.cli.program import DONE, FAILED, same_command
 from owtsweep.config import Config
-from owtsweep.errors import InputError, printable
+from owtsweep.errors import InputError, printable, require
 from owtsweep.freed_memory import keep_freed_memory
 
 if TYPE_CHECKING:
@@ -21,12 +22,45 @@ if TYPE_CHECKING:
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
+    from owtsweep.sweep.study import Study
 
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
 MOST_LABELS = 3
 #: Most columns of an answer: the same text on a terminal, in a file and in a pipe.
 WIDTH = 80
+
+
+def require_serving(command: str, name: str) -> Study:
+    """Return the study with a name; raise `InputError` if it does not have this command."""
+    from owtsweep.studies import get_study
+    from owtsweep.studies.registry import list_serving
+
+    study = get_study(name)
+    if command not in study.commands:
+        serving = list_serving(command)
+        raise InputError(
+            f"study: `{command}` serves {serving} only, not {name!r}; use "
+            f"study={serving.partition(',')[0]}"
+        )
+    return study
+
+
+def name_folder(command: str, config: Config, query: str) -> Path:
+    """Return the folder for the answer to a query, checked: named by the command and a hash."""
+    from owtsweep.io.files import check_writable
+    from owtsweep.io.reading import refuse_links
+    from owtsweep.sweep.keys import hash_text
+
+    require(
+        config.name is None,
+        f"name: `{command}` names its folder by the query; leave out name, or choose another place "
+        "by results=FOLDER",
+    )
+    folder = Path(config.results) / f"{command}-{hash_text(query)}"
+    refuse_links(folder)
+    check_writable(folder)
+    return folder
 
 
 def may_start(options: argparse.Namespace, config: Config) -> bool:
@@ -137,8 +171,8 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
         print(line, file=sys.stderr)
     if outcome.failed:
         cases = sum(setback.cases for setback in outcome.failed)
-        told = f"{_count(cases)} failed; " if cases else ""
-        print(f"{told}the same command tries again:", file=sys.stderr)
+        again = f"{_count(cases)} failed; " if cases else ""
+        print(f"{again}the same command tries again:", file=sys.stderr)
         print(f"  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
     print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {place}")
@@ -181,15 +215,15 @@ def foretell(configs: Sequence[Config], *, fresh: bool = False) -> int:
     from owtsweep.studies import get_study
     from owtsweep.sweep.prepare import forecast
 
-    told = [forecast(get_study(config.study), config, fresh=fresh) for config in configs]
+    forecasts = [forecast(get_study(config.study), config, fresh=fresh) for config in configs]
     print("Nothing was computed or written. This command without --dry-run would do:")
-    for each in told:
+    for each in forecasts:
         print("\n".join(_describe(each)))
-    if len(told) > 1:
+    if len(forecasts) > 1:
         cases, missing = (
-            sum(getattr(each, name) for each in told) for name in ("cases", "missing")
+            sum(getattr(each, name) for each in forecasts) for name in ("cases", "missing")
         )
-        print(f"{len(told)} runs, one after the other: {cases} cases, {missing} to compute")
+        print(f"{len(forecasts)} runs, one after the other: {cases} cases, {missing} to compute")
     return DONE
 
 

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 
 from owtsweep.cli.program import DONE
-from owtsweep.errors import InputError
+from owtsweep.cli.running import require_serving
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -18,18 +18,12 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line
     from owtsweep.io.reading import refuse_links
-    from owtsweep.studies import compose, get_study
-    from owtsweep.studies.registry import list_serving
+    from owtsweep.studies import compose
     from owtsweep.sweep.keys import run_folder, run_hash
     from owtsweep.sweep.study import blame
 
     config = compose(options.overrides, options.config_dir)
-    study = get_study(config.study)
-    if "spectrum" not in study.commands:
-        raise InputError(
-            f"study: {config.study!r} has no error spectra; `spectrum` serves "
-            f"{list_serving('spectrum')} only"
-        )
+    study = require_serving("spectrum", config.study)
     from rich.console import Console
 
     metadata = {"run": run_hash(config)}

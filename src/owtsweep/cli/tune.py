@@ -11,10 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
-from owtsweep.cli.running import show_answer
+from owtsweep.cli.running import require_serving, show_answer
 from owtsweep.config import Config, dump, require
 from owtsweep.config.tuned import GROUP
-from owtsweep.errors import InputError
 from owtsweep.io.reading import expand_home
 from owtsweep.sweep.keys import LONGEST_NAME, hash_text
 
@@ -30,8 +29,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if the study has nothing to tune, or the configuration or the file is refused.
     """
     from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
-    from owtsweep.studies import compose, get_study
-    from owtsweep.studies.registry import list_serving
+    from owtsweep.studies import compose
     from owtsweep.sweep.study import blame
 
     given = {word.lstrip("+").partition("=")[0] for word in options.overrides}
@@ -41,12 +39,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         "" in config.by_tuning(),
         f"{GROUP}: a search begins with one tuning; name one, e.g. {GROUP}={START}",
     )
-    study = get_study(config.study)
-    if "tune" not in study.commands:
-        raise InputError(
-            f"study: {config.study!r} has nothing to tune; `tune` serves "
-            f"{list_serving('tune')} only"
-        )
+    study = require_serving("tune", config.study)
     path = _choose_path(options.output, config)
     check_writable(path.parent, "--output", "name another file by --output FILE")
     with blame(study):

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Literal
 
 from owtsweep.cli.combinations import combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
-from owtsweep.cli.running import show_answer
+from owtsweep.cli.running import name_folder, require_serving, show_answer
 from owtsweep.config import Config, as_mapping, dump, dump_with_units
 from owtsweep.config.section import unit_of
 from owtsweep.config.tuned import GROUP
 from owtsweep.config.typed import value_at
-from owtsweep.errors import InputError, printable, require
+from owtsweep.errors import printable, require
 from owtsweep.results.conditions import Condition, Value
-from owtsweep.studies import compose, get_study, locate
-from owtsweep.studies.registry import DEFAULT, list_serving
-from owtsweep.sweep.keys import NOT_IDENTIFYING, hash_text, question_hash
-from owtsweep.sweep.study import Study, blame
+from owtsweep.studies import compose, locate
+from owtsweep.studies.registry import DEFAULT
+from owtsweep.sweep.keys import NOT_IDENTIFYING, question_hash
+from owtsweep.sweep.study import blame
 
 EXAMPLE = "sensors.gnss.rate=1,2,5,10"
 #: Most values of a key: more can be told apart neither in the table nor in the figure.
@@ -39,8 +38,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if not exactly one override has several values, the study cannot vary a key,
         or a configuration is refused.
     """
-    from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
-    from owtsweep.io.reading import refuse_links
+    from owtsweep.io.files import refuse_in_one_line, write_atomically
     from owtsweep.io.steps import show_steps
 
     key, configs = compose_each(options.overrides, options.config_dir)
@@ -48,22 +46,20 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         print("---\n".join(dump_with_units(config) for config in configs.values()), end="")
         return DONE
     one = next(iter(configs.values()))
-    folder = choose_folder(key, configs)
-    study = get_study(one.study)
-    varying = _require_varying(study)
+    study = require_serving("vary", one.study)
     along = Condition("value", key, _find_unit(one, key), _choose_scale(list(configs)))
     with blame(study):
-        varying.check_vary(along, configs)
+        study.check_vary(along, configs)
+    query = [key, *(f"{value} {question_hash(config)}" for value, config in configs.items())]
+    folder = name_folder("vary", one, "\n".join(query))
     if options.dry_run:
         print("Nothing was computed or written. This command without --dry-run would do:")
         print(f"folder  {printable(str(folder))}/")
         print(f"values  {len(configs)} of {key}; each takes some seconds the first time")
         return DONE
-    refuse_links(folder)
-    check_writable(folder)
     with blame(study):
         with show_steps():
-            varied = varying.vary(along, configs)
+            varied = study.vary(along, configs)
         with refuse_in_one_line(folder):
             files = varied.write(folder, {"vary": folder.name, "key": key})
             text = "---\n".join(dump(config) for config in configs.values())
@@ -120,30 +116,20 @@ def compose_each(
         number <= MOST_VALUES,
         f"{key}: {number:.6g} values are too many; give at most {MOST_VALUES}",
     )
-    study = get_study(located.study or DEFAULT)
-    start = _leave_out_given(_require_varying(study).list_vary_defaults(), overrides)
+    study = require_serving("vary", located.study or DEFAULT)
+    start = _leave_out_given(study.list_vary_defaults(), overrides)
     composed = [
         (next(iter(values.values())), compose([*start, *words], config_dir))
         for words, values in combine(parsed, located.tree)
     ]
     for _, config in composed:
-        _require_varying(get_study(config.study))  # an experiment may name another study
-        _check(config)
-    return key, _by_value(key, composed)
-
-
-def _require_varying(study: Study) -> Study:
-    """Return a study that can vary a key.
-
-    Raises InputError if the study cannot vary a key.
-    """
-    if "vary" not in study.commands:
-        raise InputError(
-            f"study: {study.name!r} cannot vary a key; leave out study={study.name}, because "
-            f"`vary` serves {list_serving('vary')} only; "
-            f"`owtsweep sweep --multirun study={study.name}` takes several values of a key"
+        require_serving("vary", config.study)  # an experiment may name another study
+        require(
+            "" in config.by_tuning(),
+            f"{GROUP}: `vary` takes one tuning for each value; to compare tunings, give "
+            f"{GROUP}=paper,matched without brackets",
         )
-    return study
+    return key, _by_value(key, composed)
 
 
 def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[str]:
@@ -156,19 +142,6 @@ def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[
         if not above & given:
             kept.append(word)
     return kept
-
-
-def _check(config: Config) -> None:
-    require(
-        "" in config.by_tuning(),
-        f"{GROUP}: `vary` takes one tuning for each value; to compare tunings, give "
-        f"{GROUP}=paper,matched without brackets",
-    )
-    require(
-        config.name is None,
-        "name: `vary` names its folder by what is asked; leave out name, or choose another place "
-        "by results=FOLDER",
-    )
 
 
 def _by_value(key: str, composed: Sequence[tuple[str, Config]]) -> dict[Value, Config]:
@@ -204,10 +177,3 @@ def _choose_scale(values: Sequence[Value]) -> Literal["linear", "log"]:
     numbers = [value for value in values if not isinstance(value, str)]
     wide = bool(numbers) and min(numbers) > 0.0 and max(numbers) >= WIDE * min(numbers)
     return "log" if wide else "linear"
-
-
-def choose_folder(key: str, configs: Mapping[Value, Config]) -> Path:
-    """Return the folder for the files: its name is a hash of the key and of what is asked."""
-    asked = [key, *(f"{value} {question_hash(config)}" for value, config in configs.items())]
-    lines = "\n".join(asked)
-    return Path(next(iter(configs.values())).results) / f"vary-{hash_text(lines)}"

@@ -14,7 +14,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
 from owtsweep.estimation.input_state import (
     Filter,
     InputStateModel,
@@ -34,15 +33,9 @@ def make_gillijns(model: InputStateModel, Q: Array, R: Array, P0: Array) -> Filt
     Q, R: as of `augmented.make_augmented`.
     P0: covariance of the state at the first measurement, shape (n, n). (A step before the first
         measurement, as in the other filters, would need the input there.)
-    Raises InputError if the rank of J is too small, a matrix is no covariance, or R is singular.
+    Raises InputError if a matrix is no covariance, or R is singular.
     """
-    rank, inputs = find_feedthrough_rank(model.J), model.J.shape[1]
-    require(
-        rank == inputs,
-        f"J: its rank is {rank}, but there are {inputs} inputs; Gillijns and De Moor's filter "
-        "needs as many independent accelerations as inputs",
-    )
-    return settle(_steps(model, root_of("Q", Q), check_noise(R), root_of("P0", P0)))
+    return settle(_steps(model, root_of(Q), check_noise(R), root_of(P0)))
 
 
 def find_feedthrough_rank(J: Array) -> int:

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
 from owtsweep.estimation.square_root import Correction, deviation, kalman
 
 #: Gains have settled once typical corrections change, from one step to the next, by less than this
@@ -109,8 +108,6 @@ class Filter:
         """Return estimates of each step from the measurements y (steps, m) up to this step.
 
         The shape is (steps, n + inputs): the states of the model, then its inputs.
-
-        Raises InputError if y has another shape, or holds a value that is not finite.
         """
         x = self.run_states(y)
         return x if self.outputs is None else x @ self.outputs.T
@@ -119,25 +116,12 @@ class Filter:
         """Filter a record like `run`, and return the filter's own states, shape (steps, N)."""
         from owtsweep.estimation.recursion import recur  # numba is slow to import
 
-        y = check_record(y, self.K.shape[1])
         x = y @ self.K.T
         early = min(len(y), len(self.early_K))
         x[:early] = np.matmul(self.early_K[:early], y[:early, :, None])[:, :, 0]
         transposed = np.ascontiguousarray(np.swapaxes(self.early_F[:early], 1, 2))
         recur(transposed, np.ascontiguousarray(self.F.T), x)
         return x
-
-
-def check_record(y: Array, m: int) -> Array:
-    """Return the measurements y as an array of float64, checked to be (steps, m) and finite."""
-    y = np.asarray(y, dtype=np.float64)
-    require(
-        y.ndim == 2 and y.shape[1] == m,
-        f"y: its shape is {y.shape}; give (steps, {m}), a column per measurement",
-    )
-    bad = np.count_nonzero(~np.isfinite(y))
-    require(bad == 0, f"y: {bad} values are not finite; this filter needs every measurement")
-    return y
 
 
 def settle(steps: Iterator[Step], outputs: Array | None = None) -> Filter:

@@ -23,7 +23,6 @@ from owtsweep.errors import InputError
 from owtsweep.estimation.input_state import (
     Filter,
     Step,
-    check_record,
     settle,
     to_step,
 )
@@ -74,7 +73,6 @@ class Lagged:
 
         Raises InputError if y has another shape, or holds a value that is not finite.
         """
-        y = check_record(y, self.filter.K.shape[1])
         x = self.filter.run_states(y)
         predicted = np.zeros_like(x)
         predicted[1:] = x[:-1] @ self.transition.T

@@ -18,13 +18,10 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
 from owtsweep.estimation.augmented import augment
 from owtsweep.estimation.input_state import Filter, InputStateModel, make_kalman
 
-#: The covariance functions.
-KERNELS = ("matern12", "matern32")
-#: Prior variance of every state if none is given: next to nothing is known of states near 1.
+#: Prior variance of every state: next to nothing is known of states near 1.
 WIDE = 1e6
 
 
@@ -35,7 +32,6 @@ def make_latent(
     kernel: Literal["matern12", "matern32"],
     sigma: Array,
     length: Array,
-    P0: Array | None = None,
 ) -> Filter:
     """Make the augmented Kalman filter whose inputs are independent Gaussian processes.
 
@@ -46,31 +42,22 @@ def make_latent(
     kernel: "matern12" (exponential correlation, rough paths) or "matern32" (paths with a rate).
     sigma: standard deviation of each input about zero, in the input's unit, shape (inputs,).
     length: correlation time of each input in s, shape (inputs,).
-    P0: covariance of the states one step before the first measurement, shape (n, n). None means
-        `WIDE` for every state. The inputs begin with `sigma`.
-    Raises InputError if the kernel is unknown, sigma or length is not one positive number per
-    input, a matrix is no covariance, or R is singular.
+    The states begin with the variance `WIDE`, the inputs with `sigma`. Raises InputError if R is
+    singular.
     """
-    require(kernel in KERNELS, f"kernel: {kernel!r} is not one of {', '.join(KERNELS)}")
     n, inputs = model.B.shape
-    for name, given in (("sigma", sigma), ("length", length)):
-        require(
-            np.shape(given) == (inputs,) and bool(np.all(np.asarray(given) > 0.0)),
-            f"{name}: give {inputs} positive numbers, one per input",
-        )
     pieces = [_sample(kernel, s, model.step / t) for s, t in zip(sigma, length, strict=True)]
     transition = block_diag(*(piece[0] for piece in pieces))
     order = len(pieces[0][0])
     read = np.zeros((inputs, inputs * order))
     read[np.arange(inputs), order * np.arange(inputs)] = 1.0
     F, H = augment(model, transition, read)
-    states = WIDE * np.eye(n) if P0 is None else P0
     return make_kalman(
         F,
         H,
         block_diag(Q, *(piece[1] for piece in pieces)),
         R,
-        block_diag(states, *(piece[2] for piece in pieces)),
+        block_diag(WIDE * np.eye(n), *(piece[2] for piece in pieces)),
         outputs=block_diag(np.eye(n), read),
     )
 

@@ -11,13 +11,11 @@ loop.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
 
 #: A singular value below this part of the largest one counts as zero, if nothing else is said.
 TOLERANCE = 1e-9
@@ -25,8 +23,6 @@ TOLERANCE = 1e-9
 #: Rounding splits the eigenvalues of a Jordan block of size 2 by the root of the floating-point
 #: accuracy, 1e-8, and those of size 3 by 1e-5.
 SAME = 1e-5
-#: Components of a direction smaller than this part of the largest one are not named.
-NAMED = 0.05
 
 
 @dataclass(frozen=True)
@@ -70,30 +66,8 @@ class Observability:
     conditions: Array
     unseen: tuple[Unseen, ...]
 
-    def describe(self, names: Sequence[str], step: float | None = None) -> str:
-        """Say in one line what sensors do not see, by the `names` of the n states.
 
-        `step` in s tells frequencies in Hz; None for a model in continuous time.
-
-        Raises InputError if there are not as many names as states.
-        """
-        require(
-            len(names) == self.states,
-            f"names: {len(names)} names are given; give {self.states}, one per state",
-        )
-        worst = f"the largest condition number is {self.conditions.max():.1e}"
-        if not self.unseen:
-            return f"sensors see all {self.states} states; {worst}"
-        parts = "; ".join(_tell(unseen, self.states, names, step) for unseen in self.unseen)
-        return (
-            f"sensors see {self.rank} of {self.states} directions of state; unseen is {parts}; "
-            f"for what is seen, {worst}"
-        )
-
-
-def find_unobservable(
-    A: Array, G: Array, tolerance: float = TOLERANCE, size: Array | None = None
-) -> Observability:
+def find_unobservable(A: Array, G: Array, tolerance: float = TOLERANCE) -> Observability:
     """Find the directions of state that sensors never see, by the test of Popov-Belevitch-Hautus.
 
     A: matrix of a model in discrete time (x[k+1] = A x[k]) or in continuous time (x' = A x), shape
@@ -101,26 +75,11 @@ def find_unobservable(
     G: measurement matrix, shape (m, n).
     tolerance: a singular value counts as zero below this part of the largest one. Rows of G are
         divided by their norms before, since the unit of a sensor does not matter.
-    size: typical size of each state, in which states are counted, shape (n,). None: the sizes that
-        balance A (`scipy.linalg.matrix_balance`). They serve unless states that are coupled one way
-        only (position and velocity of a free body) are in units many orders of magnitude apart.
-    Raises InputError if shapes do not fit, or a matrix holds a value that is not finite.
     """
-    A, G = np.asarray(A, dtype=np.float64), np.asarray(G, dtype=np.float64)
+    from scipy.linalg import matrix_balance
+
     n = len(A)
-    require(A.shape == (n, n) and n > 0, f"A: its shape is {A.shape}; give a square matrix")
-    require(
-        G.ndim == 2 and G.shape[1] == n, f"G: its shape is {G.shape}; give (m, {n}), a row a sensor"
-    )
-    require(
-        bool(np.all(np.isfinite(A)) and np.all(np.isfinite(G))),
-        "A, G: a value is not finite; give finite matrices",
-    )
-    size = _balance(A) if size is None else np.asarray(size, dtype=np.float64)
-    require(
-        size.shape == (n,) and bool(np.all(size > 0.0)),
-        f"size: give {n} positive numbers, one per state",
-    )
+    size = matrix_balance(A, permute=False, separate=True)[1][0]  # whatever the units of states
     scaled = A * size / size[:, None]
     rows = G * size
     norms = np.linalg.norm(rows, axis=1, keepdims=True)
@@ -145,13 +104,6 @@ def find_unobservable(
         conditions=np.array(conditions),
         unseen=tuple(unseen),
     )
-
-
-def _balance(A: Array) -> Array:
-    from scipy.linalg import matrix_balance
-
-    _, (scale, _) = matrix_balance(A, permute=False, separate=True)
-    return np.asarray(scale)
 
 
 def _distinct(A: Array) -> tuple[Array, list[int]]:
@@ -198,29 +150,3 @@ def _follow_chains(
         left, _, _ = np.linalg.svd(new, full_matrices=False)
         found = np.hstack([found, left[:, : wider.shape[1] - found.shape[1]]])
     return found
-
-
-def _tell(unseen: Unseen, states: int, names: Sequence[str], step: float | None) -> str:
-    value = unseen.eigenvalue
-    number = f"{value:.6g}" if value.imag else f"{value.real:.6g}"
-    if value.imag:
-        rate = abs(np.log(value)) / step if step else abs(value)
-        number += f" and its conjugate ({rate / (2.0 * np.pi):.3g} Hz)"
-    directions = ", and ".join(_name(column, names) for column in unseen.directions.T)
-    text = f"at the eigenvalue {number} (rank {states - unseen.lacking} of {states}): {directions}"
-    chained = unseen.directions.shape[1] - unseen.lacking
-    if chained:
-        text += f" (the last {chained} because all that changes by it is unseen)"
-    return text
-
-
-def _name(direction: Array, names: Sequence[str]) -> str:
-    """Name the states that make up a direction, the largest first."""
-    part = np.abs(direction) / np.abs(direction).max()
-    named = [k for k in np.argsort(-part, kind="stable") if part[k] >= NAMED]
-    if len(named) == 1:
-        return str(names[named[0]])
-    lead = direction[named[0]]
-    signs = ["+" if (direction[k] / lead).real >= 0.0 else "-" for k in named]
-    terms = [f"{sign} {part[k]:.2g} {names[k]}" for sign, k in zip(signs, named, strict=True)]
-    return " ".join(terms).removeprefix("+ 1 ")

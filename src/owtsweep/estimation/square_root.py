@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
+from owtsweep.errors import InputError
 
 #: Standard deviations beyond this count as overflow: a filter is unstable.
 OVERFLOW = 1e100
@@ -43,9 +43,9 @@ def kalman(F: Array, H: Array, Q: Array, R: Array, P0: Array) -> Iterator[Correc
     F, H: transition matrix (N, N) and measurement matrix (m, N).
     Q, R: covariances of the noise of process and measurement, shapes (N, N) and (m, m).
     P0: covariance of the state one step before the first measurement, shape (N, N).
-    Raises InputError if a matrix is no covariance, or R is singular.
+    Raises InputError if R is singular.
     """
-    root_Q, root_R, root = root_of("Q", Q), check_noise(R), root_of("P0", P0)
+    root_Q, root_R, root = root_of(Q), check_noise(R), root_of(P0)
     m, N = H.shape
     while not overflows(root):
         root = combine(F @ root, root_Q)
@@ -74,24 +74,11 @@ def combine(*roots: Array) -> Array:
     return np.asarray(np.linalg.qr(np.hstack(roots).T, mode="r")).T
 
 
-def root_of(name: str, covariance: Array) -> Array:
-    """Return a root (N, N) of a covariance, which may be singular.
-
-    Raises InputError with `name` if it is not symmetric, or has a negative eigenvalue.
-    """
-    covariance = np.asarray(covariance, dtype=np.float64)
+def root_of(covariance: Array) -> Array:
+    """Return a root (N, N) of a covariance, which may be singular."""
     size = np.sqrt(np.abs(np.diagonal(covariance)))
     size = np.where(size > 0.0, size, 1.0)
-    scaled = covariance / size[:, None] / size
-    require(
-        bool(np.allclose(scaled, scaled.T, rtol=0.0, atol=1e-9)),
-        f"{name}: the matrix is not symmetric, or holds NaN; give a covariance",
-    )
-    values, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
-    require(
-        bool(values.min(initial=0.0) > -1e-9 * len(values)),
-        f"{name}: the matrix has a negative eigenvalue; give a covariance",
-    )
+    values, vectors = np.linalg.eigh(covariance / size[:, None] / size)
     return np.asarray(size[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
 

@@ -3,7 +3,7 @@
 The points' coordinates are known in a reference frame fixed to the body and observed in a frame at
 rest. The position p of the reference frame's origin and the rotation T minimise
 
-    sum_k weight_k |observed_k - p - T reference_k|^2
+    sum_k |observed_k - p - T reference_k|^2
 
 (Maes et al. 2018, section 3.1, Eqs. 4-8, after Wahba 1965 and Markley 1988). The paper takes
 differences to its first prism, so the noise of that prism enters all of them. Differences to the
@@ -17,19 +17,17 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
+from owtsweep.errors import InputError
 
-#: What differences are taken to: the weighted centroid, or the first point as in Eqs. 4-7.
+#: What differences are taken to: the centroid, or the first point as in Eqs. 4-7.
 About = Literal["centroid", "first"]
 
-#: Least breadth of the reference points over their length. Below it, they count as collinear.
-NARROWEST = 1e-4
 #: Least part of the second singular value in the first, below which a sample fixes no rotation.
 LEAST = 1e-9
 
 
 def find_pose(
-    reference: Array, observed: Array, *, about: About = "centroid", weights: Array | None = None
+    reference: Array, observed: Array, *, about: About = "centroid"
 ) -> tuple[Array, Array]:
     """Return the positions and rotations that carry reference points to observed ones.
 
@@ -42,20 +40,15 @@ def find_pose(
     observed: their observed coordinates, m, shape (samples, points, 3). A sample in which any of
         them is not finite gets a pose of NaN.
     about: what differences are taken to: "centroid", or "first" as in the paper.
-    weights: of the points, shape (points,), by default all 1. With "first", the first weight has no
-        effect, for there is no difference of the first point to itself.
-    Raises InputError if shapes do not match, weights are negative, or the points of the reference
-    or of a sample are collinear, so that any turn about their line explains them as well.
+    Raises InputError if the points of a sample are collinear, so that any turn about their line
+    explains them as well.
     """
-    require(
-        observed.ndim == 3 and observed.shape[1:] == reference.shape,
-        f"observed: has shape {observed.shape}; (samples, *{reference.shape}) would work",
-    )
-    anchor, w = find_anchor(reference, about, weights)
+    first = np.arange(len(reference)) == 0
+    anchor = first.astype(float) if about == "first" else np.full(len(first), 1.0 / len(first))
     seen = np.isfinite(observed).all(axis=(1, 2))
     points = observed[seen]
     to_anchor = anchor @ points
-    there = (points - to_anchor[:, None]) * w[:, None]
+    there = points - to_anchor[:, None]
     here = reference - anchor @ reference
 
     # Eq. 6: columns of `there` times rows of `here`, summed over the points.
@@ -91,34 +84,3 @@ def carry_point(position: Array, rotation: Array, point: Array) -> Array:
     point: in the reference frame, m.
     """
     return np.asarray(position + rotation @ point)
-
-
-def find_anchor(reference: Array, about: About, weights: Array | None) -> tuple[Array, Array]:
-    """Return the points' parts in the one that differences are taken to, and their weights.
-
-    Both have the shape (points,). Raises InputError as `find_pose`.
-    """
-    require(
-        reference.ndim == 2 and reference.shape[1] == 3 and len(reference) >= 3,
-        f"reference: has shape {reference.shape}; three or more points, (points, 3), would work",
-    )
-    require(bool(np.isfinite(reference).all()), "reference: has a NaN or an infinity; give numbers")
-    require(about in ("centroid", "first"), f'about: got {about!r}; give "centroid" or "first"')
-    w = np.ones(len(reference)) if weights is None else np.asarray(weights, dtype=float)
-    require(
-        w.shape == (len(reference),) and bool(np.isfinite(w).all()) and bool(np.all(w >= 0.0)),
-        f"weights: {w.tolist()} do not work; give a finite number, 0 or more, for each of the "
-        f"{len(reference)} points",
-    )
-    first = np.arange(len(reference)) == 0
-    total = float(w.sum())
-    require(total > 0.0, "weights: all are 0; give a positive weight to three or more points")
-    anchor = first.astype(float) if about == "first" else w / total
-    arms = (reference - anchor @ reference) * np.sqrt(w)[:, None]
-    length, breadth, _ = np.linalg.svd(arms, compute_uv=False)
-    require(
-        bool(breadth > NARROWEST * length),
-        "reference: the points that count are collinear, which leaves the turn about their line "
-        "undetermined (Wahba's problem); three or more points that are not on one line would work",
-    )
-    return anchor, w

@@ -21,23 +21,19 @@ def compute_trac(truth: Array, estimate: Array, *, centred: bool = False) -> Arr
     takes them off first, and gives the square of the correlation coefficient. NaN for a channel
     that is zero throughout (with `centred`: constant).
     """
-    truth, estimate = _pair(truth, estimate)
     if centred:
         truth, estimate = _centre(truth), _centre(estimate)
     return _compare(truth, estimate, np.ones(len(truth)))
 
 
-def compute_frac(truth: Array, estimate: Array, *, centred: bool = False) -> Array:
+def compute_frac(truth: Array, estimate: Array) -> Array:
     """Compute the frequency response assurance criterion (Eq. 28) of magnitudes, from 0 to 1.
 
     With complex spectra Eq. (28) would be Eq. (27) again, by Parseval's theorem. What is printed in
     the paper differs from TRAC, so this function takes the magnitudes of the spectra, over positive
-    and negative frequencies. Phases do not matter then, and FRAC is never below TRAC. `centred` and
-    NaN are as in `compute_trac`.
+    and negative frequencies. Phases do not matter then, and FRAC is never below TRAC. NaN is as in
+    `compute_trac`.
     """
-    truth, estimate = _pair(truth, estimate)
-    if centred:
-        truth, estimate = _centre(truth), _centre(estimate)
     steps = len(truth)
     true_size, size = (np.abs(np.fft.rfft(signal, axis=0)) for signal in (truth, estimate))
     weights = np.full(len(size), 2.0)  # a positive frequency and its negative
@@ -49,13 +45,11 @@ def compute_frac(truth: Array, estimate: Array, *, centred: bool = False) -> Arr
 
 def compute_mae(truth: Array, estimate: Array) -> Array:
     """Compute the mean absolute error (Eq. 29), in the signals' unit."""
-    truth, estimate = _pair(truth, estimate)
     return np.asarray(np.abs(estimate - truth).mean(axis=0))
 
 
 def compute_rms_error(truth: Array, estimate: Array) -> Array:
     """Compute the root mean square of the error, mean included, in the signals' unit."""
-    truth, estimate = _pair(truth, estimate)
     return np.asarray(np.sqrt(np.square(estimate - truth).mean(axis=0)))
 
 
@@ -65,7 +59,7 @@ def divide_by_deviation(error: Array, truth: Array) -> Array:
     NaN for a channel whose true signal is constant.
     """
     deviation = np.sqrt(np.square(_centre(truth)).mean(axis=0))
-    return _divide(np.asarray(error), deviation)
+    return divide(np.asarray(error), deviation)
 
 
 def scatter(truth: Array, estimate: Array) -> Array:
@@ -77,7 +71,9 @@ def scatter(truth: Array, estimate: Array) -> Array:
     return divide_by_deviation(np.std(estimate - truth, axis=0), truth)
 
 
-def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -> Array:
+def find_lag(
+    truth: Array, estimate: Array, step: float, longest: float = 5.0, *, nearest: bool = False
+) -> Array:
     """Find by how much an estimate comes late, in s; negative if it runs ahead of the truth.
 
     The lag is where the correlation coefficient of the truth and the shifted estimate, over the
@@ -85,10 +81,9 @@ def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -
     sampling interval `step` (s). Means are taken off first. The true lag of a signal with one
     period is known but for whole periods; make `longest` (s) shorter than half a period then. A
     result of +-`longest` means that the lag is that long or longer; NaN means a constant signal.
-    Raise `InputError` if `longest` is shorter than a sampling interval, or not below half the
-    record.
+    With `nearest`, the lag is at the first maximum on the way from no lag. Raise `InputError` if
+    `longest` is shorter than a sampling interval, or not below half the record.
     """
-    truth, estimate = _pair(truth, estimate)
     steps, most = len(truth), round(longest / step)
     require(
         1 <= most < steps / 2,
@@ -97,11 +92,13 @@ def find_lag(truth: Array, estimate: Array, step: float, longest: float = 5.0) -
     )
     shape = truth.shape[1:]
     pairs = zip(truth.reshape(steps, -1).T, estimate.reshape(steps, -1).T, strict=True)
-    lags = [step * _find_shift(_centre(true), _centre(guess), most) for true, guess in pairs]
+    lags = [
+        step * _find_shift(_centre(true), _centre(guess), most, nearest) for true, guess in pairs
+    ]
     return np.array(lags).reshape(shape)
 
 
-def _find_shift(truth: Array, estimate: Array, most: int) -> float:
+def _find_shift(truth: Array, estimate: Array, most: int, nearest: bool) -> float:
     """Return the shift, in samples, at which two signals without means correlate best."""
     if not (truth.any() and estimate.any()):
         return float("nan")
@@ -115,24 +112,17 @@ def _find_shift(truth: Array, estimate: Array, most: int) -> float:
     late, early = np.maximum(shifts, 0), np.maximum(-shifts, 0)
     true_power = powers[0][steps - late] - powers[0][early]
     estimate_power = powers[1][steps - early] - powers[1][late]
-    coefficients = _divide(products, np.sqrt(np.maximum(true_power * estimate_power, 0.0)))
+    coefficients = divide(products, np.sqrt(np.maximum(true_power * estimate_power, 0.0)))
     best = int(np.nanargmax(coefficients))
+    if nearest:
+        best, way = most, 1 if coefficients[most + 1] > coefficients[most - 1] else -1
+        while 0 < best < 2 * most and coefficients[best + way] > coefficients[best]:
+            best += way
     if best in (0, 2 * most):
         return float(shifts[best])
     before, at, after = coefficients[best - 1 : best + 2]
     bend = before - 2.0 * at + after
     return float(shifts[best] + (0.5 * (before - after) / bend if bend < 0.0 else 0.0))
-
-
-def _pair(truth: Array, estimate: Array) -> tuple[Array, Array]:
-    """Return both signals as arrays of floats; raise `InputError` unless the shapes are one."""
-    truth, estimate = np.asarray(truth, dtype=float), np.asarray(estimate, dtype=float)
-    require(
-        truth.shape == estimate.shape and truth.ndim in (1, 2) and len(truth) > 0,
-        f"estimate: its shape {estimate.shape} and the truth's {truth.shape} must be one, (steps,) "
-        "or (steps, channels), with one step or more",
-    )
-    return truth, estimate
 
 
 def _centre(signal: Array) -> Array:
@@ -148,10 +138,11 @@ def _compare(first: Array, second: Array, weights: Array) -> Array:
         for a, b in ((first, second), (first, first), (second, second))
     )
     # Two quotients: the product of both squares could overflow or vanish.
-    return _divide(product, own) * _divide(product, other)
+    return divide(product, own) * divide(product, other)
 
 
-def _divide(numerator: Array, denominator: Array) -> Array:
-    quotient = np.full(np.shape(numerator), np.nan)
+def divide(numerator: Array, denominator: Array) -> Array:
+    """Divide arrays; NaN where the denominator is zero."""
+    quotient = np.full(np.broadcast_shapes(np.shape(numerator), np.shape(denominator)), np.nan)
     np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
     return quotient

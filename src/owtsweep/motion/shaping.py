@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
+from owtsweep.errors import InputError
 
 #: Least decay d of zeros, s^-1; zeros without decay take the density to zero at their frequency.
 LEAST_DECAY = 1e-5
@@ -184,7 +184,6 @@ def fit_shaping_filter(
 
     frequency, density = np.asarray(frequency, float), np.asarray(density, float)
     floor = np.broadcast_to(np.asarray(floor, float), frequency.shape)
-    _check(frequency, density, states, floor)
     width = np.gradient(frequency)
     density = density / np.sum(density * width)
     target = density + floor
@@ -213,38 +212,6 @@ def fit_shaping_filter(
         if best is None or found.cost < best.cost:
             best = found
     return _realise(*sections.roots(best.x), frequency, target, floor)  # type: ignore[union-attr]
-
-
-def _check(frequency: Array, density: Array, states: int, floor: Array) -> None:
-    require(
-        frequency.ndim == 1 and len(frequency) >= 16 and density.shape == frequency.shape,
-        f"frequency, density: arrays of the shapes {frequency.shape} and {density.shape} make no "
-        "spectrum; give two arrays of one length, 16 or more",
-    )
-    require(
-        bool(
-            np.all(np.isfinite(frequency)) and frequency[0] > 0 and np.all(np.diff(frequency) > 0)
-        ),
-        "frequency: the frequencies must be finite, above zero and increasing",
-    )
-    finite = bool(np.all(np.isfinite(density)))
-    require(finite, "density: a density is infinite or not a number; give finite densities")
-    least = int(np.argmin(density))
-    require(
-        bool(density[least] >= 0.0),
-        f"density: the spectrum is negative, {density[least]:.3g} at {frequency[least]:.4g} Hz; "
-        "a density must not be below zero",
-    )
-    require(bool(np.any(density > 0.0)), "density: the spectrum is zero everywhere")
-    require(
-        bool(np.all(np.isfinite(floor)) and np.all(floor > 0.0)),
-        "floor: the floor must be finite and above zero at every frequency",
-    )
-    require(
-        FEWEST <= states <= MOST and states % 2 == 0,
-        f"states: a shaping filter cannot have {states} states; choose an even number from "
-        f"{FEWEST} to {MOST} (with more than {MOST}, no closer fit is found)",
-    )
 
 
 def _signed_root(log_ratio: Array) -> Array:

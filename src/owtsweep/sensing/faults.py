@@ -8,44 +8,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
 
 
 @dataclass
 class Losses:
-    """The losses of a sensor's samples, drawn piece by piece.
+    """The losses of a sensor's samples.
 
     At each sample an outage begins with the same probability, independently of others, perhaps
     inside another outage; none begins before the first sample. In the long run the share 1 - (1 -
     probability)^length of samples is lost. If probability or length is raised, and the random
-    stream is the same, all samples that were lost before are lost again. Raise `InputError` if the
-    probability is not between 0 and 1, or the length is less than 1.
+    stream is the same, all samples that were lost before are lost again.
 
     `generator`: the random stream, from which one uniform number per sample is drawn.
-    `probability`: probability that an outage begins at a sample. `length`, `remaining`: length of
-    an outage, and what remains of the present one, in samples.
+    `probability`: probability that an outage begins at a sample. `length`: of an outage, in
+    samples.
     """
 
     generator: np.random.Generator
     probability: float
     length: int = 1
-    remaining: int = 0
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.probability <= 1.0:
-            raise InputError(f"probability: {self.probability:g} is not between 0 and 1")
-        if self.length < 1:
-            raise InputError(f"length: an outage of {self.length} samples; give 1 or more")
 
     def draw(self, count: int) -> NDArray[np.bool_]:
-        """Return a mask (count,) of which of the next `count` samples are lost."""
-        begins = self.generator.random(count) < self.probability
-        sample = np.arange(count)
-        last = np.maximum.accumulate(np.where(begins, sample, -self.length))
-        lost = (sample - last < self.length) | (sample < self.remaining)
-        newest = last[-1] + self.length - count if count else 0
-        self.remaining = max(self.remaining - count, int(newest), 0)
-        return lost
+        """Return a mask (count,) of which samples are lost."""
+        return _find_bursts(self.generator.random(count) < self.probability, self.length)[0]
+
+
+def _find_bursts(
+    begins: NDArray[np.bool_], length: int
+) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+    """Return which samples are in a burst of some samples, and where the newest burst begins."""
+    sample = np.arange(len(begins))
+    last = np.maximum.accumulate(np.where(begins, sample, -length))
+    return sample - last < length, np.maximum(last, 0)
 
 
 def draw_outliers(
@@ -66,8 +60,7 @@ def draw_outliers(
     white noise are then those of a contaminated normal distribution (Huber 1964).
 
     Raising the rate, with the same random streams, keeps the bursts that were there, and adds
-    others. The offsets scale with `sigma`. Raise `InputError` if the rate is not from 0 to 0.5,
-    sigma is negative, or the length is less than 1.
+    others. The offsets scale with `sigma`.
 
     begins, offsets: Random streams: of the moments at which bursts begin (one uniform number per
         sample), and of the offsets (a normal number per sample and axis).
@@ -75,13 +68,8 @@ def draw_outliers(
     sigma: Standard deviation of an offset along each axis, in the unit of the samples.
     length: Number of samples of a burst.
     """
-    require(0.0 <= rate <= 0.5, f"rate: {rate:g} is not from 0 to 0.5, a share of all samples")
-    require(sigma >= 0.0, f"sigma: {sigma:g} is no standard deviation; give 0 or more")
-    require(length >= 1, f"length: a burst of {length} samples; give 1 or more")
-    # no outlier at a sample: no burst began at this sample, nor at the length - 1 samples before
     probability = 1.0 - (1.0 - rate) ** (1.0 / length)
     starts = begins.random(count) < probability
     drawn = sigma * offsets.standard_normal((count, axes))
-    sample = np.arange(count)
-    last = np.maximum.accumulate(np.where(starts, sample, -length))
-    return np.where((sample - last < length)[:, None], drawn[np.maximum(last, 0)], 0.0)
+    inside, start = _find_bursts(starts, length)
+    return np.where(inside[:, None], drawn[start], 0.0)

@@ -12,23 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError, require
 
 
 @dataclass
 class WhiteNoise:
     """The white noise of one channel: independent, normally distributed errors.
 
-    `sigma`, in the unit of the measured quantity, is the standard deviation of a sample. Raise
-    `InputError` if sigma is negative.
+    `sigma`, in the unit of the measured quantity, is the standard deviation of a sample.
     """
 
     generator: np.random.Generator
     sigma: float
-
-    def __post_init__(self) -> None:
-        if not self.sigma >= 0.0:
-            raise InputError(f"sigma: {self.sigma:g} is no standard deviation; give 0 or more")
 
     def draw(self, *shape: int) -> Array:
         """Draw the next samples of the noise."""
@@ -41,8 +35,7 @@ class WhiteNoise:
 class WienerBias:
     """A bias that starts at a given value and wanders: a sampled Wiener process.
 
-    The variance of the bias after the time t is walk^2 t. Raise `InputError` if `walk` is negative
-    or `step` is not positive.
+    The variance of the bias after the time t is walk^2 t.
 
     generator: the random stream of standard normal numbers. The first number is drawn but not used,
         because the first sample is `initial`.
@@ -56,12 +49,6 @@ class WienerBias:
     step: float
     initial: float = 0.0
     last: float | None = None
-
-    def __post_init__(self) -> None:
-        if not self.walk >= 0.0:
-            raise InputError(f"walk: {self.walk:g} is no intensity; give 0 or more")
-        if not self.step > 0.0:
-            raise InputError(f"step: {self.step:g} s is no interval; give more than 0")
 
     @property
     def deviation(self) -> float:
@@ -94,14 +81,10 @@ def draw_gauss_markov(
     The axes are independent of each other. Samples that are `step` (s) apart have the correlation
     exp(-step / time) (Bar-Shalom, Li and Kirubarajan 2001, section 8.2). The process is stationary
     from its first sample on. `sigma` is the standard deviation of a sample along each axis, in its
-    unit. Raise `InputError` if sigma is negative, or the time constant or the interval is not
-    positive.
+    unit.
     """
     from scipy.signal import lfilter
 
-    require(sigma >= 0.0, f"sigma: {sigma:g} is no standard deviation; give 0 or more")
-    require(time > 0.0, f"time: {time:g} s is no time constant; give more than 0")
-    require(step > 0.0, f"step: {step:g} s is no interval; give more than 0")
     memory = np.exp(-step / time)
     driving = generator.standard_normal((count, axes))
     driving[1:] *= np.sqrt(-np.expm1(-2.0 * step / time))

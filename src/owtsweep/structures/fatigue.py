@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config import require
 from owtsweep.structures.sn_curves import SNCurve
 
 #: Ultimate strength of S355 steel in Simpson et al. (2025), section 5.2.1, Pa.
@@ -33,17 +32,11 @@ def count_cycles(history: Array) -> Cycles:
 
     Closed cycles are counted by the four-point method, and each range of the residue as half a
     cycle. The first and the last sample count as turning points. Nothing is binned or filtered.
-    Raise `InputError` if the history is empty or holds a number that is not finite.
     """
     # pylife brings pandas and takes a second to load.
     from pylife.stress.rainflow import FourPointDetector, LoopValueRecorder
 
     history = np.ascontiguousarray(history, dtype=float)  # a column of many is slow to read
-    require(
-        history.ndim == 1 and len(history) > 0,
-        f"history: must have the shape (steps,) with one sample or more, not {history.shape}",
-    )
-    require(bool(np.isfinite(history).all()), "history: all samples must be finite numbers")
     detector = FourPointDetector(LoopValueRecorder()).process(history)
     recorder, residue = detector.recorder, detector.residuals
     begin = np.concatenate([recorder.values_from, residue[:-1]])
@@ -89,18 +82,13 @@ def compute_damage(
 
     The damage is that of the histories' length: of 10 minutes for histories of 10 minutes. It is
     infinite for a weld whose mean stress in some cycle is at or above the ultimate strength (see
-    `correct_means`). Raise `InputError` if the shapes do not fit, or a stress is not finite.
+    `correct_means`).
 
     `stress`: stress in Pa, tension positive, shape (steps, welds). `curves`: one S-N curve for all
     welds, or one for each. `ultimate_strength`: for Goodman's correction, in Pa; infinite for none.
     """
-    require(stress.ndim == 2, f"stress: must have the shape (steps, welds), not {stress.shape}")
     welds = stress.shape[1]
     each = [curves] * welds if isinstance(curves, SNCurve) else list(curves)
-    require(
-        len(each) == welds,
-        f"curves: {len(each)} S-N curves for {welds} welds; give one for all, or one for each",
-    )
     damage = np.empty(welds)
     for weld, curve in enumerate(each):
         damage[weld] = sum_damage(count_cycles(stress[:, weld]), curve, ultimate_strength)
@@ -115,11 +103,6 @@ def find_equivalent_range(cycles: Cycles, m: float, reference_cycles: float) -> 
     is in the unit of the ranges, and 0 for a constant history. For a load, it is called
     damage-equivalent load.
     """
-    require(m > 0.0, f"m: the exponent must be above 0, not {m:g}")
-    require(
-        reference_cycles > 0.0,
-        f"reference_cycles: must be above 0, not {reference_cycles:g}",
-    )
     largest = float(cycles.ranges.max(initial=0.0))
     if largest == 0.0:
         return 0.0

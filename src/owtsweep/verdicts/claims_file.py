@@ -79,19 +79,18 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import model_validator as validator
 
 from owtsweep.config import Plain
 from owtsweep.config.hints import suggest_name
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
 from owtsweep.verdicts.inference import Side
-from owtsweep.verdicts.score_table import Selection, Value, tidy
-
-T = TypeVar("T", str, bool, Plain)
+from owtsweep.verdicts.score_table import Value, tidy
 
 #: Most bytes of a file, and most comparisons of a claim.
 MOST_BYTES, MOST_COMPARISONS = 1_000_000, 100_000
@@ -104,22 +103,98 @@ KINDS: dict[str, type | None] = {
 #: What can be made of values; `judge` has the functions.
 OF = ("identity", "one_minus", "abs", "inverse", "positive_part")
 FIELDS = ("kind", "select", "against", "of", "side", "bound", "reason", "exact", "label")
-_OF_STATEMENT = ("name", "text", "printed", "definition", "decided", "claims", *FIELDS)
-_OF_FILE = ("study", "paper", "script", "note", "words", "statements", "goals", *FIELDS)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Part:
+def _list(value: object) -> list[object]:
+    return value if isinstance(value, list) else [value]
+
+
+def _number(value: object) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300:
+        return float(value)
+    raise ValueError(f"{value!r} is no number; give a finite one")
+
+
+def _values(given: object) -> tuple[Value, ...]:
+    values = _list(given)
+    if not values:
+        raise ValueError("the list is empty; name a value")
+    each = (value if isinstance(value, str | bool) else tidy(_number(value)) for value in values)
+    return tuple(dict.fromkeys(each))
+
+
+def _known(name: object, known: tuple[str, ...]) -> str:
+    if name not in known:
+        raise ValueError(f"{name!r} is not known; {suggest_name(str(name), known)}")
+    return str(name)
+
+
+Text = Annotated[str, AfterValidator(lambda text: " ".join(text.split()))]
+Number = Annotated[float, BeforeValidator(_number)]
+Columns = dict[str, Annotated[tuple[Any, ...], BeforeValidator(_values)]]
+
+
+class _Held(BaseModel):
+    """A table of the file. What it says of its claims is handed down to what it holds."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    holds: ClassVar[tuple[str, ...]] = ()
+
+    @validator(mode="before")
+    @classmethod
+    def _hand_down(cls, given: object) -> object:
+        if not isinstance(given, dict) or not cls.holds:
+            return given
+        shared = {name: given[name] for name in FIELDS if name in given}
+        found = {k: v for k, v in given.items() if k not in shared or k in cls.model_fields}
+        for name in cls.holds:
+            held = found.get(name)
+            if isinstance(held, list):
+                found[name] = [_join(shared, one) if isinstance(one, dict) else one for one in held]
+        return found
+
+
+class Part(_Held):
     """Comparisons of one kind; the module tells the meaning of each attribute."""
 
-    kind: str
-    select: Selection
-    against: Selection | str
-    of: tuple[str, ...]
-    side: Side
-    bound: float
-    exact: bool
-    label: str
+    kind: Annotated[str, BeforeValidator(lambda kind: _known(kind, tuple(KINDS)))]
+    select: Columns = Field(default={})
+    against: Columns | str = ""
+    of: Annotated[
+        tuple[str, ...],
+        BeforeValidator(lambda names: tuple(_known(name, OF) for name in _list(names))),
+    ] = ("identity",)
+    side: Side = ""
+    bound: Number = math.nan
+    reason: Text = ""
+    exact: bool = False
+    label: str = ""
+
+    @validator(mode="before")
+    @classmethod
+    def _leave_out(cls, given: object) -> object:
+        """Leave out what other parts of the claim compare with."""
+        if isinstance(given, dict) and KINDS.get(str(given.get("kind")), dict) is None:
+            return {name: value for name, value in given.items() if name != "against"}
+        return given
+
+    @validator(mode="after")
+    def _check(self) -> Part:
+        if self.kind == "not_judged":
+            return self
+        wanted, against = KINDS[self.kind], self.against
+        if wanted is not None and not (isinstance(against, wanted) and against):
+            use = "columns with values" if wanted is dict else "the name of a column in `select`"
+            raise ValueError(f"against: {self.kind} needs {use}; write against = ...")
+        if wanted is str and against not in self.select:
+            raise ValueError(f"against: {against!r} is not in `select`; list its values there")
+        if not self.side or math.isnan(self.bound) or not self.select:
+            raise ValueError(f"{self.kind} needs `select`, `side` and `bound`")
+        beside = against.values() if isinstance(against, dict) else [self.select.get(against, "-")]
+        count = math.prod(map(len, [*self.select.values(), *beside]))
+        if count > MOST_COMPARISONS:
+            raise ValueError(f"these are {count} comparisons; select at most {MOST_COMPARISONS}")
+        return self
 
     @property
     def columns(self) -> set[str]:
@@ -128,17 +203,22 @@ class Part:
         return set(self.select) | (beside - {""})
 
 
-@dataclass(frozen=True)
-class StatedClaim:
+class StatedClaim(_Held):
     """A claim of a statement, and the reason of its bounds."""
 
+    holds = ("parts",)
     text: str
-    reason: str
-    parts: tuple[Part, ...]
+    reason: Text
+    parts: Annotated[tuple[Part, ...], Field(strict=False)]
+
+    @validator(mode="before")
+    @classmethod
+    def _begin(cls, given: object) -> object:
+        """Make a part of a claim without parts. This runs before fields are handed down."""
+        return {"parts": [{}], **given} if isinstance(given, dict) else given
 
 
-@dataclass(frozen=True, kw_only=True)
-class Statement:
+class Statement(_Held):
     """A statement of a paper, or a goal.
 
     name, text: E.g. "F1", and what the paper says.
@@ -147,16 +227,16 @@ class Statement:
     decided: What was decided after data had been seen; "" if nothing was.
     """
 
-    name: str
-    text: str
-    printed: str
-    definition: str
-    decided: str
-    claims: tuple[StatedClaim, ...]
+    holds = ("claims",)
+    name: Text
+    text: Text
+    printed: Text
+    definition: Text
+    decided: Text = ""
+    claims: Annotated[tuple[StatedClaim, ...], Field(strict=False, min_length=1)]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ClaimsFile:
+class ClaimsFile(_Held):
     """The content of a file of claims.
 
     `study`, `paper`, `script`, `note`: name of the study, name of the paper, module that makes
@@ -165,13 +245,14 @@ class ClaimsFile:
     the paper says, and what the project wants to reach.
     """
 
-    study: str
-    paper: str
-    script: str
-    note: str
-    words: Mapping[str, str]
-    statements: tuple[Statement, ...]
-    goals: tuple[Statement, ...]
+    holds = ("statements", "goals")
+    study: Text = ""
+    paper: Text = ""
+    script: Text = ""
+    note: Text = ""
+    words: dict[str, str] = Field(default={})
+    statements: Annotated[tuple[Statement, ...], Field(strict=False)] = ()
+    goals: Annotated[tuple[Statement, ...], Field(strict=False)] = ()
 
 
 def read_claims(path: Path) -> ClaimsFile:
@@ -186,97 +267,20 @@ def read_claims(path: Path) -> ClaimsFile:
     except (ValueError, RecursionError) as error:
         reason = "it nests too deeply" if isinstance(error, RecursionError) else str(error)
         raise InputError(f"{path}: this is no TOML ({reason})") from None
-    where = str(path)
-    _check_keys(found, _OF_FILE, where)
-    shared = {name: found[name] for name in FIELDS if name in found}
-    words = _take(found, "words", dict, where, {})
+    try:
+        file = ClaimsFile.model_validate(found)
+    except ValidationError as error:
+        raise InputError(f"{path}: {_tell(error)}") from None
     require(
-        all(isinstance(word, str) for word in words.values()),
-        f"{where}: words: a word is no text; write value = text",
+        bool(file.statements + file.goals),
+        f"{path}: it has no statements; write [[statements]]",
     )
-    statements, goals = (
-        tuple(
-            _make_statement(one, shared, f"{where}: {name} {number}")
-            for number, one in enumerate(_take_tables(found, name, where), 1)
-        )
-        for name in ("statements", "goals")
-    )
-    require(bool(statements + goals), f"{where}: it has no statements; write [[statements]]")
-    texts = {n: " ".join(_take(found, n, str, where, "").split()) for n in _OF_FILE[:4]}
-    return ClaimsFile(**texts, words=words, statements=statements, goals=goals)
-
-
-def _make_statement(found: Plain, shared: Plain, where: str) -> Statement:
-    _check_keys(found, _OF_STATEMENT, where)
-    texts = {
-        name: " ".join(_take(found, name, str, where, "" if name == "decided" else None).split())
-        for name in _OF_STATEMENT[:5]
-    }
-    where = f"{where.rpartition(': ')[0]}: {texts['name']}"
-    inherited = _join(shared, found)
-    claims = tuple(
-        _make_claim(one, inherited, f"{where}, claim {number}")
-        for number, one in enumerate(_take_tables(found, "claims", where), 1)
-    )
-    require(bool(claims), f"{where}: it makes no claims; write [[statements.claims]]")
-    return Statement(**texts, claims=claims)
-
-
-def _make_claim(found: Plain, inherited: Plain, where: str) -> StatedClaim:
-    _check_keys(found, ("text", "parts", *FIELDS), where)
-    own = _join(inherited, found)
-    text = _take(found, "text", str, where)
-    parts = []
-    for part in _take_tables(found, "parts", where) or [{}]:
-        _check_keys(part, FIELDS, where)
-        parts.append(_make_part(_join(own, part), where))
-    return StatedClaim(text, " ".join(_take(own, "reason", str, where).split()), tuple(parts))
-
-
-def _make_part(found: Plain, where: str) -> Part:
-    kind = _choose(_take(found, "kind", str, where), tuple(KINDS), f"{where}: kind")
-    wanted = KINDS[kind]
-    against = found.get("against", "")
-    if kind == "not_judged":
-        return Part(
-            kind=kind, select={}, against="", of=(), side="", bound=math.nan, exact=False, label=""
-        )
-    if wanted is None:
-        against = ""
-    elif not isinstance(against, wanted) or not against:
-        use = "columns with values" if wanted is dict else "the name of a column in `select`"
-        raise InputError(f"{where}: against: {kind} needs {use}; write against = ...")
-    select = _make_selection(_take(found, "select", dict, where), f"{where}: select")
-    other = _make_selection(against, f"{where}: against") if wanted is dict else against
-    if wanted is str:
-        require(
-            against in select,
-            f"{where}: against: {against!r} is not in `select`; list its values there",
-        )
-    beside = other.values() if isinstance(other, dict) else [select.get(other, ("",))]
-    count = math.prod(map(len, [*select.values(), *beside]))
-    require(
-        count <= MOST_COMPARISONS,
-        f"{where}: these are {count} comparisons; select at most {MOST_COMPARISONS}",
-    )
-    of = found.get("of", "identity")
-    names = of if isinstance(of, list) else [of]
-    side = _choose(_take(found, "side", str, where), ("below", "above"), f"{where}: side")
-    return Part(
-        kind=kind,
-        select=select,
-        against=other,
-        of=tuple(_choose(name, OF, f"{where}: of") for name in names),
-        side=cast(Side, side),
-        bound=_make_number(found.get("bound"), f"{where}: bound"),
-        exact=_take(found, "exact", bool, where, False),
-        label=_take(found, "label", str, where, ""),
-    )
+    return file
 
 
 def _join(outer: Plain, inner: Plain) -> Plain:
-    """Return the fields of claims that hold inside: selections are joined, others replaced."""
-    joined = {**outer, **{name: inner[name] for name in FIELDS if name in inner}}
+    """Return a table with the fields of claims from outside: selections are joined."""
+    joined = {**outer, **inner}
     for name in ("select", "against"):
         one, other = outer.get(name), inner.get(name)
         if isinstance(one, dict) and isinstance(other, dict):
@@ -284,49 +288,13 @@ def _join(outer: Plain, inner: Plain) -> Plain:
     return joined
 
 
-def _make_selection(found: Plain, where: str) -> dict[str, tuple[Value, ...]]:
-    selection = {}
-    for column, values in found.items():
-        listed = values if isinstance(values, list) else [values]
-        kept = [_make_value(value, f"{where}: {column}") for value in listed]
-        require(bool(kept), f"{where}: {column}: the list is empty; name a value")
-        selection[column] = tuple(dict.fromkeys(kept))
-    return selection
-
-
-def _make_value(value: object, where: str) -> Value:
-    if isinstance(value, str | bool):
-        return value
-    return tidy(_make_number(value, where))
-
-
-def _make_number(value: object, where: str) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300:
-        return float(value)
-    raise InputError(f"{where}: {value!r} is no number; give a finite one")
-
-
-def _check_keys(found: Plain, known: Sequence[str], where: str) -> None:
-    for name in found:
-        _choose(name, known, where)
-
-
-def _choose(name: object, known: Sequence[str], where: str) -> str:
-    if not isinstance(name, str) or name not in known:
-        raise InputError(f"{where}: {name!r} is not known; {suggest_name(str(name), known)}")
-    return name
-
-
-def _take(found: Plain, name: str, kind: type[T], where: str, default: T | None = None) -> T:
-    value = found.get(name, default)
-    if not isinstance(value, kind):
-        need = {str: "a text", bool: "true or false"}.get(kind, "a table")
-        raise InputError(f"{where}: {name}: {need} is needed; write {name} = ...")
-    return value
-
-
-def _take_tables(found: Plain, name: str, where: str) -> list[Plain]:
-    value = found.get(name, [])
-    if isinstance(value, list) and all(isinstance(one, dict) for one in value):
-        return value
-    raise InputError(f"{where}: {name}: a list of tables is needed")
+def _tell(error: ValidationError) -> str:
+    """Say in one line what is wrong first, with the number of its statement, claim and part."""
+    faults = error.errors(include_url=False)
+    first = min(faults, key=lambda fault: fault["type"] != "extra_forbidden")
+    *above, name = (part + 1 if isinstance(part, int) else part for part in first["loc"])
+    where = ".".join(map(str, [*above, name]))
+    if first["type"] == "extra_forbidden":
+        known = (*FIELDS, *ClaimsFile.model_fields, *Statement.model_fields, "parts")
+        return f"{where}: {name!r} is not known; {suggest_name(str(name), known)}"
+    return f"{where}: {first['msg'].removeprefix('Value error, ')}"

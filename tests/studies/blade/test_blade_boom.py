@@ -102,7 +102,7 @@ def test_the_root_is_found_away_from_the_ends() -> None:
     error = (found.root - motion.truth.root)[2000:-2000]
     # what is left is the interpolation of fixes and the ripple
     assert rms(error).max() < 1e-3
-    assert found.wait == pytest.approx(300.0)
+    assert found.latency == pytest.approx(300.0)
     speed = (found.root_velocity - motion.truth.root_velocity)[2000:-2000]
     assert rms(speed).max() < 2e-3
 

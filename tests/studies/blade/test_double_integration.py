@@ -147,14 +147,8 @@ def test_without_the_minus_the_motion_is_upside_down():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: decimate(np.zeros(4000), 50.0), "rate: 50 Hz is no whole multiple of 20 Hz"),
-        (lambda: decimate(np.zeros(4000), np.nan), "rate: nan Hz is no whole multiple"),
         (lambda: decimate(np.zeros(20), 200.0), "signal: 20 samples are too few"),
-        (lambda: decimate(np.full(4000, np.nan), 200.0), "signal: has a NaN"),
-        (lambda: integrate_twice(np.zeros(1), 20.0), "signal: has shape .1,."),
-        (lambda: integrate_twice(np.zeros(100), 0.0), "rate: 0 Hz does not work"),
         (lambda: pass_high(np.zeros(100), 20.0), "signal: lasts 5 s; more than 10 s would work"),
-        (lambda: pass_high(np.zeros(100), 0.2), "rate: 0.2 Hz does not work; a rate above 0.3 Hz"),
     ],
 )
 def test_refuses_what_cannot_be_filtered(call, message):

@@ -189,7 +189,7 @@ def test_delayed_filter_and_smoother_equal_dense_least_squares(delay):
     measured = lose(measured, lost, zeros=False)
     now = run("KF_REPAIRED", setting, measured)
     later = run("FIXED_LAG", setting, measured)
-    assert later.wait == pytest.approx(lag * STEP)
+    assert later.latency == pytest.approx(lag * STEP)
     window = lag - int(delay)
     for column in (1, 5):
         for k in (6, 19, 22, 26, 30):

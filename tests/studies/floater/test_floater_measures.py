@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.evaluation.signals import find_lag
 from owtsweep.studies.floater.contract import DOF, Estimates, Truth
 from owtsweep.studies.floater.measures import CRITERIA, NotFinite, compare, list_measures
-from owtsweep.studies.floater.sums import find_lags
 
 STEP, STEPS, SETTLED = 0.05, 3000, 500
 SIGMA = np.array([0.3, 0.1, 0.2, 0.01, 0.02, 0.03])
@@ -84,7 +82,7 @@ def test_a_constant_covariance_is_that_of_every_sample(truth: Truth, estimates: 
 
 
 def test_what_a_scheme_does_not_say_is_not_measured(truth: Truth) -> None:
-    plain = Estimates(truth.position + 0.1, truth.velocity, wait=1.5)
+    plain = Estimates(truth.position + 0.1, truth.velocity, latency=1.5)
     found = compare(truth, plain, SIGMA, SETTLED)
     assert not [name for name in found if name.startswith(("nees", "nis", "rms_over_p"))]
     assert found["wait"] == 1.5
@@ -99,17 +97,6 @@ def test_lag_is_by_what_an_estimate_comes_late(truth: Truth, late: float) -> Non
         assert found[f"lag_position_{dof}"] == pytest.approx(1000.0 * late, rel=0.03, abs=1e-3)
         assert found[f"lag_velocity_{dof}"] == pytest.approx(1000.0 * late, rel=0.03, abs=1e-3)
     assert found["lag_velocity"] == pytest.approx(1000.0 * late, rel=0.03, abs=1e-3)
-
-
-def test_lag_is_that_of_a_search_of_all_shifts() -> None:
-    rng = np.random.default_rng(7)
-    true = move(STEP * np.arange(STEPS))[0]
-    late = move(STEP * np.arange(STEPS) - 0.63)[0] + 0.5 * rng.standard_normal((STEPS, 6))
-    centred = [np.ascontiguousarray((x - x.mean(axis=0)).T) for x in (true, late)]
-    walked = STEP * find_lags(*centred, 100)
-    np.testing.assert_allclose(walked, find_lag(true, late, STEP, 5.0), atol=1e-9)
-    assert STEP * find_lags(*centred, 10) == pytest.approx(0.5)
-    assert np.isnan(find_lags(np.zeros((1, 50)), np.ones((1, 50)), 5)).all()
 
 
 def test_what_does_not_move_counts_in_no_criterion(truth: Truth, estimates: Estimates) -> None:

@@ -64,7 +64,7 @@ SENSORS = [
      r"Hz .*; give more than 0\.2 Hz", ["sensors.optical_rate=0.21"]),
     (["motion=decay", "sensors.optical_rate=1.5"], r"motion of 0\.769 Hz .* more than 1\.54 Hz",
      None),
-    (["sensors.jitter=1.5"], r"sensors\.jitter: .* at most 1", None),
+    (["sensors.jitter=1.5"], r"sensors\.jitter: 1.5 is more than 1", None),
     (["sensors.sigma=[1,2,3]"], r"sensors\.sigma: \[1, 2, 3\] must be six numbers, those of x",
      ["sensors.sigma=[1,2,3,1,2,3]"]),
     (["grid.delay=[0,601]"], r"grid\.delay: 601 samples are more than half of a record of 1200; "
@@ -92,8 +92,8 @@ MOTIONS = [
     (["motion.freedoms.psi.resonance.sigma=0", "motion.freedoms.psi.waves=0"],
      r"motion\.freedoms\.psi: it does not move, .* give it a small motion",
      ["motion.freedoms.psi.resonance.sigma=0", "motion.freedoms.psi.waves=1e-6"]),
-    (["motion.freedoms.z.resonance.damping=1"], r"motion\.freedoms\.z\.resonance\.damping: 1 is no "
-     r"resonance; give a ratio below 1", None),
+    (["motion.freedoms.z.resonance.damping=1"], r"motion\.freedoms\.z\.resonance\.damping: 1 is "
+     r"more than 1", None),
     (["motion=buoy", "record.duration=60", "record.rate=4"], r"record\.rate: 4 Hz cannot show "
      r"motion up to 2\.308 Hz \(z\); give 4\.616 Hz or more",
      ["motion=buoy", "record.duration=60", "record.rate=4.616"]),

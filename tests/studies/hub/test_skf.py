@@ -247,9 +247,7 @@ def test_what_skf_cannot_do_is_refused_in_one_line(overrides: list[str], message
 def test_on_board_skf_must_be_told_the_motion_and_the_origin() -> None:
     with pytest.raises(InputError, match=r"skf.natural_period, skf.amplitude: SKF must be told"):
         online("SKF", origin=(0.0, 0.0))
-    with pytest.raises(
-        InputError, match="origin: this scheme must be told where the hub is at rest"
-    ):
+    with pytest.raises(InputError, match="origin: this scheme must know where the hub is at rest"):
         online("SKF", ["skf.natural_period=4", "skf.amplitude=0.7", "skf.states=6"])
     with pytest.raises(InputError, match=r"skf.natural_period, skf.amplitude: SKF must be told"):
         SKF.start(Known(measured(configure())[1], configure()))

@@ -103,7 +103,7 @@ def test_an_interrupt_keeps_the_best_so_far(
     [
         (["tuning=[paper,matched]"], "begins with one tuning"),
         (["study=readings"], "nothing to tune"),
-        (["study=tower"], "study: 'tower' has nothing to tune; `tune` serves hub only"),
+        (["study=tower"], "study: `tune` serves hub only, not 'tower'"),
         (["--output", "mine.txt"], "ends in .yaml"),
         (["--output", f"{'a' * 300}.yaml"], "the name has more than 255 bytes"),
         (["tune.seed=2019"], "tune.seed"),

@@ -12,7 +12,7 @@ import pytest
 import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies import compose
-from owtsweep.studies.mating.joining import Relative, find_told_motion, find_true_motion
+from owtsweep.studies.mating.joining import Relative, find_estimated_motion, find_true_motion
 from owtsweep.studies.mating.measures import Limits, compare, compare_chances, find_chances
 from owtsweep.sweep import shard
 
@@ -110,7 +110,7 @@ def test_relative_motion_is_that_of_both_records() -> None:
     np.testing.assert_allclose(true.position[:, 2], root[:, 2], atol=1e-12)
     rates = np.gradient(true.position, blade.time, axis=0)
     np.testing.assert_allclose(true.velocity[1:-1], rates[1:-1], atol=2e-3)
-    told = find_told_motion(blade, "MEKF", hub, "MKF")
+    told = find_estimated_motion(blade, "MEKF", hub, "MKF")
     P = hub.covariances["MKF"]["position"][::2][-1]
     assert told.covariance is not None
     added = told.covariance[-1] - blade.covariances["MEKF"]["root"][-1]

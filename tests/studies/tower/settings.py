@@ -7,7 +7,7 @@ from turbine import CUTS, STEP, STRUCTURE
 
 from owtsweep.structures.bernoulli import assemble_cut, assemble_whole, strain_matrix
 from owtsweep.structures.reduction import reduce_free
-from owtsweep.studies.tower.contract import Believed, Channel, Setting
+from owtsweep.studies.tower.contract import Channel, Priors, Setting
 from owtsweep.studies.tower.truth import find_damping
 from owtsweep.studies.tower.tuning import Tuning
 from owtsweep.studies.tower.waves import triangular_load
@@ -61,7 +61,7 @@ def make_setting(
         strain=STRAIN,
         channels=tuple(Channel(k, n, float(s)) for (k, n), s in zip(places, sigma, strict=True)),
         step=STEP,
-        believed=Believed(change, 30.0 * change, np.full(5, 10.0)),
+        priors=Priors(change, 30.0 * change, np.full(5, 10.0)),
         tuning=TUNING,
         rate_noise=TUNING.process_noise,
         whole_modes=whole_modes,

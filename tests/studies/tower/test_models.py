@@ -98,13 +98,13 @@ def test_interface_loads_of_the_whole_are_those_that_move_the_cut(setting, wave)
 
 def test_scale_of_inputs_changes_no_physical_response(setting):
     # a unit that is a hundred times larger takes a number that is a hundred times smaller
-    believed = setting.believed
-    larger = replace(setting, believed=replace(believed, step_sigma=100.0 * believed.step_sigma))
+    priors = setting.priors
+    larger = replace(setting, priors=replace(priors, step_sigma=100.0 * priors.step_sigma))
     for make in (model_cut, model_whole):
         one, other = make(setting), make(larger)
         expected = 100.0 * one.discrete.B
         assert np.allclose(other.discrete.B, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
         assert np.allclose(other.discrete.J, 100.0 * one.discrete.J)
         assert np.allclose(other.loads_of_input, 100.0 * one.loads_of_input)
-    none = replace(setting, believed=replace(believed, step_sigma=0.0 * believed.step_sigma))
+    none = replace(setting, priors=replace(priors, step_sigma=0.0 * priors.step_sigma))
     assert np.all(model_cut(none).scale == 1.0)

@@ -120,9 +120,9 @@ def test_waves_are_one_load_more(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (["study=hub"], "study: 'hub' has no sensors to place; `place` serves tower only"),
-        (["study=blade"], "study: 'blade' has no sensors to place; `place` serves tower only"),
-        ([], "study: 'hub' has no sensors to place; `place` serves tower only"),
+        (["study=hub"], "study: `place` serves tower only, not 'hub'"),
+        (["study=blade"], "study: `place` serves tower only, not 'blade'"),
+        ([], "study: `place` serves tower only, not 'hub'"),
         (["study=towr"], "study: there is no study 'towr'; did you mean tower?"),
         ([*MONOPILE, "--quantity", "momnt"], "--quantity: there is no 'momnt'; did you mean"),
         ([*MONOPILE, "--count", "0"], "--count: 0 sensors are none"),
@@ -150,7 +150,7 @@ def test_waves_are_one_load_more(tmp_path, capsys):
         ([*MONOPILE, "faults.bias=0.1"], "model and faults: the AKF's covariance does not know"),
         ([*MONOPILE, "model.stiffness=0.8"], "wrong (stiffness x 0.8)"),
         ([*MONOPILE, "recorded.file=m.csv"], "recorded.file: `place` does not take it"),
-        ([*MONOPILE, "name=x"], "name: `place` names its folder by what is asked"),
+        ([*MONOPILE, "name=x"], "name: `place` names its folder by the query"),
         ([*MONOPILE, "wind.thurst.mean=1"], "wind.thurst"),
     ],
 )

@@ -12,7 +12,7 @@ from turbine import CUTS, STEP, STRUCTURE
 from owtsweep.errors import InputError
 from owtsweep.structures.bernoulli import assemble_cut, assemble_whole, strain_matrix, stress_matrix
 from owtsweep.structures.reduction import reduce_free
-from owtsweep.studies.tower.contract import Believed, Channel, Setting
+from owtsweep.studies.tower.contract import Channel, Priors, Setting
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.placement import (
     choose_exhaustively,
@@ -48,7 +48,7 @@ def setting() -> Setting:
         whole_damping=np.zeros_like(whole.mass), nodes=np.arange(NODES),
         wave_shape=np.zeros(2 * NODES), strain=strain_matrix(STRUCTURE, CUT),
         channels=tuple(Channel("a", node, 2e-3) for node in (0, 8, 12, 19)), step=STEP,
-        believed=Believed(np.array([FORCE, MOMENT, FORCE, MOMENT, 2e3]), np.ones(5), np.ones(5)),
+        priors=Priors(np.array([FORCE, MOMENT, FORCE, MOMENT, 2e3]), np.ones(5), np.ones(5)),
         tuning=tuning,
         rate_noise=2e-3,
     )  # fmt: skip

@@ -57,12 +57,12 @@ def test_every_scheme_keeps_the_contract(name):
 
 
 @pytest.mark.parametrize("name", ABLE)
-def test_a_scheme_looks_ahead_by_its_wait_and_no_farther(name):
+def test_a_scheme_looks_ahead_by_its_latency_and_no_farther(name):
     measured = record()[2][:600]
     later = measured.copy()
     later[400:] += 1.0
     one, other = prepared(name).run(measured), prepared(name).run(later)
-    steps = round(one.wait / STEP)
+    steps = round(one.latency / STEP)
     assert steps == {"AKF_LAGGED": 30, "MDE": 600}.get(name, 0)
     changed = np.flatnonzero(np.any(one.displacement != other.displacement, axis=1))
     assert changed[0] == max(400 - steps, 0)

@@ -13,12 +13,9 @@ row 1, column 3. With it, T_phi is no rotation; it is 0 here.
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
-from owtsweep.errors import require
-
-#: Largest element of R^T R - 1 of what counts as a rotation matrix.
-SKEWEST = 1e-6
 
 
 def from_heading(angles: Array) -> Array:
@@ -48,24 +45,9 @@ def make_rotation(angles: Array) -> Array:
 def find_angles(rotations: Array) -> Array:
     """Return roll, pitch and yaw, rad, shape (samples, 3), of rotation matrices (samples, 3, 3).
 
-    Rolls and yaws are in [-pi, pi], pitches in [-pi/2, pi/2]. A matrix of NaN gives NaN. At a pitch
-    of 90 degrees only a sum of yaw and roll is defined; what is returned there gives the same
-    matrix, which scipy's angles do not within 1e-7 rad of it.
-
-    Raises InputError if a matrix is no rotation.
+    Rolls and yaws are in [-pi, pi], pitches in [-pi/2, pi/2].
     """
-    require_rotations(rotations)
-    # Maes et al. (2018), Eqs. 9-11, take arccos, whose slope is infinite at 1: rounding of 1e-16
-    # becomes 1e-8 rad where the angle is near 0, and NaN where the quotient exceeds 1. The
-    # arctangent of both legs keeps 1e-16 everywhere and needs no sign beside it.
-    along, aside, down = rotations[:, 0, 0], rotations[:, 1, 0], -rotations[:, 2, 0]
-    yaw = np.arctan2(aside, along)
-    pitch = np.arctan2(down, np.hypot(along, aside))
-    # The second row of Rz(yaw)^T R is (0, cos(roll), -sin(roll)) at any pitch; its second element
-    # is the numerator of Eq. 11.
-    s, c = np.sin(yaw), np.cos(yaw)
-    second = c[:, None] * rotations[:, 1] - s[:, None] * rotations[:, 0]
-    return np.column_stack([np.arctan2(-second[:, 2], second[:, 1]), pitch, yaw])
+    return np.asarray(Rotation.from_matrix(rotations).as_euler("ZYX")[:, ::-1])
 
 
 def find_body_rates(angles: Array, rates: Array) -> Array:
@@ -108,22 +90,3 @@ def find_body_acceleration(angles: Array, rates: Array, second: Array) -> Array:
     of_roll, of_pitch, of_yaw = (find_body_rates(angles, rates * axis) for axis in np.eye(3))
     carried = np.cross(of_roll, of_pitch) + np.cross(of_roll + of_pitch, of_yaw)
     return np.asarray(find_body_rates(angles, second) - carried)
-
-
-def require_rotations(rotations: Array) -> None:
-    """Raise an `InputError` unless each matrix (samples, 3, 3) is a rotation or has a NaN."""
-    require(
-        rotations.ndim == 3 and rotations.shape[1:] == (3, 3),
-        f"rotations: have shape {rotations.shape}; (samples, 3, 3) would work",
-    )
-    bad = np.asarray(np.isinf(rotations).any(axis=(1, 2)))
-    known = np.isfinite(rotations).all(axis=(1, 2))
-    R = rotations[known]
-    skew = np.abs(np.swapaxes(R, 1, 2) @ R - np.eye(3)).max(axis=(1, 2))
-    bad[known] = (skew > SKEWEST) | (np.linalg.det(R) < 0.0)
-    sample = int(np.argmax(bad)) if bad.any() else 0
-    require(
-        not bad.any(),
-        f"rotations: matrix {sample} is no rotation; one with R^T R = 1 within {SKEWEST:g} and "
-        "determinant +1 would work",
-    )

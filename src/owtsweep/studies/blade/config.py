@@ -34,7 +34,7 @@ class BladeConfig(TunedConfig, ContestConfig):
     sensors: Sensors = key("GNSS and total stations")
     tuning: str | list[str] = key_of_tuning()
     tunings: dict[str, Tuned] = key_of_tunings()
-    filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
+    filters: Tuning = key("what schemes assume, and their own numbers", default=ABSENT)
     schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
 

@@ -184,7 +184,7 @@ class Estimates:
         in the body's frame (rad^2), shape (steps, 3, 3); None if the scheme has none.
     nis: Squared innovation of a fix over its covariance and dimension, shape (steps,), NaN without
         a fix; None if the scheme has none.
-    wait: Latency in s; the record's length if all of it is needed.
+    latency: Latency in s; the record's length if all of it is needed.
     boom: Displacement of the boom's tip above .15 Hz at 20 Hz, m, shape (n, 3); None if the scheme
         does not look at the boom.
     """
@@ -195,7 +195,7 @@ class Estimates:
     root_covariance: Array | None = None
     attitude_covariance: Array | None = None
     nis: Array | None = None
-    wait: float = 0.0
+    latency: float = 0.0
     boom: Array | None = None
 
 

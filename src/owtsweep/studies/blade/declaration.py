@@ -93,7 +93,7 @@ def _state(case: Case, estimates: Mapping[str, Estimates]) -> Stated:
     given = estimates[""]
     found = {"root": given.root, "root_velocity": given.root_velocity, "rotation": given.rotation}
     stated = {"root": given.root_covariance, "rotation": given.attitude_covariance}
-    return Stated(found, {name: P for name, P in stated.items() if P is not None}, given.wait)
+    return Stated(found, {name: P for name, P in stated.items() if P is not None}, given.latency)
 
 
 DECLARATION = Declaration(

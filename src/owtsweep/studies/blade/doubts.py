@@ -43,16 +43,16 @@ def warn_of_doubts(config: BladeConfig) -> None:
             "recorded.antennas: an antenna is %g m from the inertial unit; are the places in m?",
             longest,
         )
-    believed = float(np.rad2deg(setting.rate_bias))
-    if believed < EARTH_RATE:
+    assumed = float(np.rad2deg(setting.rate_bias))
+    if assumed < EARTH_RATE:
         key = "filters" if config.filters.noise == "declared" else "unit"
         logger.warning(
             "%s.rate_bias: Earth's rotation, %.3g deg/h, is left out, and a bias of %.3g deg/h "
-            "(unit=%s) cannot take it up, so errors are larger than told; set %s.rate_bias=%g "
+            "(unit=%s) cannot take it up, so errors are larger than stated; set %s.rate_bias=%g "
             "(docs/blade.md, section 4)",
             key,
             3600.0 * EARTH_RATE,
-            3600.0 * believed,
+            3600.0 * assumed,
             config.grade,
             key,
             TAKEN_FOR_BIAS,
@@ -63,18 +63,18 @@ def warn_of_doubts(config: BladeConfig) -> None:
 
 
 def _warn_of_a_moving_hook(name: str, setting: Setting, truth: Truth) -> None:
-    wander, told = find_wander(setting, truth)
-    if not (wander > FAR * told).any():
+    wander, assumed = find_wander(setting, truth)
+    if not (wander > FAR * assumed).any():
         return
-    axis = int(np.argmax(wander - FAR * told))
+    axis = int(np.argmax(wander - FAR * assumed))
     logger.warning(
-        "%s: the hook moves by %.3g m along %s, and %s is for a hook at rest, told to wander by "
-        "%.2g m: its errors may be far larger than it tells; run MEKF (docs/blade.md, section 4)",
+        "%s: the hook moves by %.3g m along %s, and %s is for a hook at rest, assumed to wander by "
+        "%.2g m: its errors may be far larger than it states; run MEKF (docs/blade.md, section 4)",
         name,
         wander[axis],
         "xyz"[axis],
         name,
-        told[axis],
+        assumed[axis],
     )
 
 

@@ -88,8 +88,8 @@ def compare(truth: Truth, estimates: Estimates, judged: Judged) -> dict[str, flo
     if estimates.boom is not None and truth.boom is not None:
         boom = find_boom_error(truth.boom, estimates.boom, judged.settled * truth.step)
         found |= {} if boom is None else {"boom": boom}
-    if estimates.wait > 0.0:
-        found[WAIT] = estimates.wait
+    if estimates.latency > 0.0:
+        found[WAIT] = estimates.latency
     return {name: float(value) for name, value in found.items()}
 
 

@@ -194,7 +194,7 @@ def _level(fixes: Fixes, origin: Array) -> Array:
 
 
 def find_reference(lift: Lift, setting: Setting) -> Truth:
-    """Return what stands for the truth: the smoother with all fixes, told a setting."""
+    """Return what stands for the truth: the smoother with all fixes, given a setting."""
     measured = lift.measured
     found = SCHEMES.resolve(REFERENCE).prepare(setting).run(measured)
     to_unit = -setting.geometry.to_root

@@ -25,7 +25,7 @@ class Grid(Records):
         default=None,
     )
     lever: Axis[NotNegative] = key(
-        "by how much the antenna stands elsewhere than believed, in a random direction", unit="m"
+        "by how much the antenna stands elsewhere than assumed, in a random direction", unit="m"
     )
     heading: Axis[Positive] | None = key(
         "standard deviation of the heading; null: that of the motion", unit="deg", default=None
@@ -36,7 +36,7 @@ class Freedom(Section):
     """The motion of one degree of freedom: a resonance, and slow wandering in gusts."""
 
     period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio")
+    damping: Positive = key("damping ratio", lt=1.0)
     sigma: NotNegative = key("standard deviation of the resonance, m or deg")
     gust: NotNegative = key("standard deviation of what gusts add, m or deg")
 
@@ -49,13 +49,14 @@ class Bending(Section):
         "under the blade's weight",
         unit="m",
         default=0.0,
+        le=1.5,
     )
     vibration: NotNegative = key(
         "standard deviation of the vibration in the first flapwise mode there", unit="m",
-        default=0.0,
+        default=0.0, le=1.5,
     )  # fmt: skip
     period: Positive = key("natural period of that mode", unit="s", default=0.8)
-    damping: Positive = key("damping ratio of that mode", default=0.01)
+    damping: Positive = key("damping ratio of that mode", default=0.01, lt=1.0)
 
 
 class Tugger(Section):
@@ -88,7 +89,7 @@ class BoomMode(Section):
     """One mode of the boom: the tip moves to and fro along a line."""
 
     period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio")
+    damping: Positive = key("damping ratio", lt=1.0)
     sigma: list[float] = key(
         "standard deviation of the tip along x, y and z; signs say along which line", unit="m",
         min_length=3, max_length=3, form="three numbers, those of x, y and z in m",
@@ -182,7 +183,7 @@ class Sensors(Section):
     prism_rate: Positive = key("prism positions per second, at irregular times", unit="Hz")
     prism_offset: NotNegative = key("by what the total stations' clock is late", unit="s")
     stretch: NotNegative = key(
-        "by how much farther the first and the last prism are apart than believed, along the "
+        "by how much farther the first and the last prism are apart than assumed, along the "
         "blade, which bends under its weight",
         unit="m",
     )

@@ -52,4 +52,4 @@ class Tuning(Section):
 class Tuned(Section):
     """The sections of one tuning in a run of several."""
 
-    filters: Tuning = key("what schemes believe, and their own numbers")
+    filters: Tuning = key("what schemes assume, and their own numbers")

@@ -30,7 +30,7 @@ class Grid(Records):
     )
     snr: Axis[Finite] = key("signal-to-noise ratio of all sensors", unit="dB")
     loss: Axis[NotNegative] = key("share of optical reports that is lost")
-    believed: Axis[Positive] = key("variance R that schemes believe, over the true one")
+    believed: Axis[Positive] = key("variance R that schemes assume, over the true one")
     roll: Axis[Positive] | None = key(
         "standard deviation of the roll angle; null: that of the motion", unit="deg", default=None
     )
@@ -40,7 +40,7 @@ class Resonance(Section):
     """A narrow resonance of one degree of freedom."""
 
     period: Positive = key("natural period", unit="s")
-    damping: Positive = key("damping ratio")
+    damping: Positive = key("damping ratio", lt=1.0)
     sigma: NotNegative = key("standard deviation, m or deg")
 
 
@@ -115,7 +115,9 @@ class Sensors(Section):
         "reports per second; null: one at every sample", unit="Hz", default=None
     )
     jitter: NotNegative = key(
-        "standard deviation of the time of a report, as a part of the sampling interval, at most 1"
+        "standard deviation of the time of a report, as a part of the sampling interval; above 1 "
+        "reports would overtake each other",
+        le=1.0,
     )
 
 
@@ -132,7 +134,7 @@ class FloaterConfig(TunedConfig, ContestConfig):
     sensors: Sensors = key("the optical system and the inertial unit")
     tuning: str | list[str] = key_of_tuning()
     tunings: dict[str, Tuned] = key_of_tunings()
-    filters: Tuning = key("what schemes believe, and their own numbers", default=ABSENT)
+    filters: Tuning = key("what schemes assume, and their own numbers", default=ABSENT)
     schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 

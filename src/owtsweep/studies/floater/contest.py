@@ -1,16 +1,13 @@
-"""What is the floater study's own in the contest of its schemes: axes, criteria and words."""
+"""What is the floater study's own in the contest of its schemes: axes and criteria."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
 
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest
+from owtsweep.studies.floater.describe import describe_sensors, describe_truth
 from owtsweep.studies.floater.measures import CRITERIA, list_measures
-from owtsweep.studies.floater.worlds import WORLDS
-
-if TYPE_CHECKING:
-    from owtsweep.studies.floater.config import FloaterConfig
 
 #: The axes that the grid may have, of which a map shows two.
 CONDITIONS = (
@@ -23,50 +20,12 @@ CONDITIONS = (
     Condition("believed", "believed over true variance of noise", scale="log", enters="knowledge"),
     Condition("roll", "standard deviation of roll", "deg", scale="log"),
 )
-#: Values of axes of which nothing needs to be said.
-USUAL = {"delay": 0.0, "bias": 0.0, "snr": None, "loss": 0.0, "believed": 1.0, "roll": None}
-
-
-def describe_truth(config: FloaterConfig) -> str:
-    """Return the motion and the length of the records in words."""
-    record, kind = config.record, WORLDS[config.motion.kind].describe(config.motion)
-    return f"{kind}; {record.duration:g} s at {record.rate:g} Hz"
-
-
-def describe_sensors(config: FloaterConfig) -> str:
-    """Return in words what sensors do, the axes that have one value among it."""
-    sensors, told = config.sensors, []
-    for condition in CONDITIONS:
-        if condition.name in config.axes:
-            continue
-        values = getattr(config.grid, condition.name)
-        if values and values[0] != USUAL[condition.name]:
-            told.append(f"{condition.label} {condition.show(values[0])}")
-    told.append("accelerometers fixed to the body" if sensors.frame == "body" else "global frame")
-    if sensors.sigma is not None:
-        told.append("noise of positions in m and deg " + ", ".join(f"{s:g}" for s in sensors.sigma))
-    elif sensors.power == "square":
-        told.append("noise to the mean square")
-    if sensors.exact_inertial:
-        told.append("accelerations without noise")
-    if sensors.bias_drift:
-        told.append(f"drift {sensors.bias_drift:g} in 100 s")
-    if sensors.optical_rate is not None:
-        told.append(f"reports at {sensors.optical_rate:g} Hz")
-    if sensors.jitter:
-        told.append(f"jitter {sensors.jitter:g} of a sample")
-    if sensors.loss_every is not None:
-        told.append(f"{sensors.loss_length:g} s lost every {sensors.loss_every:g} s")
-    told.append("lost reports arrive as zeros" if sensors.lost_as == "zeros" else "losses missing")
-    return ", ".join(told)
-
-
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
     list_measures=list_measures,
     describe_truth=describe_truth,
-    describe_sensors=describe_sensors,
+    describe_sensors=partial(describe_sensors, CONDITIONS),
     # keys of sensors scale noise, and move or leave out reports, but draw no other numbers
     pairing=("seed", "record", "motion"),
 )

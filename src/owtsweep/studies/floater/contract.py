@@ -121,14 +121,14 @@ class Estimates:
         2, 2) if it does not change; None if the scheme has none.
     nis: Squared innovations of the reported positions over their variance, one per degree of
         freedom, shape (steps, 6), NaN where no report was used; None if the scheme has none.
-    wait: Latency in s: 0 but for a smoother of fixed lag.
+    latency: Latency in s: 0 but for a smoother of fixed lag.
     """
 
     position: Array
     velocity: Array
     covariance: Array | None = None
     nis: Array | None = None
-    wait: float = 0.0
+    latency: float = 0.0
 
 
 class Scheme(contract.Scheme[Setting, Measured, Estimates]):

@@ -147,7 +147,8 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
             covariances[name] = np.broadcast_to(
                 variance[:, :, None] * np.eye(DEGREES), (len(given.position), DEGREES, DEGREES)
             )
-    return Stated({"position": given.position, "velocity": given.velocity}, covariances, given.wait)
+    found = {"position": given.position, "velocity": given.velocity}
+    return Stated(found, covariances, given.latency)
 
 
 DECLARATION = Declaration(

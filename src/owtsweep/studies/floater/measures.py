@@ -11,11 +11,11 @@ from collections.abc import Iterable
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.evaluation.signals import divide, find_lag
 from owtsweep.results.criteria import Criterion
 from owtsweep.studies.base.contest import WAIT
 from owtsweep.studies.base.contract import NotFinite
 from owtsweep.studies.floater.contract import DOF, Estimates, Truth
-from owtsweep.studies.floater.sums import find_lags, sum_errors
 
 #: Criteria of the maps.
 _PART = "a hundredth of what moves, or of a report's noise, changes no decision"
@@ -59,24 +59,31 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
     deviations of the noise of reported positions, (6,); `settled` is the first sample that is
     judged. Raise `NotFinite` if an estimate is not finite.
     """
-    true, true_velocity = _cut(truth.position, settled), _cut(truth.velocity, settled)
-    position, velocity = _cut(estimates.position, settled), _cut(estimates.velocity, settled)
+    true, true_velocity = truth.position[settled:], truth.velocity[settled:]
+    position, velocity = estimates.position[settled:], estimates.velocity[settled:]
     if not (np.isfinite(position).all() and np.isfinite(velocity).all()):
         raise NotFinite("the estimate is not finite")
-    error = position - true
-    means = sum_errors(error, velocity - true_velocity, _cut_covariance(estimates, settled))
-    square, square_velocity, nees, variance = means.T[:4]
-    noise_ratio = _divide(np.sqrt(square), sigma)
+    error, drift = position - true, velocity - true_velocity
+    square, square_velocity = np.mean(error**2, axis=0), np.mean(drift**2, axis=0)
+    nees = variance = np.full(len(DOF), np.nan)
+    P = estimates.covariance
+    if P is not None:
+        P = P if len(P) == 1 else P[settled:]
+        pp, pv, vv = P[:, :, 0, 0], P[:, :, 0, 1], P[:, :, 1, 1]
+        variance = pp.mean(axis=0)
+        weighted = vv * error**2 - 2.0 * pv * error * drift + pp * drift**2
+        nees = 0.5 * np.mean(divide(weighted, pp * vv - pv**2), axis=0)
+    noise_ratio = divide(np.sqrt(square), sigma)
     found = {
-        "velocity": _root_mean(_divide(square_velocity, true_velocity.var(axis=1))),
-        "position": _root_mean(_divide(square, true.var(axis=1))),
+        "velocity": _root_mean(divide(square_velocity, true_velocity.var(axis=0))),
+        "position": _root_mean(divide(square, true.var(axis=0))),
         "worst": _largest(noise_ratio),
     }
     each = {
         "mse_position": square,
         "mse_velocity": square_velocity,
         "noise_ratio": noise_ratio,
-        "rms_over_p": np.sqrt(_divide(square, variance)),
+        "rms_over_p": np.sqrt(divide(square, variance)),
         "nees": nees,
         "nis": _average_nis(estimates, settled),
         "lag_position": _find_lag(true, position, truth.step),
@@ -92,8 +99,8 @@ def compare(truth: Truth, estimates: Estimates, sigma: Array, settled: int) -> d
         found |= {f"{name}_{dof}": float(value) for dof, value in zip(DOF, values, strict=True)}
         if name in over_all:
             found[name] = over_all[name]
-    if estimates.wait > 0.0:
-        found[WAIT] = estimates.wait
+    if estimates.latency > 0.0:
+        found[WAIT] = estimates.latency
     return {name: value for name, value in found.items() if not np.isnan(value)}
 
 
@@ -106,38 +113,17 @@ def list_measures(names: Iterable[str]) -> list[str]:
     return [name for name in listed if name in names]
 
 
-def _cut(signals: Array, settled: int) -> Array:
-    """Return the judged part of signals (steps, 6) as rows, shape (6, n)."""
-    return np.ascontiguousarray(signals[settled:].T)
-
-
-def _cut_covariance(estimates: Estimates, settled: int) -> Array:
-    """Return covariances of the judged samples, of one sample, or of none, shape (m, 6, 2, 2)."""
-    if estimates.covariance is None:
-        return np.empty((0, len(DOF), 2, 2))
-    if len(estimates.covariance) == 1:
-        return np.asarray(estimates.covariance)
-    return np.asarray(estimates.covariance[settled:])
-
-
 def _find_lag(truth: Array, estimate: Array, step: float) -> Array:
     """Return lags in ms, shape (6,), NaN where a signal is constant."""
-    longest = max(1, round(min(LONGEST_LAG / step, LONGEST_PART * truth.shape[1])))
-    lags = find_lags(_centre(truth), _centre(estimate), longest)
-    return np.asarray(1000.0 * step * lags)
-
-
-def _centre(signals: Array) -> Array:
-    """Return signals (6, n) without their means; a constant one becomes zero."""
-    constant = signals.max(axis=1, keepdims=True) == signals.min(axis=1, keepdims=True)
-    return np.where(constant, 0.0, signals - signals.mean(axis=1, keepdims=True))
+    longest = max(1, round(min(LONGEST_LAG / step, LONGEST_PART * len(truth))))
+    return 1000.0 * find_lag(truth, estimate, step, longest * step, nearest=True)
 
 
 def _find_relative(truth: Array, error: Array) -> Array:
     """Return the 95th percentile of |error| over |position| with its floor, %, shape (6,)."""
-    floor = FLOOR * np.sqrt(np.mean(truth**2, axis=1, keepdims=True))
-    relative = _divide(np.abs(error), np.maximum(np.abs(truth), floor))
-    return np.asarray(100.0 * np.percentile(relative, 95.0, axis=1))
+    floor = FLOOR * np.sqrt(np.mean(truth**2, axis=0))
+    relative = divide(np.abs(error), np.maximum(np.abs(truth), floor))
+    return np.asarray(100.0 * np.percentile(relative, 95.0, axis=0))
 
 
 def _average_nis(estimates: Estimates, settled: int) -> Array:
@@ -146,13 +132,7 @@ def _average_nis(estimates: Estimates, settled: int) -> Array:
         return np.full(len(DOF), np.nan)
     nis = estimates.nis[settled:]
     there = np.isfinite(nis)
-    return _divide(np.where(there, nis, 0.0).sum(axis=0), there.sum(axis=0).astype(float))
-
-
-def _divide(numerator: Array, denominator: Array) -> Array:
-    quotient = np.full(np.broadcast_shapes(np.shape(numerator), np.shape(denominator)), np.nan)
-    np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
-    return quotient
+    return divide(np.where(there, nis, 0.0).sum(axis=0), there.sum(axis=0).astype(float))
 
 
 def _average(values: Array) -> float:

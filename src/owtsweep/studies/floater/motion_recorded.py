@@ -56,7 +56,7 @@ def read_motion(
         require(
             bool(np.any(each != each[0])),
             f"{found.path}: {name} (channel {found.columns[name]}) is {each[0]:g} throughout, and "
-            f"errors are told relative to the motion of {name}; record it, or put small noise in "
+            f"errors are relative to the motion of {name}; record it, or put small noise in "
             "its place",
         )
     position = np.column_stack([values[name] for name in DOF])

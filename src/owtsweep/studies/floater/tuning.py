@@ -25,14 +25,14 @@ class Tuning(Section):
         "declared noise of accelerations, as a part of their standard deviation"
     )
     bias: Literal["ignored", "truth"] = key(
-        "what schemes with a bias state believe: a bias of the share below, or of the true size"
+        "what schemes with a bias state assume: a bias of the share below, or of the true size"
     )
     bias_share: NotNegative = key(
         "declared bias of accelerations, as a part of their standard deviation"
     )
     delay: Literal["ignored", "declared", "truth"] = key(
-        "what schemes that compensate a delay are told: none, the number below (then the printed "
-        "predictors too predict by it), or the true one"
+        "the delay that schemes which compensate it assume: none, the number below (then the "
+        "printed predictors too predict by it), or the true one"
     )
     delay_declared: NotNegative = key("declared delay of the optical system", unit="s")
     attitude: Literal["level", "small", "reported"] = key(
@@ -53,7 +53,7 @@ class Tuning(Section):
         "cut-off of the low-pass differentiator over the one that balances lag and noise"
     )
     crossover: Positive = key(
-        "crossover of the complementary filter over the best one for the believed noise and bias"
+        "crossover of the complementary filter over the best one for the assumed noise and bias"
     )
     observer: Positive = key(
         "cut-off of the passive observer over the one that balances lag and noise"
@@ -63,4 +63,4 @@ class Tuning(Section):
 class Tuned(Section):
     """The sections of one tuning in a run of several."""
 
-    filters: Tuning = key("what schemes believe, and their own numbers")
+    filters: Tuning = key("what schemes assume, and their own numbers")

@@ -171,11 +171,6 @@ def _check_freedoms(config: FloaterConfig) -> None:
             f"motion.freedoms.{name}: it does not move, so no error is relative to it; give it a "
             "small motion",
         )
-        require(
-            freedom.resonance.damping < 1.0,
-            f"motion.freedoms.{name}.resonance.damping: {freedom.resonance.damping:g} is no "
-            "resonance; give a ratio below 1",
-        )
         highest = 3.0 / min(freedom.resonance.period, motion.wave_period)
         require(
             record.rate >= 2.0 * highest,

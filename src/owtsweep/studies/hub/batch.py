@@ -27,7 +27,6 @@ from owtsweep.studies.hub.kernels.layout import (
     new_sums,
     products,
 )
-from owtsweep.studies.hub.lines import sum_line_errors
 from owtsweep.studies.hub.measures import Sums
 from owtsweep.studies.hub.records import Feed, Records, Span, make_records_at
 
@@ -47,8 +46,7 @@ def sum_errors(
 ) -> list[Sums]:
     """Run chains on all replicates of some records; sum the squared errors of each, in their order.
 
-    All chains run on one span before the next is made. A baseline does not run if motion and noise
-    are apart: its errors are summed by `sum_line_errors`.
+    All chains run on one span before the next is made.
 
     settled: number of the first step after the settling time.
     amplitude: of the motion, m: motion plus noise is run as one series, and the square of its error
@@ -63,27 +61,19 @@ def sum_errors(
         "sensors.gnss.loss: kernels need every fix; run a `sweep`, which then goes step by step, "
         "or set the probability to 0",
     )
-    lines = {chain: chain.line for chain in chains if chain.line and amplitude is None}
-    others = [chain for chain in chains if chain not in lines]
-    weights = [weights_of(chain, consistency=consistency) for chain in others]
+    weights = [weights_of(chain, consistency=consistency) for chain in chains]
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
         feed = Feed(part, first, amplitude)
         runs = [
             ChainRun(*pair, feed, settled, keep=keep_squared)
-            for pair in zip(others, weights, strict=True)
+            for pair in zip(chains, weights, strict=True)
         ]
         for span in feed.spans(max(run.lead for run in runs)) if runs else ():
             for run in runs:
                 run.advance(span)
-        arrays: dict[Chain, tuple[Array, Array]] = {
-            chain: (run.products, run.squared) for chain, run in zip(others, runs, strict=True)
-        }
-        sums = sum_line_errors(list(lines.values()), feed, settled) if lines else []
-        nothing = np.empty((0, WIDTH))
-        arrays |= {chain: (one, nothing) for chain, one in zip(lines, sums, strict=True)}
         some = slice(len(feed.indices))
-        return [(arrays[chain][0][..., some], arrays[chain][1][:, some]) for chain in chains]
+        return [(run.products[..., some], run.squared[:, some]) for run in runs]
 
     eights = [
         run_eight(part, first)

@@ -117,8 +117,6 @@ class Chain:
         MHE.
     axis: the filter's model and variances for one axis.
     input_model: the predictor's model; None without a predictor or without covariances.
-    line: the straight line that the estimates follow between fixes, if they do; then superposed
-        errors are summed without running the chain.
     """
 
     gains: GainSchedule
@@ -127,7 +125,6 @@ class Chain:
     mhe: HorizonArrays
     axis: AxisFilter
     input_model: Discrete | None
-    line: Line | None = None
 
     @cached_property
     def covariance(self) -> Array:

@@ -37,7 +37,7 @@ class FilterTuning(Section):
         "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
     )
     tilt: Finite = key(
-        "lean of the IMU per displacement that the filter believes in; auto (in a tuning file): "
+        "lean of the IMU per displacement that the filter assumes; auto (in a tuning file): "
         "sensors.imu.tilt",
         unit="rad/m",
         default=0.0,
@@ -196,7 +196,7 @@ class Skf(Section):
         default=None,
     )
     tilt: Finite | None = key(
-        "lean of the IMU per displacement that SKF believes in; null: the sensor's own",
+        "lean of the IMU per displacement that SKF assumes; null: the sensor's own",
         unit="rad/m",
         default=None,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from textwrap import fill
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import show_value
 from owtsweep.studies.base.contest import WAIT, describe_draws
 from owtsweep.studies.mating.contest import CONTEST
+from owtsweep.studies.mating.describe import describe_hold
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,8 +42,8 @@ def list_figures(
 def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
     from owtsweep.figures import style
 
-    waiting = set(summary[summary["measure"] == WAIT]["scheme"])
-    schemes = [name for name in config.schemes if name not in waiting]
+    late = set(summary[summary["measure"] == WAIT]["scheme"])
+    schemes = [name for name in config.schemes if name not in late]
     across, upwards = CONTEST.find_conditions(config)
     columns, rows = (sorted(getattr(config.grid, axis)) for axis in config.axes)
     figure = style.new_figure(
@@ -74,7 +75,7 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
         panels[number][0].set_ylabel(name)
     figure.suptitle(
         "Chances to mate: shares of moments from which root and hub stay together for "
-        f"{_say_hold(config)}, %",
+        f"{describe_hold(config)}, %",
         fontsize=10,
     )
     figure.supxlabel(across.title, fontsize=9)
@@ -87,11 +88,6 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
     letters = round(12.0 * figure.get_figwidth())
     style.add_origin(figure, "\n".join(fill(line, letters) for line in lines))
     return figure
-
-
-def _say_hold(config: MatingConfig) -> str:
-    hold: Sequence[float] = config.grid.hold
-    return f"{hold[0]:g} s" if len(hold) == 1 else "the time on the axis"
 
 
 def _fill(axes: Axes, shares: Array, colors: str) -> None:

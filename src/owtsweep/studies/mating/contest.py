@@ -1,15 +1,13 @@
-"""What is the mating study's own in the contest of its schemes: axes, criteria and words."""
+"""What is the mating study's own in the contest of its schemes: axes and criteria."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
 
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest
+from owtsweep.studies.mating.describe import describe_sensors, describe_truth
 from owtsweep.studies.mating.measures import CRITERIA, list_measures
-
-if TYPE_CHECKING:
-    from owtsweep.studies.mating.config import MatingConfig
 
 CONDITIONS = (
     Condition("sigma", "standard deviation of a fix on the blade", "m", scale="log"),
@@ -19,32 +17,11 @@ CONDITIONS = (
 )
 
 
-def describe_truth(config: MatingConfig) -> str:
-    """Return what moves, what counts as together, and the length of the records in words."""
-    record, limits = config.record, config.limits
-    return (
-        f"blade with {' '.join(config.blade) or 'its defaults'}, hub with "
-        f"{' '.join(config.hub) or 'its defaults'}; together: within {limits.distance:g} m and "
-        f"{limits.speed:g} m/s; {record.duration:g} s at {record.rate:g} Hz"
-    )
-
-
-def describe_sensors(config: MatingConfig) -> str:
-    """Return in words the hub's scheme, and the axes that have one value."""
-    lines = [f"hub estimated by {config.hub_scheme}"]
-    for condition in CONDITIONS:
-        if condition.name not in config.axes:
-            lines.append(
-                f"{condition.label} {condition.show(getattr(config.grid, condition.name)[0])}"
-            )
-    return ", ".join(lines)
-
-
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
     list_measures=list_measures,
     describe_truth=describe_truth,
-    describe_sensors=describe_sensors,
+    describe_sensors=partial(describe_sensors, CONDITIONS),
     pairing=("seed", "record", "blade", "hub"),
 )

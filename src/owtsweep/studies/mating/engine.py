@@ -18,7 +18,7 @@ from owtsweep.studies.mating.joining import (
     configure_blade,
     configure_hub,
     estimate,
-    find_told_motion,
+    find_estimated_motion,
     find_true_motion,
 )
 from owtsweep.studies.mating.measures import Limits, compare
@@ -73,9 +73,9 @@ class MatingEngine(ContestEngine["MatingConfig"]):
                 if reason is not None:
                     judged[scheme].append(Judgement(None, UNABLE, reason))
                     continue
-                told = find_told_motion(of_blade, scheme, of_hub, config.hub_scheme)
+                estimated = find_estimated_motion(of_blade, scheme, of_hub, config.hub_scheme)
                 try:
-                    found = compare(true, told, limits, config.record.settled)
+                    found = compare(true, estimated, limits, config.record.settled)
                 except ValueError as error:
                     judged[scheme].append(Judgement(None, FAILED, str(error)))
                     continue

@@ -90,20 +90,20 @@ def find_true_motion(blade: EstimatedRecord, hub: EstimatedRecord) -> Relative:
     return _subtract(blade, blade.truth, hub, hub.truth)
 
 
-def find_told_motion(
+def find_estimated_motion(
     blade: EstimatedRecord, scheme: str, hub: EstimatedRecord, hub_scheme: str
 ) -> Relative:
     """Return how the root moves relative to the hub, as one scheme each says.
 
     Errors of both estimates are taken to be independent: so are their sensors.
     """
-    told = _subtract(blade, blade.estimates[scheme], hub, hub.estimates[hub_scheme])
+    estimated = _subtract(blade, blade.estimates[scheme], hub, hub.estimates[hub_scheme])
     of_root = blade.covariances[scheme].get("root")
     of_hub = hub.covariances[hub_scheme].get("position")
     if of_root is None or of_hub is None:
-        return told
+        return estimated
     covariance = of_root + TO_BLADE @ of_hub[_match(blade, hub)] @ TO_BLADE.T
-    return told._replace(covariance=covariance)
+    return estimated._replace(covariance=covariance)
 
 
 def _subtract(

@@ -40,19 +40,19 @@ OTHERS = {
 }
 
 
-def compare(true: Relative, told: Relative, limits: Limits, settled: int) -> dict[str, float]:
+def compare(true: Relative, estimated: Relative, limits: Limits, settled: int) -> dict[str, float]:
     """Compare a relative motion with the true one; return measure -> value.
 
     A measure that no number can be given for, such as missed chances without a chance, is left out.
     Raise `ValueError` if an estimate is not finite.
     """
-    error = (told.position - true.position)[settled:]
-    speed = (told.velocity - true.velocity)[settled:]
+    error = (estimated.position - true.position)[settled:]
+    speed = (estimated.velocity - true.velocity)[settled:]
     if not (np.isfinite(error).all() and np.isfinite(speed).all()):
         raise ValueError("the estimate is not finite")
     can, said = (
         find_chances(motion.position[settled:], motion.velocity[settled:], limits)
-        for motion in (true, told)
+        for motion in (true, estimated)
     )
     chances = compare_chances(can, said)
     found = {
@@ -60,12 +60,12 @@ def compare(true: Relative, told: Relative, limits: Limits, settled: int) -> dic
         "speed": _rms(speed),
         "wrong": chances.wrong,
         "chance": chances.true,
-        "told": chances.told,
+        "told": chances.estimated,
         "missed": chances.missed,
         "false": chances.false,
     }
-    if told.covariance is not None:
-        solved = np.linalg.solve(told.covariance[settled:], error[:, :, None])[:, :, 0]
+    if estimated.covariance is not None:
+        solved = np.linalg.solve(estimated.covariance[settled:], error[:, :, None])[:, :, 0]
         found["nees"] = float(np.mean(error * solved))
     return {name: value for name, value in found.items() if not np.isnan(value)}
 
@@ -95,14 +95,14 @@ class Limits(NamedTuple):
 class Chances(NamedTuple):
     """Shares of the moments of a record.
 
-    true, told: At which the bodies can be joined, and at which the estimates say so.
+    true, estimated: At which the bodies can be joined, and at which the estimates say so.
     wrong: At which the estimates are wrong about it, in either way.
     missed: Of the true chances, the share that estimates do not tell; NaN without a chance.
-    false: Of the told chances, the share that is none; NaN if none is told.
+    false: Of the estimated chances, the share that is none; NaN if there is none.
     """
 
     true: float
-    told: float
+    estimated: float
     wrong: float
     missed: float
     false: float
@@ -124,14 +124,14 @@ def find_chances(apart: Array, velocity: Array, limits: Limits) -> NDArray[np.bo
     return np.asarray(count[limits.hold :] - count[: -limits.hold] == limits.hold)
 
 
-def compare_chances(true: NDArray[np.bool_], told: NDArray[np.bool_]) -> Chances:
+def compare_chances(true: NDArray[np.bool_], estimated: NDArray[np.bool_]) -> Chances:
     """Compare the moments at which a mating may begin with those of which estimates say so."""
-    both = float(np.mean(true & told))
-    is_true, is_told = float(np.mean(true)), float(np.mean(told))
+    both = float(np.mean(true & estimated))
+    is_true, is_estimated = float(np.mean(true)), float(np.mean(estimated))
     return Chances(
         true=is_true,
-        told=is_told,
-        wrong=float(np.mean(true != told)),
+        estimated=is_estimated,
+        wrong=float(np.mean(true != estimated)),
         missed=1.0 - both / is_true if is_true > 0.0 else float("nan"),
-        false=1.0 - both / is_told if is_told > 0.0 else float("nan"),
+        false=1.0 - both / is_estimated if is_estimated > 0.0 else float("nan"),
     )

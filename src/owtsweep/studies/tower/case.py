@@ -17,7 +17,7 @@ from owtsweep.studies.tower.measuring import Place, add_errors, list_places, tak
 from owtsweep.studies.tower.recorded import load_motions
 from owtsweep.studies.tower.setting import (
     Substructure,
-    make_believed,
+    make_priors,
     make_setting,
     model_substructure,
 )
@@ -124,8 +124,8 @@ def tell(
     channels: Sequence[Channel],
 ) -> Setting:
     """Return the knowledge of one direction of a record."""
-    believed = make_believed(config.filters, 1.0 / config.record.rate, case.motion[direction])
-    return make_setting(config, case.part, direction, soil_factor, channels, believed)
+    priors = make_priors(config.filters, 1.0 / config.record.rate, case.motion[direction])
+    return make_setting(config, case.part, direction, soil_factor, channels, priors)
 
 
 def name_channel(case: Case, place: Place) -> str:

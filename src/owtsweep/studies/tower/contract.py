@@ -39,7 +39,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Believed:
+class Priors:
     """The tuning's priors of the unknown loads; arrays of shape (5,): F0, M0, F175, M175, q.
 
     Forces are in N, moments in N m, the wave load q (at sea level) in N/m.
@@ -70,7 +70,7 @@ class Setting(Knowledge):
     strain: Strains of the outer fibre for unit degrees of freedom of `cut`, shape (nodes, dof).
     channels: the sensors, in the order of the measurements' columns.
     step: Sampling interval in s.
-    believed: the tuning's priors of the loads.
+    priors: the tuning's priors of the loads.
     tuning: the numbers of all schemes.
     rate_noise: Variance per step of the rates of mass-normalised modes, kg m^2/s^2.
     whole_modes: Number of modes of the whole structure that models of it keep, lowest first.
@@ -87,7 +87,7 @@ class Setting(Knowledge):
     strain: Array
     channels: tuple[Channel, ...]
     step: float
-    believed: Believed
+    priors: Priors
     tuning: Tuning
     rate_noise: float
     whole_modes: int = 10
@@ -101,13 +101,13 @@ class Estimates:
     inputs: Interface loads on the cut structure in the order of `INPUTS` (N, N m), shape (steps,
         4).
     wave: Wave load q at sea level in N/m, shape (steps,); None if the scheme knows no waves.
-    wait: Latency in s; the record's length if all of it is needed.
+    latency: Latency in s; the record's length if all of it is needed.
     """
 
     displacement: Array
     inputs: Array
     wave: Array | None = None
-    wait: float = 0.0
+    latency: float = 0.0
 
 
 class Scheme(contract.Scheme[Setting, Array, Estimates]):

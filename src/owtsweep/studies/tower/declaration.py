@@ -23,11 +23,12 @@ from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contest import CONTEST
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Setting
+from owtsweep.studies.tower.describe import describe_sight
 from owtsweep.studies.tower.measures import Fatigue, compare, find_quietest, find_true_fatigue
 from owtsweep.studies.tower.recorded import measure as compare_with_record
 from owtsweep.studies.tower.recorded import read_record
 from owtsweep.studies.tower.schemes import SCHEMES
-from owtsweep.studies.tower.sight import describe_sight, require_sight
+from owtsweep.studies.tower.sight import require_sight
 
 logger = logging.getLogger(__name__)
 
@@ -139,7 +140,7 @@ def _state(record: Record, estimates: Mapping[str, Estimates]) -> Stated:
         found[f"displacement_{d}"], found[f"inputs_{d}"] = given.displacement, given.inputs
         if given.wave is not None:
             found[f"wave_{d}"] = given.wave
-    return Stated(found, {}, max(given.wait for given in estimates.values()))
+    return Stated(found, {}, max(given.latency for given in estimates.values()))
 
 
 def _warn(config: TowerConfig) -> None:

@@ -41,7 +41,7 @@ class Model:
     discrete: Discrete state space: 2 x modes states; inputs divided by `scale`; the channels as
         outputs.
     scale: Units of the inputs in N, N m or N/m, shape (inputs,).
-    inputs: Numbers of the inputs among F0, M0, F175, M175, q (as in `Believed`), shape (inputs,).
+    inputs: Numbers of the inputs among F0, M0, F175, M175, q (as in `Priors`), shape (inputs,).
         For the whole structure, 2 and 3 stand for force and moment on its top.
     basis: Displacements of the degrees of freedom of the cut structure for unit modal coordinates,
         shape (dof, modes).
@@ -151,7 +151,7 @@ def respond_statically(beam: PlaneBeam, loads: Array) -> Array:
 
 def choose_scale(setting: Setting) -> Array:
     """Choose the units of the five inputs: their assumed change per step, or 1 if that is 0."""
-    change = setting.believed.step_sigma
+    change = setting.priors.step_sigma
     return np.where(change > 0.0, change, 1.0)
 
 

@@ -117,7 +117,7 @@ def pose(
     model = model_cut(replace(setting, channels=channels), wave=wave)
     discrete, modes, inputs = model.discrete, model.modes, len(model.inputs)
     states = 2 * modes
-    change = setting.believed.step_sigma[model.inputs] / model.scale
+    change = setting.priors.step_sigma[model.inputs] / model.scale
     noise = [setting.tuning.process_noise, setting.rate_noise]
     size = np.append(np.repeat(np.sqrt(noise), modes), change)
     transition = np.eye(states + inputs)

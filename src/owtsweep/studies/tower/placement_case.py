@@ -30,7 +30,7 @@ from owtsweep.studies.tower.measuring import (
 )
 from owtsweep.studies.tower.placement import Problem, pose
 from owtsweep.studies.tower.sections import KINDS, Faults
-from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_priors, make_setting, model_substructure
 from owtsweep.studies.tower.truth import Motion, make_truth
 
 #: Accelerometers where the user names no sensor.
@@ -158,12 +158,12 @@ def make_case(
     given = _list_given(config, sizes, spread)
     there = [channel.node for channel in given if channel.kind == "theta"]
     offered = _list_offered(nodes, sizes["theta"], there, inclinometers)
-    believed = make_believed(config.filters, step, motions[0])
+    priors = make_priors(config.filters, step, motions[0])
     true_stress = stress_matrix(structure, assemble_cut(structure, *config.heights))
     scale = (motions[0].displacement[first:] @ true_stress.T).std(axis=0)
     judged = scale > IDLE * scale.max()
     return PlacementCase(
-        setting=make_setting(config, part, direction, 1.0, given, believed),
+        setting=make_setting(config, part, direction, 1.0, given, priors),
         candidates=tuple(Channel("theta", n, share * float(sizes["theta"][n])) for n in offered),
         stress=part.stress[judged],
         welds=nodes[judged],

@@ -11,7 +11,7 @@ from owtsweep.config.hints import suggest_name
 from owtsweep.errors import require
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contest import describe_errors
+from owtsweep.studies.tower.describe import describe_errors
 from owtsweep.studies.tower.placed import QUANTITIES, PlacedSensors
 from owtsweep.studies.tower.placement import choose_greedily, extend, predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
@@ -36,8 +36,8 @@ NO_PART["recorded"] = "it simulates the record that gives the size of every sign
 def list_defaults(given: Collection[str]) -> list[str]:
     """Return the overrides that `place` puts before those of the user, who sets the keys `given`.
 
-    They are one noise, the tuning paper and, if the user names no sensor, accelerometers at every node, which `place`
-    thins out. Raise `InputError` if a given key has no part in the choice.
+    They are one noise, the tuning paper and, if the user names no sensor, accelerometers at every
+    node, which `place` thins out. Raise `InputError` if a given key has no part in the choice.
     """
     for key in sorted(given):
         parts = key.split(".")

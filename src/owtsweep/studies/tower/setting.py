@@ -19,7 +19,7 @@ from owtsweep.structures.bernoulli import (
 )
 from owtsweep.structures.reduction import Reduced, reduce_free
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contract import DIRECTIONS, Believed, Channel, Setting
+from owtsweep.studies.tower.contract import DIRECTIONS, Channel, Priors, Setting
 from owtsweep.studies.tower.models import list_interfaces
 from owtsweep.studies.tower.truth import Motion, find_damping
 from owtsweep.studies.tower.tuning import Tuning
@@ -121,7 +121,7 @@ def make_setting(
     direction: str,
     soil_factor: float,
     channels: Sequence[Channel],
-    believed: Believed,
+    priors: Priors,
 ) -> Setting:
     """Put together the knowledge of one direction of a case.
 
@@ -147,14 +147,14 @@ def make_setting(
         strain=part.strain,
         channels=tuple(channels),
         step=1.0 / config.record.rate,
-        believed=believed,
+        priors=priors,
         tuning=config.filters,
         rate_noise=config.filters.find_rate_noise(config.waves.hs > 0.0),
         whole_modes=config.model.whole_modes,
     )
 
 
-def make_believed(tuning: Tuning, step: float, motion: Motion | None) -> Believed:
+def make_priors(tuning: Tuning, step: float, motion: Motion | None) -> Priors:
     """Return a tuning's priors of the five loads of one direction.
 
     With declared numbers, a load is a random walk with these steps; as a latent force, it is the
@@ -166,7 +166,7 @@ def make_believed(tuning: Tuning, step: float, motion: Motion | None) -> Believe
     change = np.array([tuning.force, tuning.moment] * 2 + [tuning.wave])
     length = np.full(5, tuning.correlation_time)
     if tuning.inputs == "declared" or motion is None:
-        return Believed(change, change * np.sqrt(length / (2.0 * step)), length)
+        return Priors(change, change * np.sqrt(length / (2.0 * step)), length)
     loads = np.column_stack([motion.inputs, motion.wave])
     known = np.isfinite(loads).all(axis=0)  # a record may lack loads: the tuning's numbers hold
     loads = np.where(known, loads, 0.0)
@@ -174,7 +174,7 @@ def make_believed(tuning: Tuning, step: float, motion: Motion | None) -> Believe
     seen = np.std(np.diff(loads, axis=0), axis=0)
     size = np.sqrt(np.mean(np.square(loads), axis=0))
     least = LEAST * change
-    return Believed(
+    return Priors(
         step_sigma=np.where(known, np.maximum(seen, least), change),
         sigma=np.where(known, np.maximum(size, least), change * np.sqrt(length / (2.0 * step))),
         length=np.where(moving, _correlate(loads, step), length),

@@ -1,4 +1,4 @@
-"""What a sensor set-up sees of the substructure and its loads, in words; refuses blind set-ups.
+"""Finds what a sensor set-up sees of the substructure and its loads; refuses blind set-ups.
 
 The model is that of the scheme AKF: the substructure between the cuts, whose loads are random
 walks. It is one and the same for both directions.
@@ -24,7 +24,7 @@ from owtsweep.studies.tower.measuring import Place, list_places
 from owtsweep.studies.tower.models import model_cut
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.schemes.filtered import check_seen
-from owtsweep.studies.tower.setting import make_believed, make_setting, model_substructure
+from owtsweep.studies.tower.setting import make_priors, make_setting, model_substructure
 
 #: Noise by which a set-up is judged before there is a record, in SI units. Only orders of magnitude
 #: matter for what is seen.
@@ -32,40 +32,6 @@ NOMINAL: dict[Kind, float] = {"x": 1e-3, "theta": 1e-5, "a": 1e-3, "strain": 1e-
 #: Least part of an unseen direction that names a state or a load.
 NAMED = 0.05
 SHIFT, LEAN = "rigid translation", "rigid rotation"
-
-
-def describe_sight(config: TowerConfig) -> list[str]:
-    """Say in a few lines what the set-up sees in each direction, and why it misses the rest."""
-    setting, places = _set(config)
-    seen, names = _observe(setting)
-    missed = _missed(seen, names)
-    kinds = {place.kind for place in places}
-    lines = [
-        f"Of a direction's motion and loads, sensors {config.sensors.name} see {seen.rank} of "
-        f"{seen.states} states (rank by PBH); what is seen has a condition number of up to "
-        f"{seen.conditions.max():.0f}."
-    ]
-    if SHIFT in missed and "x" not in kinds:
-        lines.append(
-            "Position and velocity of the rigid translation are unseen (one Jordan block at the "
-            "eigenvalue 1), because no sensor feels where the structure stands or a constant "
-            "velocity: displacements drift, bending does not. A displacement sensor or a GNSS "
-            "receiver stops the drift."
-        )
-    if LEAN in missed and "theta" not in kinds:
-        lines.append(
-            "Angle and angular velocity of the rigid rotation are unseen, because no sensor tells "
-            "a constant lean apart. An inclinometer does."
-        )
-    loads = [name for name in INPUTS if name in missed]
-    if loads:
-        lines.append(
-            f"Constant {', '.join(loads)} that balance each other are unseen, because no sensor "
-            "tells the bent shape at rest apart. Inclinometers do."
-        )
-    return lines
-
-
 #: Set-ups that were found to be no blind ones.
 _passed: set[str] = set()
 
@@ -85,7 +51,7 @@ def require_sight(config: TowerConfig) -> None:
 
 
 def _require_sight(config: TowerConfig) -> None:
-    setting, places = _set(config)
+    setting, places = set_up(config)
     if _sees_bending(setting):
         return
     reasons = []
@@ -97,7 +63,7 @@ def _require_sight(config: TowerConfig) -> None:
             reasons.append(str(reason))
         else:
             return
-    loads = [name for name in INPUTS if name in _missed(*_observe(setting))]
+    loads = [name for name in INPUTS if name in find_missed(*observe(setting))]
     text = f"it does not tell {', '.join(loads)} apart" if loads else reasons[-1]
     raise InputError(
         f"sensors: no scheme can work with the set-up {config.sensors.name}: {text}; "
@@ -105,12 +71,12 @@ def _require_sight(config: TowerConfig) -> None:
     )
 
 
-def _set(config: TowerConfig) -> tuple[Setting, list[Place]]:
+def set_up(config: TowerConfig) -> tuple[Setting, list[Place]]:
     """Return the setting fore-aft with nominal noise, and the channels' places."""
     part = model_substructure(config)
     places = list_places(config.sensors, config.nodes)
-    believed = make_believed(config.filters, 1.0 / config.record.rate, None)
-    setting = make_setting(config, part, DIRECTIONS[0], 1.0, _equip(places), believed)
+    priors = make_priors(config.filters, 1.0 / config.record.rate, None)
+    setting = make_setting(config, part, DIRECTIONS[0], 1.0, _equip(places), priors)
     return setting, places
 
 
@@ -118,7 +84,7 @@ def _equip(places: Sequence[Place]) -> tuple[Channel, ...]:
     return tuple(Channel(place.kind, place.node, NOMINAL[place.kind]) for place in places)
 
 
-def _observe(setting: Setting) -> tuple[Observability, list[str]]:
+def observe(setting: Setting) -> tuple[Observability, list[str]]:
     discrete = model_cut(setting).discrete
     F, H = augment(discrete, np.eye(discrete.B.shape[1]))
     return find_unobservable(F, H), _name_states(setting)
@@ -134,7 +100,7 @@ def _name_states(setting: Setting) -> list[str]:
     return [*coordinates, *(f"rate of {name}" for name in coordinates), *INPUTS]
 
 
-def _missed(seen: Observability, names: Sequence[str]) -> set[str]:
+def find_missed(seen: Observability, names: Sequence[str]) -> set[str]:
     """Return the names of states that have a part in what is unseen."""
     parts = [np.abs(found.directions).max(axis=1) for found in seen.unseen]
     return {name for part in parts for name, size in zip(names, part, strict=True) if size > NAMED}
@@ -150,7 +116,7 @@ def _sees_bending(setting: Setting) -> bool:
 
 
 def _count_unseen(setting: Setting) -> int:
-    seen, _ = _observe(setting)
+    seen, _ = observe(setting)
     return seen.states - seen.rank
 
 

@@ -81,7 +81,7 @@ class Chain:
             root=root,
             root_velocity=np.gradient(root, step, axis=0),
             rotation=rotation,
-            wait=steps * step,
+            latency=steps * step,
             boom=boom,
         )
 

@@ -107,13 +107,13 @@ class Smoother:
         states, covariances, nis = Navigator(setting).filter(measured)
         links = (np.empty_like(states), np.empty_like(covariances), np.empty_like(covariances))
         link(states, covariances, make_record(setting, measured), links)
-        wait = lag = len(nis)
+        latency = lag = len(nis)
         if not self.whole:
             lag = round(setting.tuning.lag / measured.step)
-            wait = lag + np.diff(np.flatnonzero(measured.due)).max(initial=1) - 1
+            latency = lag + np.diff(np.flatnonzero(measured.due)).max(initial=1) - 1
         out = (np.empty_like(states), np.empty_like(covariances))
         smooth_lag(states, covariances, links, measured.due, lag, out)
-        return report(setting, measured, Found(*out, nis), wait=wait * measured.step)
+        return report(setting, measured, Found(*out, nis), latency=latency * measured.step)
 
 
 def prepare_heading(setting: Setting) -> Navigator:

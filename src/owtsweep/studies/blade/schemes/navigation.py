@@ -82,7 +82,7 @@ def locate_root(setting: Setting, measured: Measured, states: Array) -> tuple[Ar
 
 
 def report(
-    setting: Setting, measured: Measured, found: Found, *, antennas: int = 1, wait: float = 0.0
+    setting: Setting, measured: Measured, found: Found, *, antennas: int = 1, latency: float = 0.0
 ) -> Estimates:
     """Return estimates of the root from states and covariances of the unit.
 
@@ -101,5 +101,5 @@ def report(
         root_covariance=rows @ P @ rows.transpose(0, 2, 1),
         attitude_covariance=P[:, 3:, 3:],
         nis=np.where(seen, found.nis, np.nan) / (AXES * antennas),
-        wait=wait,
+        latency=latency,
     )

@@ -93,7 +93,7 @@ class Stations:
             root=root,
             root_velocity=np.gradient(root, step, axis=0),
             rotation=rotation,
-            wait=float(np.diff(measured.prism_times).max()),
+            latency=float(np.diff(measured.prism_times).max()),
         )
 
 

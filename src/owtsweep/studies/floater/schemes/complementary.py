@@ -78,7 +78,7 @@ def prepare(setting: Setting) -> Complementary:
     if setting.body:
         best[list(ANGLES)] = setting.rate_sigma / setting.position_sigma[list(ANGLES)]
     if not np.all(best > 0.0):
-        raise Unable("COMPLEMENTARY has no crossover: it believes that accelerations have no noise")
+        raise Unable("COMPLEMENTARY has no crossover: it assumes that accelerations have no noise")
     fastest = FASTEST * 2.0 * np.pi / setting.step
     return Complementary(setting, np.minimum(setting.tuning.crossover * best, fastest))
 

@@ -56,14 +56,14 @@ class Linear:
         return record, noises, np.column_stack([*setting.motion_sigma[:2], bias])
 
 
-def report(found: Found, wait: float = 0.0) -> Estimates:
+def report(found: Found, latency: float = 0.0) -> Estimates:
     """Return what a filter found, columns last."""
     return Estimates(
         position=np.ascontiguousarray(found.estimate[:, :, 0].T),
         velocity=np.ascontiguousarray(found.estimate[:, :, 1].T),
         covariance=found.covariance.transpose(1, 0, 2, 3),
         nis=found.nis.T,
-        wait=wait,
+        latency=latency,
     )
 
 
@@ -194,7 +194,7 @@ class FixedLag:
     def run(self, measured: Measured) -> Estimates:
         """Estimate from the measurements of a record."""
         lag = round(self.filter.setting.tuning.lag / measured.step)
-        return report(smooth_all(*self.filter.read(measured), lag), wait=lag * measured.step)
+        return report(smooth_all(*self.filter.read(measured), lag), latency=lag * measured.step)
 
 
 KF_CONSISTENT = Direct("KF_CONSISTENT", partial(Linear, bias=False, delay=False))

@@ -70,7 +70,7 @@ def prepare_steady(setting: Setting) -> SteadyPredictor:
             K, covariance[i] = solve_steady(A, np.eye(2)[: len(R)], Q, np.diag(R))
         except np.linalg.LinAlgError:
             raise Unable(
-                "KF_STEADY has no steady state: it believes that the acceleration of "
+                "KF_STEADY has no steady state: it assumes that the acceleration of "
                 f"{DOF[i]} has no noise"
             ) from None
         gain[i, :, : len(R)] = K

@@ -37,7 +37,7 @@ class SpectralEstimator(RecordEstimator):
         point = check_origin(origin)
         require(
             point is not None,
-            "origin: this scheme must be told where the hub is at rest, and one fix does not tell "
+            "origin: this scheme must know where the hub is at rest, and one fix does not show "
             "it; give x and y in m, e.g. origin=(0, 0)",
         )
         self._origin: Array = np.asarray(point)

@@ -115,5 +115,5 @@ def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
 def _explain_baselines(errors: Errors) -> list[str]:
     if not errors.baselines:
         return []
-    told = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in errors.baselines)
-    return [f"Thin: baselines ({told})."]
+    each = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in errors.baselines)
+    return [f"Thin: baselines ({each})."]

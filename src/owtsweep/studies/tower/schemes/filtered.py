@@ -47,18 +47,18 @@ class Settled(Protocol):
 
 @dataclass(frozen=True)
 class Filtered:
-    """A filter made ready for one setting; `wait` is its latency, s."""
+    """A filter made ready for one setting; `latency` in, s."""
 
     model: Model
     filter: Settled
-    wait: float = 0.0
+    latency: float = 0.0
 
     def run(self, measured: Array) -> Estimates:
         """Estimate from measurements, shape (steps, channels)."""
         both = self.filter.run(measured)
         states = 2 * self.model.modes
         inputs = both[:, states : states + len(self.model.inputs)]
-        return replace(self.model.read(both[:, :states], inputs), wait=self.wait)
+        return replace(self.model.read(both[:, :states], inputs), latency=self.latency)
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def noise_of_states(setting: Setting, model: Model) -> Array:
 
 def noise_of_inputs(setting: Setting, model: Model) -> Array:
     """Return S of Eq. (24) in the units of the model's inputs, shape (inputs, inputs)."""
-    return np.diag((setting.believed.step_sigma[model.inputs] / model.scale) ** 2)
+    return np.diag((setting.priors.step_sigma[model.inputs] / model.scale) ** 2)
 
 
 def noise_of_sensors(setting: Setting) -> Array:
@@ -115,7 +115,7 @@ def noises_of_walks(setting: Setting, model: Model) -> tuple[Array, Array, Array
 
 def size_of_inputs(setting: Setting, model: Model) -> Array:
     """Return the standard deviations about zero of the model's inputs in its units, (inputs,)."""
-    return setting.believed.sigma[model.inputs] / model.scale
+    return setting.priors.sigma[model.inputs] / model.scale
 
 
 def prior(setting: Setting, model: Model) -> Array:

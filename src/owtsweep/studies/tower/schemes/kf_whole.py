@@ -60,7 +60,7 @@ def tune(setting: Setting, model: Model) -> Settled:
     """
     slow, white = np.split(model.inputs, 2)
     first = reduce_held(setting.whole, 1).omega[0]
-    noise = setting.believed.step_sigma[white] / (first * setting.step) / model.scale[: len(white)]
+    noise = setting.priors.step_sigma[white] / (first * setting.step) / model.scale[: len(white)]
     sigma = np.concatenate([size_of_inputs(setting, model)[: len(slow)], noise])
     fade = np.concatenate([np.full(len(slow), np.exp(-setting.step / SLOW)), 0.0 * noise])
     F, H = augment(model.discrete, np.diag(fade))

@@ -31,7 +31,7 @@ def tune(setting: Setting, model: Model, kernel: Literal["matern12", "matern32"]
         noise_of_sensors(setting),
         kernel=kernel,
         sigma=size_of_inputs(setting, model),
-        length=setting.believed.length[model.inputs],
+        length=setting.priors.length[model.inputs],
     )
 
 

@@ -79,7 +79,7 @@ class Expansion:
             displacement += motions[0] @ expander.shapes.T
             for motion, load in zip(motions, expander.loads, strict=True):
                 inputs += motion @ load.T
-        return Estimates(displacement, inputs, wait=self.step * len(measured))
+        return Estimates(displacement, inputs, latency=self.step * len(measured))
 
 
 class MDE(Scheme):
