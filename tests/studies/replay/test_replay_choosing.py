@@ -57,12 +57,9 @@ def test_baselines_are_those_of_the_hub_also_with_missing_fixes(tmp_path):
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     signals = listen(config, sensors, record, 0)
-    sums = baselines.sum_motion(record, sensors, 500)
     found = {
         (row, m, w): v
-        for row, (m, w, v, _) in baselines.measure_baselines(
-            record, sums, signals.fixes, sensors, 500
-        )
+        for row, (m, w, v, _) in baselines.measure_baselines(record, signals.fixes, sensors, 500)
     }
     at = np.arange(1, len(signals.fixes)) * 100 - sensors.delay
     for (row, _), scheme in zip(

@@ -102,12 +102,9 @@ def describe(
     tower_height: float | None = None,
     rotation: str = "zyx",
 ) -> Description:
-    """Describe every channel of a file, from its first million rows at most.
+    """Describe every channel of a file, from its first million rows; arguments as of `read`.
 
-    Arguments are those of `read`.
-
-    Raises InputError if the file cannot be read at all, or if a given role, channel or unit is
-        wrong.
+    Raises InputError if the file cannot be read at all, or a given role, channel or unit is wrong.
     """
     table = open_table(path)
     most = min(MOST_ROWS, MOST_VALUES // max(len(table.names), 1))
@@ -166,7 +163,6 @@ def _with_units(
 
 
 def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, Array]:
-    """Read the channels that hold numbers."""
     try:
         return table.load(names, rows)
     except InputError:
@@ -222,7 +218,6 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
 
 
 def _is_likely(channel: Channel) -> bool:
-    """Return whether a channel varies, and its unit is missing or that of a motion or force."""
     if not channel.deviation > 0.0:  # NaN without numbers
         return False
     return not channel.unit or find_dimension(channel.unit) in QUANTITIES.values()
@@ -250,7 +245,6 @@ def _describe_values(channel: Channel, role: str | None = None) -> str:
 
 
 def _wrap(words: list[str]) -> list[str]:
-    """Return words as indented lines of at most `WIDTH` characters, broken only between words."""
     text = ", ".join(word.replace(" ", "\0") for word in words)
     lines = wrap(
         text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,

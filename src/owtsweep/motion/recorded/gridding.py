@@ -50,8 +50,8 @@ class Gridded:
 def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) -> TimeGrid:
     """Return the grid of a rate in Hz over the time that all channels of the roles cover.
 
-    Raises InputError if this time is shorter than 1 s, or the grid would have more than
-        `MOST_STEPS` steps.
+    Raises InputError if this is shorter than 1 s, or the grid would have more than `MOST_STEPS`
+        steps.
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
@@ -79,15 +79,14 @@ def to_grid(
 ) -> Gridded:
     """Resample channels to a grid.
 
-    Frequencies up to 0.4 of the lower rate (of the channel and of the grid) are kept in full, those
-    above half of it removed. A channel whose samples lie on the grid is not changed. Irregular
-    times and missing samples are first interpolated (`fill`). GNSS fixes move to the nearest step,
-    and of two fixes at one step the later one is kept.
+    Frequencies up to 0.4 of the lower rate (of channel and grid) are kept in full, those above half
+    of it removed; samples on the grid are not changed. Irregular times and missing samples are
+    first interpolated (`fill`). Fixes move to the nearest step; of two at one step the later is
+    kept.
 
-    recording, roles: a checked recording, and the roles of its channels to resample, e.g.
-        "position_x".
-    rate: Rate of the grid, Hz; not used if `grid` is given.
-    grid: By default it covers the time that the channels have in common, without fixes and
+    recording, roles: a checked recording, and the roles to resample, e.g. "position_x".
+    rate: of the grid, Hz; not used if `grid` is given.
+    grid: by default it covers the time that the channels have in common, without fixes and
         references if there are others.
     """
     if grid is None:
@@ -115,11 +114,7 @@ def to_grid(
 
 
 def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
-    """Make an array of zeros, shape (steps,), for a role.
-
-    For a role with an axis it is a column of the array `pairs[quantity]`, which is added if
-    missing.
-    """
+    """Make zeros, (steps,), for a role; with an axis they are a column of `pairs[quantity]`."""
     quantity, _, axis = role.rpartition("_")
     if axis not in ("x", "y"):
         return np.zeros(grid.steps)
@@ -129,11 +124,7 @@ def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
 def make_uniform(
     recording: Recording, role: str
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
-    """Return a channel as uniform samples: ((start, samples), step, gaps).
-
-    `start` and `step` are in s. Missing samples are interpolated. Gaps are those of
-    `checks.find_gaps`.
-    """
+    """Return a channel as uniform samples, gaps filled: (start, samples), step, gaps."""
     time, values = recording.series(role)
     comb, holes = fit_comb(time), find_gaps(time)
     if comb.uniform and comb.count == len(time):
@@ -142,10 +133,10 @@ def make_uniform(
 
 
 def fill(time: Array, values: Array, comb: Comb) -> Array:
-    """Interpolate a channel at the teeth of the comb of its times; return shape (comb.count,).
+    """Interpolate a channel, (n,), at the teeth of the comb of its times; return (comb.count,).
 
-    The spline is cubic, in long gaps (`checks.find_gaps`) monotone. Samples that lie on teeth are
-    not changed. `time` (s) and `values` have shape (n,).
+    The spline is cubic, in long gaps (`checks.find_gaps`) monotone. Samples on teeth are not
+    changed.
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -161,10 +152,6 @@ def fill(time: Array, values: Array, comb: Comb) -> Array:
 
 
 def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
-    """Return the samples at the times of a grid; None unless all have one.
-
-    `source` is (start, samples). A sample may be off the grid's time by 1e-3 of `step`.
-    """
     start, values = source
     first = (grid.start - start) / step
     drift = abs(step * grid.rate - 1.0) * grid.steps
@@ -188,7 +175,6 @@ def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -
 
 
 def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
-    """Move fixes to the nearest steps of a grid; return values (else NaN) and notes."""
     time, values = recording.series(role)
     exact = (time - grid.start) * grid.rate
     place = np.rint(exact).astype(np.int64)

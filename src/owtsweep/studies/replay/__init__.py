@@ -24,8 +24,8 @@ __all__ = ["ReplayStudy"]
 class ReplayStudy(HubKeys, Engine):
     """The study of recorded data, which is also its only engine.
 
-    A block of the plan runs one scheme on one record. A further block for each record runs no
-    scheme: it measures the record itself.
+    A block runs one scheme on one record; a further block for each record measures the record
+    itself.
     """
 
     name = "replay"

@@ -35,14 +35,13 @@ ROW = (160, 60)
 
 
 def write(config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None]) -> None:
-    """Write all schemes' estimates on a record (replicate 0) to Parquet and CSV files.
+    """Write all schemes' estimates on a record (replicate 0) to Parquet, and to a CSV per scheme.
 
-    The files are estimates.parquet with all schemes, and estimates/<scheme>.csv. The columns are
-    `COLUMNS`: time in s on the clock of the record's file; scheme; x and y in m in the coordinates
-    of this file; vx and vy in m/s; and the standard deviations of x, y, vx and vy, NaN for a scheme
-    without covariance. The CSV files have no column `scheme`. A scheme that fails is left out.
+    The columns are `COLUMNS`: time in s and x, y in m as in the record's file, m/s, and standard
+    deviations, NaN without a covariance; the CSV have no `scheme`. A scheme that fails is left out.
 
-    `folder` is made if need be. `say` shows the user a line, before slow work on a long record.
+    folder: is made if need be.
+    say: shows the user a line, before slow work on a long record.
     """
     record = load_record(config, file)
     sensors = make_sensors(config.sensors)
@@ -95,11 +94,7 @@ def _write_all(
 
 @contextmanager
 def _replace_when_written(path: Path) -> Iterator[str]:
-    """Give the name of a temporary file inside a `with` block; then rename this file to `path`.
-
-    After an error, the temporary file is deleted and `path` stays as it was. The first note of an
-    error of the file system (`__notes__`) names `path`.
-    """
+    """Give the name of a temporary file inside a `with` block; then rename this file to `path`."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         yield str(temporary)

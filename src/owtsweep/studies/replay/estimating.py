@@ -29,17 +29,15 @@ def estimate_pieces(
     replicates: Sequence[Signals],
     edges: Sequence[int],
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Run a scheme on some replicates of a record, and yield its estimates piece by piece.
+    """Run a scheme on some replicates of a record; yield a `Trajectory` of each, piece by piece.
 
-    If every fix arrived, the batch engine runs all replicates at once. If fixes are missing, the
-    filter's gains depend on which fixes these are; the scheme's online form (`stream`) then
-    computes the gains step by step. With engine=reference, or if the scheme has neither kernel nor
-    online form, the scheme's `update` is called at every step. The estimates depend neither on
-    where pieces begin nor on the number of replicates.
+    If every fix arrived, the batch engine runs all replicates at once. If fixes are missing, gains
+    depend on which these are: the scheme's online form (`stream`) computes them step by step. With
+    engine=reference, or without kernel and online form, `update` is called at every step. Estimates
+    depend neither on the pieces nor on the number of replicates.
 
-    `edges` are the steps at which the pieces begin, and the number of steps. Yield for each piece
-    one `Trajectory` per replicate. Raise `ValueError` if an estimate lacks a quantity, has the
-    wrong shape or is not finite; the message names the step.
+    edges: the steps at which the pieces begin, and the number of steps.
+    Raises ValueError if an estimate lacks a quantity, has the wrong shape or is not finite.
     """
     known, start = Known(sensors, config), scheme.start
     if config.engine == "batch":
@@ -58,11 +56,10 @@ def rotate_force(signals: Signals, sensors: Sensors) -> Iterator[Array]:
 
 
 def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePassSeries, Array]:
-    """Arrange the measurements of several replicates as columns side by side, for the batch engine.
+    """Arrange the measurements of replicates side by side, for the batch engine.
 
-    Return the specific force in NED coordinates (m/s^2, one row per step) and the fixes (m, one row
-    each). Both have the columns x and y of the first replicate, then x and y of the second, and so
-    on.
+    Returns the specific force in NED (m/s^2, one row per step) and the fixes (m, one row each),
+        with the columns x and y of the first replicate, then of the second, and so on.
     """
     pieces = zip(*(rotate_force(signals, sensors) for signals in replicates), strict=True)
     side_by_side = (np.concatenate(parts, axis=1) for parts in pieces)
@@ -73,7 +70,6 @@ def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePass
 def _run_kernel(
     chain: Chain, sensors: Sensors, replicates: Sequence[Signals], edges: Sequence[int]
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Run the batch engine on all replicates; yield a `Trajectory` of each, piece by piece."""
     estimates = chunks(chain, *make_lanes(replicates, sensors))
     covariances = spread_to_both_axes(chain.covariance)
     first, count, chunk = next(estimates)

@@ -16,11 +16,7 @@ LONGEST = 80
 
 
 def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Give each file a label; return a mapping from label to file, in the order of the files.
-
-    A label is the file's name without extensions. If several files have one name, the second file's
-    label ends in "-2", the third file's in "-3", and so on.
-    """
+    """Return label -> file, in order: the file's name without extensions, or numbered."""
     labels: dict[str, str] = {}
     for file in files:
         stem = printable(Path(file).name.split(".")[0] or Path(file).name)
@@ -32,10 +28,7 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Return the hash of a file's contents; NAME.sel and NAME.dat of HAWC2 share one hash.
-
-    Raise `InputError` if the file cannot be read.
-    """
+    """Return the hash of a file's contents; NAME.sel and NAME.dat of HAWC2 share one hash."""
     path = Path(file)
     try:
         parts = [path]
@@ -65,10 +58,7 @@ def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
 
 
 def as_plain(text: str) -> str:
-    """Return a text in a form that matplotlib draws as it is, without reading a part as a formula.
-
-    Characters that cannot be printed are replaced by escape sequences, and each `$` is escaped.
-    """
+    """Return a text that matplotlib draws as it is, without reading a part as a formula."""
     return printable(text).replace("$", r"\$")
 
 

@@ -1,9 +1,8 @@
 """Measure estimates: errors, coverage, consistency, and distances to later fixes.
 
-If there is no reference position, an estimate is compared with a later fix: the one that arrives
-one GNSS delay later reports the position at the time of the estimate, and the estimate has not used
-it. The mean squared distance is the estimate's MSE plus the variance of a fix, which is equal for
-all schemes.
+Without a reference position, an estimate is compared with the fix that arrives one GNSS delay later
+and reports the same moment; the estimate has not used it. The mean squared distance is its MSE plus
+the variance of a fix, which is equal for all schemes.
 """
 
 from __future__ import annotations
@@ -32,14 +31,13 @@ Measured = tuple[str, str, float, int]
 
 
 class Tally:
-    """All measures of a scheme in one replicate, computed from its estimates piece by piece.
+    """All measures of a scheme in one replicate, from its estimates piece by piece.
 
-    The pieces always begin and end at the steps of `cut_into_parts`. So the sums are equal to the
-    last bit, however the estimates were computed.
+    Pieces always begin and end at the steps of `cut_into_parts`, so sums are equal to the last bit.
 
-    `record`: the record, with the true motion if it is known. `fixes`: fixes measured in this
-    replicate, shape (fixes, 2) in m; NaN where no fix came. `settled`: the first step after the
-    settling time.
+    record: the record, with the true motion if it is known.
+    fixes: those of this replicate, shape (fixes, 2) in m; NaN where no fix came.
+    settled: the first step after the settling time.
     """
 
     def __init__(self, record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int) -> None:
@@ -82,39 +80,7 @@ class Tally:
             yield from _average("fix_residual", f"part_{number:02d}", self._residual[inside])
 
 
-def measure_last_fix(
-    record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
-) -> Iterator[Measured]:
-    """Yield the mean squared position errors (m^2) of a baseline that holds the last fix.
-
-    Before the first fix, the baseline's position is zero. Nothing is yielded if the true position
-    is unknown. Arguments are as for `Tally`. The measures are "x", "y" and "position", the windows
-    "full" and "settled".
-    """
-    if record.position is None:
-        return
-    last = np.where(np.isfinite(fixes[:, 0]), np.arange(len(fixes)), -1)
-    last = np.maximum.accumulate(last)
-    held = np.where(last[:, None] >= 0, fixes[np.maximum(last, 0)], 0.0)
-    squared = []  # axis by axis and in place, to save memory with a long record
-    for axis in range(2):
-        error = np.repeat(held[:, axis], sensors.fix_interval)[: record.steps]
-        error -= record.position[:, axis]
-        squared.append(np.square(error, out=error))
-    both = squared[0] + squared[1]
-    for window, begin in {"full": 0, "settled": settled}.items():
-        yield from _average("x", window, squared[0][begin:])
-        yield from _average("y", window, squared[1][begin:])
-        yield from _average("position", window, both[begin:])
-
-
 def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
-    """Yield the averages of errors and coverage over the windows "full" and "settled".
-
-    Errors of position and velocity are also averaged over each part of the settled record, with the
-    window "part_00" and so on. `pieces` has for each piece measure -> (sum, number of values). The
-    first piece ends at the settling time; each later piece is one part of the settled record.
-    """
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
             count = sum(piece[name][1] for piece in chosen)
@@ -130,12 +96,7 @@ def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[
 def _sum_errors(
     record: ReplayRecord, estimated: Trajectory, begin: int
 ) -> dict[str, tuple[float, int]]:
-    """Sum squared errors and NEES over a piece; count errors within ±1.96 standard deviations.
-
-    Return measure -> (sum or count, number of values), over the steps at which the true motion is
-    known; empty if it is unknown in the whole record. The axes are processed one after the other on
-    contiguous arrays, because a replay spends most of its time in this function.
-    """
+    """Sum squared errors and NEES over a piece; count errors within ±1.96 standard deviations."""
     if record.position is None:
         return {}
     part = slice(begin, begin + len(estimated.state))
@@ -146,9 +107,11 @@ def _sum_errors(
     for axis in range(2):
         p = estimated.state[:, axis] - position[:, axis]
         v = estimated.state[:, 2 + axis] - velocity[:, axis]
+        squared.append((p**2, v**2))
+        if estimated.covariance is None:
+            continue
         P = estimated.axis_covariance(axis)
         pp, pv, vv = P[:, 0, 0], P[:, 0, 1], P[:, 1, 1]
-        squared.append((p**2, v**2))
         nees.append(_weigh(p, v, pp, pv, vv))
         for which, variance in enumerate((pp, vv)):
             limit = (QUANTILE * np.sqrt(variance)) ** 2
@@ -163,7 +126,7 @@ def _sum_errors(
         **{name: _sum_finite(values) for name, values in series.items()},
         "coverage_position": (float(inside[0, 0]), int(inside[0, 1])),
         "coverage_velocity": (float(inside[1, 0]), int(inside[1, 1])),
-        "nees": _sum_finite(nees[0] + nees[1]),
+        "nees": _sum_finite(nees[0] + nees[1]) if nees else (0.0, 0),
     }
 
 
@@ -174,17 +137,11 @@ def _sum_finite(values: Array) -> tuple[float, int]:
 
 
 def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
-    """Compute one axis' part of NEES: e' P^-1 e with e = (p, v) and P = [[pp, pv], [pv, vv]]."""
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 
 
 def _judge_innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
-    """Yield NIS, mean square and whiteness of the innovations (m) and variances, (n, 2) each.
-
-    The whiteness is left out for 2 * `LAGS` innovations or fewer. Nothing is yielded if there are
-    no innovations.
-    """
     if len(innovation) == 0:
         return
     yield from _average("nis", window, np.sum(innovation**2 / variance, axis=1))
@@ -197,12 +154,10 @@ def _judge_innovations(innovation: Array, variance: Array, window: str) -> Itera
 
 
 def check_whiteness(innovation: Array) -> tuple[float, float]:
-    """Test whether innovations are white, by the test of Ljung and Box (1978).
+    """Test whether innovations, (n, axes) without NaN, are white, by Ljung and Box (1978).
 
-    The test's statistic Q is the sum of n (n + 2) r_k^2 / (n - k) over the lags k = 1, ..., `LAGS`
-    and over the axes; r_k is the autocorrelation at lag k. If the innovations, shape (n, axes)
-    without NaN, are white, Q is chi-squared with (number of lags) * (number of axes) degrees of
-    freedom. Return the autocorrelation at lag 1 (mean over the axes), and the p-value of the test.
+    Q = sum of n (n + 2) r_k^2 / (n - k) over `LAGS` lags k and the axes, r_k being the
+    autocorrelation, is then chi-squared. Return r_1 (mean over the axes), and the p-value.
     """
     from scipy.special import gammaincc
 
@@ -216,10 +171,7 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
 
 
 def cut_into_parts(settled: int, steps: int) -> list[int]:
-    """Return the steps at which the parts of a record begin, and the step at which the last ends.
-
-    The first part is before `settled`. The rest, up to `steps`, is cut into `PARTS` equal parts.
-    """
+    """Return the edges of a record's parts: up to `settled`, then `PARTS` equal ones."""
     return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 
 

@@ -39,8 +39,8 @@ NODES = 64
 class Expectation:
     """The errors expected of a scheme.
 
-    `spectrum`: the part that motion causes, per unit of motion, at frequencies of the band.
-    `floor`: the part that sensor noise causes, whatever the motion.
+    spectrum: what motion causes, per unit of motion, at frequencies of the band.
+    floor: what sensor noise causes, whatever the motion.
     """
 
     spectrum: ErrorSpectrum
@@ -51,8 +51,9 @@ class Expectation:
     ) -> tuple[float, float]:
         """Compute the expected MSE of position (m^2) and velocity (m^2/s^2), x and y together.
 
-        `density` takes Hz and returns the motion's spectral density, in any unit; outside the band
-        (Hz) it counts as zero. `rms` is that of the displacement in m.
+        density: takes Hz, returns the motion's spectral density in any unit; zero outside the band
+            (Hz).
+        rms: of the displacement, m.
         """
         position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
@@ -61,10 +62,7 @@ class Expectation:
 def expect_errors(
     config: HubConfig, scheme: Any, sensors: Sensors, steps: int, band: tuple[float, float]
 ) -> Expectation:
-    """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz).
-
-    Raise `InputError` if the scheme's errors do not settle.
-    """
+    """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz)."""
     chain = scheme.kernel(Known(sensors, config), steps)
     return _compute(chain, sensors, *band)
 
@@ -78,9 +76,9 @@ def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expecta
 def check_band(config: ReplayConfig) -> None:
     """Check that expected errors can be computed in the band `replay.band`, if there is one.
 
-    A default band is not checked: where no errors can be computed in it, the record has no place in
-    the map, and a line says so. Raise `InputError` if a frequency at which errors would be computed
-    (`NODES` of them) is beyond half the rate of the IMU, or looks to the GNSS like a standstill.
+    A default band is not checked: where it cannot be used, the record has no place in the map.
+    Raises InputError if a frequency is beyond half the IMU's rate, or looks to GNSS like a
+        standstill.
     """
     if config.replay.band is None:
         return
@@ -109,10 +107,7 @@ def find_place(config: ReplayConfig, record: Mapping[str, float]) -> Spectrum | 
 
 
 def read_fit(record: Mapping[str, float]) -> Spectrum | None:
-    """Return the spectrum, Eq. (1) of Ren et al. (2019), fitted to a record, if there is one.
-
-    `record` holds the facts about the record, here and below.
-    """
+    """Return the spectrum, Eq. (1) of Ren et al. (2019), fitted to a record, if there is one."""
     values = [record[name] for name in "abc"]
     return Spectrum(*values) if np.all(np.isfinite(values)) else None
 
@@ -125,10 +120,9 @@ def compute_rms_in_band(record: Mapping[str, float]) -> float:
 def compute_rms_error(config: ReplayConfig, record: Mapping[str, float], shape: Spectrum) -> float:
     """Compute the relative standard error of the rms displacement of records of a sea state.
 
-    That is how far the rms of records of this record's duration scatters around that of the sea
-    state: half the relative standard error of the mean square, sqrt(integral of S^2 / duration)
-    over the integral of S (Bendat and Piersol, Random Data, section 8.2). The displacement is taken
-    as Gaussian. `shape` is the spectrum S(f) fitted to the record.
+    That is half of that of the mean square, sqrt(integral of S^2 / duration) over the integral of
+    the fitted spectrum S (Bendat and Piersol, Random Data, section 8.2), for a Gaussian
+    displacement.
     """
     frequency = np.linspace(*config.fit_band, 4000)
     density = shape.density(frequency)
@@ -140,12 +134,11 @@ def compute_rms_error(config: ReplayConfig, record: Mapping[str, float], shape: 
 def expect_at_record(
     config: ReplayConfig, record: Mapping[str, float]
 ) -> dict[str, tuple[float, float]] | None:
-    """Compute the settled errors expected of each scheme and baseline for a record's motion.
+    """Compute the settled errors expected for the spectrum fitted to a record.
 
-    The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). Return scheme or
-    baseline -> expected MSE of position (m^2) and of velocity (m^2/s^2); None if the record has no
-    fitted spectrum with a peak inside the band. Raise `InputError` if no errors can be computed for
-    one of the schemes.
+    Returns scheme or baseline -> MSE of position (m^2) and velocity (m^2/s^2); None without a
+        fitted spectrum with its peak inside the band.
+    Raises InputError if no errors can be computed for one of the schemes.
     """
     shape = find_place(config, record)
     if shape is None:
@@ -162,11 +155,11 @@ def expect_map(
 ) -> dict[str, Array]:
     """Compute the settled MSE expected for motions of many periods (s) and amplitudes (m).
 
-    The MSE is that of velocity if `measures.criterion` is "velocity", otherwise that of position.
-    The motions have spectra of the kind "translated" with the configuration's bandwidth. The ratio
-    of their largest to their rms displacement is that of the record. Return scheme or baseline ->
-    MSE, shape (periods, amplitudes). Raise `InputError` if no errors can be computed for one of the
-    schemes.
+    It is that of the criterion, for spectra of the kind "translated" with the configuration's
+    bandwidth, whose ratio of largest to rms displacement is that of the record.
+
+    Returns scheme or baseline -> MSE, shape (periods, amplitudes).
+    Raises InputError if no errors can be computed for one of the schemes.
     """
     band = config.fit_band
     ratio = compute_rms_in_band(record) / record["peak"]
@@ -183,22 +176,13 @@ def expect_map(
 
 
 def list_left_out(config: ReplayConfig) -> list[str]:
-    """Return the names of the schemes whose expected errors cannot be computed.
-
-    These are the schemes without a chain (`kernel`): their errors depend on more than sensors and
-    tuning, e.g. on what SKFA has tracked.
-    """
+    """Return the schemes without a chain, e.g. SKFA: their errors cannot be computed beforehand."""
     return [s.name for s in resolve_all(config.schemes, config) if s.batched != "chain"]
 
 
 def _expect_all(
     config: ReplayConfig, record: Mapping[str, float]
 ) -> Iterator[tuple[str, Expectation]]:
-    """Yield the expected errors of schemes, then of baselines, for motions as long as a record.
-
-    A baseline that stands among the schemes comes once; the schemes of `list_left_out` do not come.
-    Raise `InputError` if no scheme is left, or if the errors of one do not settle.
-    """
     sensors, left_out = make_sensors(config.sensors), list_left_out(config)
     require(
         len(left_out) < len(config.schemes),

@@ -26,9 +26,8 @@ def find_data() -> Traversable:
 def write_sample(folder: Path) -> list[Path]:
     """Write the sample records, and a table that names them, into a folder; return their paths.
 
-    A file that is there already with this content is written again. Raise `InputError` if a file of
-    one of these names has other content, or a file cannot be written. Nothing has been written
-    then.
+    Raises InputError if a file of one of these names has other content or cannot be written;
+        nothing is written then.
     """
     contents = {folder / TABLE: ROWS.encode()}
     for name in (MOTION, SENSORS):

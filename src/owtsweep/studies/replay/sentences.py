@@ -124,11 +124,6 @@ def _describe_size(criterion: str, value: float) -> str:
 
 
 def _describe_difference(difference: float, base: float, *ends: float) -> str:
-    """Say by how much an error differs from another one: in per cent, or as a factor if large.
-
-    `difference` is the error minus `base`, the other one; `ends` are those of its 95 % interval, if
-    any.
-    """
     if not base > 0.0:
         return f"{difference:.3g} more"
     parts = [part / base for part in (difference, *ends)]
@@ -164,10 +159,9 @@ def describe_modes(config: ReplayConfig, record: Mapping[str, float]) -> str:
 
 
 def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
-    """Say in a sentence what the tilt of the IMU costs at a record's period and size.
+    """Say what the tilt of the IMU costs at a record's period and size; "" without a tilt.
 
-    The errors are those expected of the schemes for the fitted spectrum: by filters that know the
-    tilt, and by filters that take the IMU for level. "" if no tilt is stated (`sensors.imu.tilt`).
+    Compared are the errors expected of filters that know the tilt, and of those that do not.
     """
     tilt = config.sensors.imu.tilt
     if isinstance(tilt, str) or tilt == 0.0:

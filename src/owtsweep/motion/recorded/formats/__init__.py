@@ -38,8 +38,8 @@ READERS = {
 def open_table(path: str | Path) -> ChannelTable:
     """Open a file: read the names and the units of its channels, but not yet their numbers.
 
-    Raises InputError if the path is no file, or the file may not be read, is empty, has an unknown
-        extension, is not what its extension says, or has too many channels.
+    Raises InputError if the path is no file that may be read, is empty, or is not what it should
+        be.
     """
     path = Path(path)
     require_regular(path)

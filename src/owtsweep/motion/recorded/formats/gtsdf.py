@@ -44,8 +44,8 @@ LONGEST_WORD = 1024
 def open_gtsdf(path: Path) -> ChannelTable:
     """Open a gtsdf file (HDF5 as HAWC2 writes it) with the package h5py.
 
-    Raises InputError if h5py is not installed, or the file is not HDF5, is not gtsdf, has too many
-        channels, or holds links where data should be.
+    Raises InputError without h5py, or if the file is not gtsdf, or holds links where data should
+        be.
     """
     try:
         import h5py
@@ -84,10 +84,7 @@ def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
 
 
 def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
-    """Return a member of a group, None if there is none.
-
-    A link, data in another file and a chunk that needs too much memory are refused.
-    """
+    """Return a member of a group, None if there is none; refuse links and too large chunks."""
     import h5py
 
     if name not in group:
@@ -109,7 +106,6 @@ def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Datas
 
 
 def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
-    """Return names or units of channels; "" each without `count` texts of little length."""
     words = _follow(path, file, key)
     if words is None or words.shape != (count,) or words.dtype.itemsize > LONGEST_WORD:
         return [""] * count
@@ -118,7 +114,6 @@ def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
 
 
 def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array | None:
-    """Return the first `count` numbers of a vector; None if there is no such member."""
     vector = _follow(path, group, name)
     if vector is None:
         return None

@@ -140,7 +140,6 @@ def _list_old(path: Path) -> list[Variable]:
 
 
 def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]:
-    """Return name, shape, whether it holds real numbers, and where these begin, of an array."""
     _, begin, size, place = _read_tag(raw, 0, order)
     flags = _unpack(order + "I", raw[begin : begin + 4])[0]
     real = (flags & 0xFF) in NUMBERS and not flags & COMPLEX
@@ -155,7 +154,6 @@ def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]
 
 
 def _read_tag(raw: bytes, place: int, order: str) -> tuple[int, int, int, int]:
-    """Return type, first byte and size in bytes of an element, and where the next one begins."""
     first, size = _unpack(order + "II", raw[place : place + 8])
     if first >> 16:  # a short element: type, size and up to four bytes of data in eight
         return first & 0xFFFF, place + 4, min(first >> 16, 4), place + 8
@@ -179,13 +177,12 @@ def _unpack(layout: str, raw: bytes) -> tuple[int, ...]:
 def open_mat(path: Path) -> ChannelTable:
     """Open a MATLAB file.
 
-    A vector `a` becomes the channel a, whether it lies or stands. The longer side of a matrix is
-    taken for its rows in time; its columns become channels as in `arrays.open_npz`. Variables that
-    are loaded together must be equally long. What is no array of real numbers, or stands alone, is
-    left out.
+    A vector `a` becomes the channel a. The longer side of a matrix is time; its columns become
+    channels as in `arrays.open_npz`. What is no array of real numbers, or stands alone, is left
+    out.
 
-    Raises InputError if the file is damaged, of version 7.3, or has no array of numbers; when
-        numbers are loaded, if channels differ in length.
+    Raises InputError if the file is damaged or has no array of numbers; when numbers are loaded, if
+        channels differ in length.
     """
     _refuse_hdf5(path)
     places: dict[str, tuple[Variable, int]] = {}  # channel -> variable, column

@@ -27,12 +27,7 @@ def overview(config: ReplayConfig) -> str:
 def drawings(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], metadata: Mapping[str, str]
 ) -> dict[str, Drawing]:
-    """Return the figures of a run: name -> function that draws and saves the figure.
-
-    With a single record, the figures are quantities over time, the spectrum, and the record's place
-    in the map of expected errors. With several records, there is one figure: a map of the best
-    schemes. The texts of `metadata`, by name, are stored in the files.
-    """
+    """Return the figures of a run, name -> function that draws and saves it."""
     if len(config.grid.files) == 1:
         figures = _figures_of_one(config, tables)
     else:

@@ -50,8 +50,8 @@ def list_readings() -> dict[str, Array]:
 def describe_disagreement(problem: Problem, stated: Array, fit: Fit, source: str) -> str:
     """Say why the acceleration cannot belong to the positions; "" if both can be of one motion.
 
-    `stated` are the stated values, shape (4,); `fit` is that of the acceleration as it is; `source`
-    says what the positions are: "fixes" or "reference".
+    stated, fit: the stated values, shape (4,), and the fit of the acceleration as it is.
+    source: what the positions are: "fixes" or "reference".
     """
     size, expected = _measure_misfit(problem, fit.values), _measure_misfit(problem, stated)
     if not size > DOUBTED * expected:
@@ -78,7 +78,7 @@ def describe_disagreement(problem: Problem, stated: Array, fit: Fit, source: str
 
 
 def _measure_misfit(problem: Problem, values: Array) -> float:
-    """Return how far a position lies from what its neighbours and the IMU say, m, for some noise.
+    """Return how far a position lies from what its neighbours and the IMU say, m.
 
     It is the rms of the third differences, in units of that of white position noise of 1 m.
     """

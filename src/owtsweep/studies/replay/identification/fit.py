@@ -28,11 +28,11 @@ MOST_STEPS = 15
 class Fit:
     """The most likely parameters and their 95 % intervals.
 
-    values, low, high: Estimate and interval, shape (4,), in the order of `PARAMETERS`. `low` is 0
-        (for a delay minus infinity) and `high` infinity where the record sets no bound.
+    values, low, high: (4,), in the order of `PARAMETERS`; `low` is 0 (a delay: minus infinity) and
+        `high` infinity where the record sets no bound.
     log_likelihood: the largest log likelihood.
-    kurtosis, kurtosis_error: Excess kurtosis of the innovations: 0 for Gaussian noise, larger with
-        outliers; and its standard error for Gaussian noise.
+    kurtosis, kurtosis_error: Excess kurtosis of the innovations, 0 for Gaussian noise, and its
+        standard error for such noise.
     """
 
     values: Array
@@ -47,8 +47,8 @@ def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
     """Fit IMU sigma, position sigma, bias walk and delay by maximum likelihood.
 
     stated: the stated values, at which the search begins, shape (4,).
-    floor: IMU sigma that the IMU's own spectrum shows, m/s^2. It is used if the positions alone do
-        not contradict it: then the IMU's noise is white, and its sigma is known to a few per cent.
+    floor: IMU sigma (m/s^2) of the IMU's own spectrum; used if positions do not contradict it, for
+        then the IMU's noise is white, and known to a few per cent.
     """
     best, value = find_most_likely(problem, stated)
     if np.isfinite(floor) and _allows(problem, best, value, _bounds(stated[3]), np.log(floor)):
@@ -73,8 +73,8 @@ def find_most_likely(
 ) -> tuple[Array, float]:
     """Return the most likely parameters, encoded for the search, and their log likelihood.
 
-    The search begins at the stated values, shape (4,). The acceleration is multiplied by `gain`,
-    shape (2, 2), first.
+    stated: the values at which the search begins, shape (4,).
+    gain: what multiplies the acceleration first, shape (2, 2).
     """
     best: Array = np.empty(0)
     value = -np.inf
@@ -90,9 +90,8 @@ def scan_delays(
 ) -> tuple[list[Array], float]:
     """Return the most likely delays, without any search for the noise, and their log likelihood.
 
-    These are the encoded parameters with the most likely delay for the stated noise, and those for
-    a noise ten times larger: a delay can be recognised only at about the right size of the noise.
-    `step` is the time between delays that are tried.
+    These are encoded parameters for the stated noise, and for ten times as much: a delay can be
+    recognised only at about the right size of the noise. `step` is that between tried delays, s.
     """
     delays = np.arange(-REACH, REACH + 0.5 * step, step) + stated[3]
     residuals = [problem.residual(delay, gain) for delay in delays]
@@ -116,7 +115,6 @@ def decode(parameters: Array) -> Array:
 
 
 def _allows(problem: Problem, best: Array, value: float, bounds: Array, sigma: float) -> bool:
-    """Return whether an IMU sigma, given by its logarithm, is as likely as `ALLOWED` demands."""
     start = best.copy()
     start[0] = sigma
     return _climb(problem, start, bounds, fixed=0)[1] > value - ALLOWED
@@ -135,10 +133,6 @@ def _climb(
     fixed: int | None = None,
     gain: Array | None = None,
 ) -> tuple[Array, float]:
-    """Return the most likely parameters near `start`, and their log likelihood.
-
-    The parameter of index `fixed` keeps its value in `start`.
-    """
     free = np.array([i for i in range(len(start)) if i != fixed])
     whole = start.copy()
     # with the delay fixed, residuals stay
@@ -159,10 +153,7 @@ def _climb(
 def _find_edge(
     problem: Problem, best: Array, value: float, i: int, bounds: Array, sign: float
 ) -> float:
-    """Return where the profile likelihood of parameter i falls by `DROP`, or an infinity.
-
-    `sign` is 1 for the upper edge of the interval and -1 for the lower.
-    """
+    """Return where the profile likelihood of parameter i falls by `DROP`, or an infinity."""
     start = best
 
     def excess(at: float) -> float:

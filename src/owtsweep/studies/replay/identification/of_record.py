@@ -54,8 +54,8 @@ class Estimated:
 
     parameter, source: a name of `UNITS`, and what the IMU was compared with: "fixes" or
         "reference".
-    stated, estimate, low, high: the stated value (NaN if nothing is stated), the estimate and its
-        95 % interval. `low` is 0 (NaN for a time) and `high` NaN where the record sets no bound.
+    stated, estimate, low, high: what is stated (NaN: nothing), the estimate and its 95 % interval;
+        `low` is 0 (NaN for a time) and `high` NaN where the record sets no bound.
     """
 
     parameter: str
@@ -81,10 +81,9 @@ class Estimated:
 class Noise:
     """What a record says about its sensors.
 
-    `parameters`: the estimated parameters; empty if nothing was recorded or the record is too
-    short. `heavy_tails`: excess kurtosis of the innovations if it is more than Gaussian noise
-    explains, else 0. `disagreement`: why the specific force and the positions contradict each
-    other; "" if they do not.
+    parameters: the estimated ones; empty if nothing was recorded or the record is too short.
+    heavy_tails: excess kurtosis of the innovations if more than Gaussian noise explains, else 0.
+    disagreement: why the specific force and the positions contradict each other; "" if they do not.
     """
 
     parameters: tuple[Estimated, ...] = ()
@@ -105,9 +104,9 @@ _LOCK = Lock()
 def estimate_noise(config: ReplayConfig, file: str) -> Noise:
     """Estimate the noise of the sensors recorded in a file; the last results stay in memory.
 
-    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions. Raise
-    `InputError` if the file cannot be read; or if specific force and positions contradict each
-    other, unless `replay.disagreement` is "accept".
+    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions.
+    Raises InputError if the file cannot be read, or force and positions contradict each other,
+        unless `replay.disagreement` is "accept".
     """
     replay = changed(config.replay, disagreement="accept", noise="estimate")
     settings = (config.columns, config.units, config.gaps, replay, config.sensors)
@@ -160,7 +159,6 @@ def _estimate(config: ReplayConfig, record: ReplayRecord) -> Noise:
 
 
 def _state(sensors: Sensors, source: str) -> Array:
-    """Return IMU sigma, position sigma, bias walk and delay at which the search begins."""
     of_positions = (sensors.position_sigma, sensors.delay * sensors.step)
     sigma, delay = of_positions if source == "fixes" else (0.2 * sensors.position_sigma, 0.0)
     return np.array([sensors.force_sigma, sigma, max(sensors.bias_walk, LEAST_WALK), delay])
@@ -191,8 +189,8 @@ def _name(fit: Fit, sensors: Sensors, source: str) -> list[Estimated]:
 def measure_floor(force: Array) -> float:
     """Return the deviation (m/s^2) of white noise with the level of the upper half spectrum.
 
-    `force` are samples of the specific force, shape (n, 2), in m/s^2. NaN if they are few, or the
-    spectrum is not flat there: then it holds more than white noise.
+    `force` are samples (n, 2). NaN if they are few, or the spectrum is not flat there: then it
+    holds more than white noise.
     """
     if len(force) < LEAST_SPECTRA * SAMPLES:
         return np.nan
@@ -209,9 +207,9 @@ def measure_floor(force: Array) -> float:
 def use_estimates(config: ReplayConfig, noise: Noise) -> ReplayConfig:
     """Return the configuration with the estimated sensors.
 
-    A parameter that the record bounds from both sides gets its estimate. Another keeps its stated
-    value if this lies in the interval, and else gets the interval's nearest end. Numbers that
-    `tuning=matched` computes from the sensors are computed again; all others of a tuning stay.
+    A parameter bounded from both sides gets its estimate; another keeps a stated value in the
+    interval, or gets the nearest end. What `tuning=matched` computes from the sensors is computed
+    again.
     """
     chosen = {one.parameter: _choose(one) for one in noise.parameters if not one.inside}
     gnss, imu = config.sensors.gnss, config.sensors.imu
@@ -234,5 +232,4 @@ def _choose(one: Estimated) -> float:
 
 
 def _round(value: float) -> float:
-    """Return a value with three digits: no more are known, and other machines find the same."""
     return float(np.format_float_scientific(value, precision=2, unique=False))
