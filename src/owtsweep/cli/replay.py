@@ -105,7 +105,7 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
 
 
 def _write_sample(words: Sequence[str]) -> int:
-    from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, write_sample
+    from owtsweep.studies.replay.files import MOTION, SENSORS, TABLE, write_sample
 
     require(
         not words, "--sample: this writes the package's own records; leave out FILE and overrides"

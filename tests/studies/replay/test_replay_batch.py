@@ -13,8 +13,8 @@ import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies.replay import files
 from owtsweep.studies.replay.blocks import plan
+from owtsweep.studies.replay.files import SENSORS, write_sample
 from owtsweep.studies.replay.running import configure, execute
-from owtsweep.studies.replay.sample import SENSORS, write_sample
 from owtsweep.sweep.runs import Run
 
 QUICK = ["schemes=[MKF]", "replay.replicates=1", "measures.settling_time=5"]

@@ -19,7 +19,7 @@ from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.estimates import OnePassSeries
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.replay import blocks, estimating, session, states
+from owtsweep.studies.replay import blocks, estimating, session
 from owtsweep.studies.replay import record as recorded
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
@@ -136,7 +136,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
 
     def seen() -> tuple:
         found = session.run_session(config, str(path))
-        return found, states.collect_filter_states(config, found)
+        return found, session.collect_filter_states(config, found)
 
     one, one_states = seen()
     for module in (recorded, estimating):
@@ -242,7 +242,7 @@ def test_memory_grows_by_the_record_alone(tmp_path, kernels):
     small = motion_file(tmp_path / "small.csv", duration=30.0)
     config = config_of([small], "replay.replicates=1")
     list(blocks.run(config, blocks.plan(config)))  # compiling takes memory of its own
-    states.collect_filter_states(config, session.run_session(config, str(small)))
+    session.collect_filter_states(config, session.run_session(config, str(small)))
     rows = 400_000
     peak, run = replay_long(tmp_path, rows, "replay.replicates=1", "schemes=[MKF,HME1,HME2]")
     import pyarrow.parquet as pq

@@ -8,7 +8,7 @@ from replay_tools import config_of, estimate, measure, motion_file, sensor_file
 
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.replay import baselines, facts, measures, place
+from owtsweep.studies.replay import facts, measures, place
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
 
@@ -77,7 +77,7 @@ def test_holding_the_last_fix(case):
             last = measured.fixes[k // 100]
         squared.append(np.sum((last - record.position[k]) ** 2))
     sensors = sensing.sensors(config_of([]).sensors)
-    found = baselines.measure_baselines(record, measured.fixes, sensors, 2000)
+    found = measures.measure_baselines(record, measured.fixes, sensors, 2000)
     held = {(n, w): v for row, (n, w, v, _) in found if row == "last_fix"}
     assert held["position", "settled"] == pytest.approx(np.mean(squared[2000:]))
     assert held["position", "full"] == pytest.approx(np.mean(squared))
@@ -104,7 +104,7 @@ def test_without_a_reference_there_are_innovations_alone(tmp_path):
     estimated = estimate(config, resolve("HME1"), sensors, measured)
     names = {n for n, *_ in measure(record, measured.fixes, estimated, sensors, 2000)}
     assert names == {"fix_residual", "nis", "innovation", "innovation_lag_1", "innovation_white_p"}
-    of_baselines = baselines.measure_baselines(record, measured.fixes, sensors, 2000)
+    of_baselines = measures.measure_baselines(record, measured.fixes, sensors, 2000)
     assert {n for _, (n, *_) in of_baselines} == {"fix_residual"}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -85,10 +86,17 @@ def find_gaps(
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
-def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
+def describe_gaps(gaps: Sequence[tuple[float, float]], shown: int = 3) -> str:
     """Return the first gaps in words, and the number of further ones."""
     text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in gaps[:shown])
     return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
+
+
+def describe_missing(name: str, values: Array) -> str:
+    """Return where a channel, (n,), has no number; "" if each row has one."""
+    rows = np.flatnonzero(np.isnan(values))
+    more = f"({len(rows)} such rows in all)"
+    return f"{name} has no number in data row {rows[0] + 1} {more}" if len(rows) else ""
 
 
 def check_channels(recording: Recording, gaps: str) -> list[str]:
@@ -117,7 +125,10 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
         )
         if not role.startswith("fix"):
             check_extent(recording.path, name, time)
+        sparse = role.startswith(("fix", "reference"))
         notes += _check_sampling(recording.path, role, name, time, gaps)
+        if not sparse and (missing := describe_missing(name, values)):
+            notes.append(f"{missing}: filled by cubic spline")
         notes += _check_size(recording.path, role, name, time, there)
     return list(dict.fromkeys(notes))
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.gridding import (
     FULL_BAND,
+    BandLimited,
     Gridded,
     TimeGrid,
     find_common_grid,

@@ -20,6 +20,7 @@ from owtsweep.motion.recorded.checks import (
     check_extent,
     check_time,
     describe_gaps,
+    describe_missing,
     find_gaps,
     require_possible,
 )
@@ -115,14 +116,8 @@ def read_signals(
     found = _load_signals(table, wanted, items)
     check_time(found.path, found.columns["time"], found.time)
     for signal, values in found.values.items():
-        missing = np.flatnonzero(np.isnan(values))
-        if len(missing):
-            raise refuse(
-                found.path,
-                f"{signal} (channel {found.columns[signal]}) has no number in data row "
-                f"{missing[0] + 1} ({len(missing)} such rows in all); fill the gaps or cut the "
-                "record there",
-            )
+        if missing := describe_missing(f"{signal} (channel {found.columns[signal]})", values):
+            raise refuse(found.path, f"{missing}; fill the gaps or cut the record there")
     return _make_uniform(found)
 
 

@@ -19,8 +19,8 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES, INSTEAD
-from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.identification.words import ESTIMATED
+from owtsweep.studies.replay.measures import BASELINE_ROWS
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,17 +12,8 @@ import numpy as np
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError, as_text
-from owtsweep.studies.hub.public import (
-    SCHEMES,
-    WIDTH,
-    Scheme,
-    Sensors,
-    backend,
-    make_sensors,
-    resolve_all,
-)
+from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay import facts, measures
-from owtsweep.studies.replay.baselines import measure_baselines
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
@@ -34,6 +25,7 @@ from owtsweep.studies.replay.identification.words import (
     name_second_run,
 )
 from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.measures import measure_baselines
 from owtsweep.studies.replay.record import (
     LONG,
     ReplayRecord,
@@ -63,12 +55,13 @@ NOT_SHARED = ("table", "noise", "disagreement")
 
 def plan(config: ReplayConfig) -> list[Block]:
     """Return the plan: for every file a block on the record itself, then a block per scheme."""
-    schemes = resolve_all(config.schemes, config)
+    schemes = hub.resolve_all(config.schemes, config)
     describer = facts.choose_describer(config)
-    estimator = SCHEMES.describe_content(config, config.schemes[describer], schemes[describer])
+    estimator = hub.SCHEMES.describe_content(config, config.schemes[describer], schemes[describer])
     # Threads share a record, so each scheme is a group. Processes would each have to read it.
     apart = (
-        config.compute.backend in ("auto", "threading") and backend(config, schemes) == "threading"
+        config.compute.backend in ("auto", "threading")
+        and hub.backend(config, schemes) == "threading"
     )
     blocks = []
     for label, file in label_files(config.grid.files).items():
@@ -103,11 +96,11 @@ def _find_noise(config: ReplayConfig, file: str) -> Noise:
 def _plan_schemes(
     config: ReplayConfig, content: Mapping[str, object], *, apart: bool
 ) -> Iterator[Block]:
-    for scheme, entry in zip(resolve_all(config.schemes, config), config.schemes, strict=True):
+    for scheme, entry in zip(hub.resolve_all(config.schemes, config), config.schemes, strict=True):
         name = name_second_run(scheme.name) if "noise" in content else scheme.name
         told, label = f"{content['file']}, {name}", str(content["file"])
-        own = {**content, **SCHEMES.describe_content(config, entry, scheme)}
-        yield Block(told if apart else label, told, own, 1, anew=SCHEMES.explain_anew(scheme))
+        own = {**content, **hub.SCHEMES.describe_content(config, entry, scheme)}
+        yield Block(told if apart else label, told, own, 1, anew=hub.SCHEMES.explain_anew(scheme))
 
 
 def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
@@ -149,7 +142,7 @@ def _run_block(
     again = content.get("noise") == ESTIMATED
     if again:
         config = use_estimates(config, noise)
-    sensors = make_sensors(config.sensors)
+    sensors = hub.make_sensors(config.sensors)
     settled = config.measures.find_settled(sensors.step)
     if name == NOISE:
         rows = [_make_row(label, NOISE, 0, one) for one in list_values(noise)]
@@ -161,7 +154,7 @@ def _run_block(
             errors = measure_baselines(record, fixes, sensors, settled)
             rows += [_make_row(label, row, replicate, error) for row, error in errors]
     else:
-        scheme = {one.name: one for one in resolve_all(config.schemes, config)}[name]
+        scheme = {one.name: one for one in hub.resolve_all(config.schemes, config)}[name]
         rows = _run_scheme(config, record, label, scheme, sensors, settled)
     for row in rows:
         yield (row[0], name_second_run(row[1]), *row[2:]) if again else row
@@ -171,8 +164,8 @@ def _run_scheme(
     config: ReplayConfig,
     record: ReplayRecord,
     label: str,
-    scheme: Scheme,
-    sensors: Sensors,
+    scheme: hub.Scheme,
+    sensors: hub.Sensors,
     settled: int,
 ) -> list[Row]:
     rows: list[Row] = []
@@ -196,7 +189,7 @@ def _run_scheme(
     return rows
 
 
-def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int) -> int:
+def choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest: int) -> int:
     """Return how many replicates to run at once, for pieces of at most `longest` steps.
 
     A kernel runs `WIDTH` series at once, two of a replicate; fewer if these would need too much
@@ -204,7 +197,7 @@ def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int
     """
     if config.engine != "batch" or scheme.batched != "chain":
         return 1
-    return max(1, min(WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
+    return max(1, min(hub.WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
 
 
 def _make_row(file: str, scheme: str, replicate: int, measured: measures.Measured) -> Row:

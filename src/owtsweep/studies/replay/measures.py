@@ -1,4 +1,4 @@
-"""Measure estimates: errors, coverage, consistency, and distances to later fixes.
+"""Measure estimates of schemes and baselines: errors, coverage, distances to later fixes.
 
 Without a reference position, an estimate is compared with the fix that arrives one GNSS delay later
 and reports the same moment; the estimate has not used it. The mean squared distance is its MSE plus
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.public import Sensors
+from owtsweep.studies.hub.public import Line, Sensors
 from owtsweep.studies.replay.record import ReplayRecord
 
 WINDOWS = ("full", "settled")
@@ -26,6 +26,17 @@ QUANTILE = 1.959963984540054
 #: Number of lags in the whiteness test.
 LAGS = 10
 
+#: Value of the column `scheme` -> name of the baseline, the simplest first. The values differ from
+#: the names because NONE, HOLD and DELTA may also stand in the key `schemes`.
+BASELINE_ROWS = {"no_estimate": "NONE", "last_fix": "HOLD", "last_two_fixes": "DELTA"}
+#: Value of the column `scheme` -> the line from fix to fix that the baseline follows.
+LINES = {
+    "no_estimate": Line(holds=False, moves=False),
+    "last_fix": Line(holds=True, moves=False),
+    "last_two_fixes": Line(holds=True, moves=True),
+}
+#: The measures of baselines; HOLD has those of each axis too.
+SHOWN = ("position", "velocity", "fix_residual")
 #: Measure, window, value, number of samples.
 Measured = tuple[str, str, float, int]
 
@@ -179,3 +190,53 @@ def _average(name: str, window: str, values: Array) -> Iterator[Measured]:
     total, count = _sum_finite(values)
     if count:
         yield (name, window, total / count, count)
+
+
+def draw_lines(line: Line, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
+    """Return positions (m) when fixes are due, and slopes (m/s), both (fixes, 2).
+
+    fixes: (fixes, 2), m; NaN where none came. Before the first one the position is zero, before
+        the second one the slope.
+    """
+    nothing = np.zeros_like(fixes)
+    came = np.flatnonzero(np.isfinite(fixes[:, 0]))
+    if not line.holds or len(came) == 0:
+        return nothing, nothing
+    here = np.arange(len(fixes))
+    last = np.searchsorted(came, here, "right") - 1  # the number of the last fix that came, or -1
+    held = np.where(last[:, None] >= 0, fixes[came[np.maximum(last, 0)]], 0.0)
+    if not line.moves:
+        return held, nothing
+    slopes = np.zeros((len(came), 2))
+    slopes[1:] = np.diff(fixes[came], axis=0) / (sensors.fix_step * np.diff(came))[:, None]
+    slope = np.where(last[:, None] >= 0, slopes[np.maximum(last, 0)], 0.0)
+    age = sensors.delay * sensors.step + sensors.fix_step * (here - came[np.maximum(last, 0)])
+    return held + age[:, None] * slope, slope
+
+
+def follow(
+    line: Line, fixes: Array, sensors: Sensors, edges: Sequence[int]
+) -> Iterator[Trajectory]:
+    """Yield a baseline's estimates from each of the steps `edges` to the next."""
+    start, slope = draw_lines(line, fixes, sensors)
+    for begin, end in itertools.pairwise(edges):
+        number, since = np.divmod(np.arange(begin, end), sensors.fix_interval)
+        position = start[number] + (sensors.step * since)[:, None] * slope[number]
+        yield Trajectory(np.concatenate([position, slope[number]], axis=1))
+
+
+def measure_baselines(
+    record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
+) -> Iterator[tuple[str, Measured]]:
+    """Yield the errors of the baselines in one replicate, each with its value of `scheme`.
+
+    Arguments are those of `Tally`.
+    """
+    for row, line in LINES.items():
+        tally = Tally(record, fixes, sensors, settled)
+        for piece in follow(line, fixes, sensors, tally.edges):
+            tally.add(piece)
+        shown = (*SHOWN, "x", "y") if row == "last_fix" else SHOWN
+        for measured in tally.measures():
+            if measured[0] in shown:
+                yield row, measured

@@ -14,21 +14,7 @@ from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum, spectrum
 from owtsweep.results.superposition import superpose
-from owtsweep.studies.hub.public import (
-    BASELINES,
-    Chain,
-    ErrorSpectrum,
-    HubConfig,
-    Known,
-    NoiseFloor,
-    Sensors,
-    error_spectrum,
-    expected_mse,
-    look_constant,
-    make_sensors,
-    noise_floor,
-    resolve_all,
-)
+from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig
 
 #: Number of frequencies in the band at which an error spectrum is computed.
@@ -43,8 +29,8 @@ class Expectation:
     floor: what sensor noise causes, whatever the motion.
     """
 
-    spectrum: ErrorSpectrum
-    floor: NoiseFloor
+    spectrum: hub.ErrorSpectrum
+    floor: hub.NoiseFloor
 
     def mse(
         self, density: Callable[[Array], Array], band: tuple[float, float], rms: float
@@ -55,22 +41,24 @@ class Expectation:
             (Hz).
         rms: of the displacement, m.
         """
-        position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
+        position, velocity = hub.expected_mse(self.spectrum, density, band, rms=rms)
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
 
 
 def expect_errors(
-    config: HubConfig, scheme: Any, sensors: Sensors, steps: int, band: tuple[float, float]
+    config: hub.HubConfig, scheme: Any, sensors: hub.Sensors, steps: int, band: tuple[float, float]
 ) -> Expectation:
     """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz)."""
-    chain = scheme.kernel(Known(sensors, config), steps)
+    chain = scheme.kernel(hub.Known(sensors, config), steps)
     return _compute(chain, sensors, *band)
 
 
 @lru_cache(maxsize=8)
-def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expectation:
+def _compute(chain: hub.Chain, sensors: hub.Sensors, low: float, high: float) -> Expectation:
     frequencies = np.geomspace(low, high, NODES)
-    return Expectation(error_spectrum(chain, sensors, frequencies), noise_floor(chain, sensors))
+    return Expectation(
+        hub.error_spectrum(chain, sensors, frequencies), hub.noise_floor(chain, sensors)
+    )
 
 
 def check_band(config: ReplayConfig) -> None:
@@ -83,7 +71,7 @@ def check_band(config: ReplayConfig) -> None:
     if config.replay.band is None:
         return
     low, high = config.replay.band
-    sensors = make_sensors(config.sensors)
+    sensors = hub.make_sensors(config.sensors)
     highest = 0.5 / sensors.step
     require(
         high < highest,
@@ -91,7 +79,7 @@ def check_band(config: ReplayConfig) -> None:
         "the upper edge",
     )
     frequencies = np.geomspace(low, high, NODES)
-    constant = frequencies[look_constant(frequencies * sensors.fix_step)]
+    constant = frequencies[hub.look_constant(frequencies * sensors.fix_step)]
     if len(constant) > 0:
         raise InputError(
             f"replay.band: no expected errors can be computed at {constant[0]:g} Hz, because to "
@@ -177,20 +165,20 @@ def expect_map(
 
 def list_left_out(config: ReplayConfig) -> list[str]:
     """Return the schemes without a chain, e.g. SKFA: their errors cannot be computed beforehand."""
-    return [s.name for s in resolve_all(config.schemes, config) if s.batched != "chain"]
+    return [s.name for s in hub.resolve_all(config.schemes, config) if s.batched != "chain"]
 
 
 def _expect_all(
     config: ReplayConfig, record: Mapping[str, float]
 ) -> Iterator[tuple[str, Expectation]]:
-    sensors, left_out = make_sensors(config.sensors), list_left_out(config)
+    sensors, left_out = hub.make_sensors(config.sensors), list_left_out(config)
     require(
         len(left_out) < len(config.schemes),
         f"schemes: {', '.join(left_out)}: no expected errors can be computed of a scheme without a "
         "kernel",
     )
     steps = round(record["duration"] / sensors.step)
-    baselines = [name for name in BASELINES if name not in config.schemes]
-    for scheme in resolve_all([*config.schemes, *baselines], config):
+    baselines = [name for name in hub.BASELINES if name not in config.schemes]
+    for scheme in hub.resolve_all([*config.schemes, *baselines], config):
         if scheme.name not in left_out:
             yield scheme.name, expect_errors(config, scheme, sensors, steps, config.fit_band)

@@ -12,7 +12,6 @@ from owtsweep.errors import InputError
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
-from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
@@ -23,7 +22,7 @@ from owtsweep.studies.replay.identification.words import (
     pick_second_run,
     tabulate_noise,
 )
-from owtsweep.studies.replay.measures import WINDOWS
+from owtsweep.studies.replay.measures import BASELINE_ROWS, WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
 

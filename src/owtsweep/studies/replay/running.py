@@ -208,7 +208,7 @@ def execute(
         could not be written, count as failed.
     Raises InputError if no record or not the configuration can be used; nothing is written then.
     """
-    from owtsweep.studies.replay import estimates
+    from owtsweep.studies.replay.estimating import write_estimates
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import sweep
 
@@ -223,7 +223,7 @@ def execute(
             continue
         try:
             with refuse_in_one_line(folder):
-                estimates.write(config, file, folder, say)
+                write_estimates(config, file, folder, say)
         except InputError as error:  # no case is lost: all are stored
             logger.warning("failed: estimates of %s: %s", label, error)
             unwritten.append(Setback(f"estimates of {label}", str(error), 0))

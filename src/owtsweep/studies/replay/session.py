@@ -1,24 +1,33 @@
-"""Collect what a record's figures show (replicate 0), without keeping the whole record.
+"""Collect what a record's figures show: estimates, and the filters' acceleration and bias.
 
-Schemes run piece by piece, and only the steps that a figure shows are kept.
+Schemes run on replicate 0 piece by piece, and only the steps that a figure shows are kept.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import as_text
 from owtsweep.evaluation.trajectory import Trajectory, join
+from owtsweep.figures.lines import POINTS, Envelope
+from owtsweep.studies.hub import public as hub
 from owtsweep.studies.hub.public import Scheme, Sensors, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.estimating import estimate_pieces
+from owtsweep.studies.replay.estimating import SchemeFailed, make_lanes, run_scheme
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.record import ReplayRecord, Signals, cut_into_pieces, listen
+from owtsweep.studies.replay.record import (
+    ReplayRecord,
+    Signals,
+    cut_into_pieces,
+    listen,
+    simulate_true_bias,
+)
 
 #: Length of the longest "whole" view, s.
 SPAN = 200.0
@@ -144,23 +153,103 @@ def _locate(
     return (piece.state[:, :2] for piece in run)
 
 
-class SchemeFailed(Exception):
-    """The error for a scheme that fails on a record; its attribute `name` is the scheme's name."""
+class FilterState(NamedTuple):
+    """One filter's estimates of acceleration and accelerometer bias, in NED and m/s^2.
 
-    def __init__(self, name: str, cause: BaseException) -> None:
-        self.name = name
-        super().__init__(as_text(cause))
+    An estimate is stored at the time to which it refers, not when the filter computed it.
 
-
-def run_scheme(
-    config: ReplayConfig, scheme: Scheme, sensors: Sensors, signals: Signals, edges: list[int]
-) -> Iterator[Trajectory]:
-    """Run a scheme on one replicate of a record; yield its estimates from edge to edge.
-
-    Raises SchemeFailed for any error in the scheme, so that the caller can go on with the others.
+    acceleration: In the part of the record that the figure shows, shape (n, 2); None if the
+        filter's model has no acceleration.
+    bias: Envelopes of x and y of the bias R b^b over the whole record.
+    bias_error: Envelope of the error of the bias along x; empty if the bias is not simulated.
     """
-    try:
-        for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):
-            yield piece
-    except (Exception, SystemExit) as error:
-        raise SchemeFailed(scheme.name, error) from error
+
+    acceleration: Array | None
+    bias: tuple[Envelope, Envelope]
+    bias_error: Envelope
+
+
+class FilterStates(NamedTuple):
+    """All filters' estimates on a record: scheme -> state; and the envelopes of the true bias.
+
+    `true_bias` is None for recorded sensors.
+    """
+
+    of: Mapping[str, FilterState]
+    true_bias: tuple[Envelope, Envelope] | None
+
+
+def collect_filter_states(config: ReplayConfig, session: Session) -> FilterStates:
+    """Run all filters on the record and collect their estimates of acceleration and bias.
+
+    Only schemes with a kernel are run. If fixes are missing, no filter is run, because kernels need
+    every fix.
+    """
+    record, simulated = session.record, session.record.gnss == "simulated"
+    chains = _make_chains(config, session)
+
+    def biases() -> Iterator[Array]:
+        return simulate_true_bias(config, session.sensors, record.steps, 0)
+
+    true_bias = None
+    if simulated:
+        true_bias = (Envelope(record.steps), Envelope(record.steps))
+        for truth in biases() if chains else ():
+            _add(true_bias, truth)
+    states = {
+        name: _collect(chain, session, biases() if simulated else itertools.repeat(None))
+        for name, chain in chains.items()
+    }
+    return FilterStates(states, true_bias)
+
+
+def _make_chains(config: ReplayConfig, session: Session) -> dict[str, hub.Chain]:
+    if not np.all(np.isfinite(session.signals.fixes)):
+        return {}
+    known = hub.Known(session.sensors, config)
+    return {
+        scheme.name: scheme.kernel_for_runs(known, session.record.steps)
+        for scheme in hub.resolve_all(config.schemes, config)
+        if scheme.name in session.names and scheme.batched == "chain"
+    }
+
+
+def _collect(chain: hub.Chain, session: Session, biases: Iterator[Array | None]) -> FilterState:
+    steps, window = session.record.steps, session.windows["acceleration"]
+    estimated = steps - hub.lag_of(chain)
+    points = POINTS if estimated == steps else max(int(POINTS * estimated / steps), 8)
+    x, y, error = (Envelope(estimated, points) for _ in range(3))
+    shown, begin = [], 0
+    for piece, truth in zip(_run_shifted(chain, session), biases, strict=False):
+        shown.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0), 2])
+        _add((x, y), piece[:, 3])
+        if truth is not None:
+            error.add(piece[:, 3, 0] - truth[:, 0])
+        begin += len(piece)
+    acceleration = np.concatenate(shown) if hub.has_acceleration(chain) else None
+    return FilterState(acceleration, (x, y), error)
+
+
+def _add(envelopes: tuple[Envelope, Envelope], values: Array) -> None:
+    for axis, envelope in enumerate(envelopes):
+        envelope.add(values[:, axis])
+
+
+def _run_shifted(chain: hub.Chain, session: Session) -> Iterator[Array]:
+    """Yield a filter's states in pieces of shape (n, 4, 2).
+
+    The second axis holds position, velocity, acceleration and the bias R b^b; the third x and y.
+    The filter computes a state `lag_of(chain)` steps late; it is moved back to the step to which it
+    refers, so the last steps of the record are NaN.
+    """
+    lag, steps = hub.lag_of(chain), session.record.steps
+    chunks = hub.state_chunks(chain, *make_lanes([session.signals], session.sensors))
+    late = hub.OnePassSeries(
+        (chunk[:count].reshape(count, 8) for _, count, chunk in chunks), (steps, 8)
+    )
+    for begin, end in itertools.pairwise(cut_into_pieces(steps)):
+        result = np.full((end - begin, 4, 2), np.nan)
+        piece = late[begin + lag : end + lag].reshape(-1, 4, 2)
+        result[: len(piece)] = piece
+        result[:, 3] = hub.bias_of(result, session.sensors)
+        yield result

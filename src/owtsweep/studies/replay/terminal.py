@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.hub.public import OTHER_WINDOW
-from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts, summarise_motion
 from owtsweep.studies.replay.identification.words import ESTIMATED, count_doubted, warn_of_noise
 from owtsweep.studies.replay.loading import tell_lean
+from owtsweep.studies.replay.measures import BASELINE_ROWS
 from owtsweep.studies.replay.sentences import describe_modes, describe_tilt, write_sentence
 
 if TYPE_CHECKING:

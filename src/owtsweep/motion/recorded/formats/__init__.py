@@ -11,8 +11,8 @@ from pathlib import Path
 from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
-from owtsweep.motion.recorded.formats.gtsdf import open_gtsdf
 from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
+from owtsweep.motion.recorded.formats.hdf5 import open_gtsdf
 from owtsweep.motion.recorded.formats.matlab import open_mat
 from owtsweep.motion.recorded.formats.nmea import open_nmea
 from owtsweep.motion.recorded.formats.table import ChannelTable, make_safe, refuse

@@ -17,8 +17,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.traces import Traces, collect_traces
 from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.measures import QUANTILE
-from owtsweep.studies.replay.session import Session
-from owtsweep.studies.replay.states import FilterStates
+from owtsweep.studies.replay.session import FilterStates, Session
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

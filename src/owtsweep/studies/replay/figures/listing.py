@@ -44,8 +44,7 @@ def _figures_of_one(
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.facts import pick_facts
     from owtsweep.studies.replay.figures import histories, place, spectrum
-    from owtsweep.studies.replay.session import run_session
-    from owtsweep.studies.replay.states import collect_filter_states
+    from owtsweep.studies.replay.session import collect_filter_states, run_session
 
     recorded = cache(lambda: run_session(config, config.grid.files[0]))
     states = cache(lambda: collect_filter_states(config, recorded()))

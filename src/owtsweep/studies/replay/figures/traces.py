@@ -10,8 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.lines import Envelope, Line, Pair, make_line, make_pair
 from owtsweep.studies.replay.estimating import rotate_force
-from owtsweep.studies.replay.session import COLUMNS, Session, find_repeated
-from owtsweep.studies.replay.states import FilterStates
+from owtsweep.studies.replay.session import COLUMNS, FilterStates, Session, find_repeated
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, follow_sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import hash_file
-from owtsweep.studies.replay.identification.disagreement import describe_disagreement
-from owtsweep.studies.replay.identification.fit import Fit, fit_noise
+from owtsweep.studies.replay.identification.fit import Fit, describe_disagreement, fit_noise
 from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import ReplayRecord

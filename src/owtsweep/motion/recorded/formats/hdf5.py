@@ -1,4 +1,4 @@
-"""Read HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
+"""Read HDF5: arrays of MATLAB 7.3, and gtsdf (General Time Series Data Format) of HAWC2.
 
 Each of the groups block0000, block0001, ... holds the table `data`, with one row per time step and
 one column per channel, and the HDF5 attributes `time_step` and `time_start`. A group may also hold
@@ -12,9 +12,11 @@ format.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,11 +49,7 @@ def open_gtsdf(path: Path) -> ChannelTable:
     Raises InputError without h5py, or if the file is not gtsdf, or holds links where data should
         be.
     """
-    try:
-        import h5py
-    except ImportError:
-        raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
-    with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
+    with _open(path) as file:
         blocks = sorted(name for name in file if name.startswith("block"))
         shapes = [_open_data(path, file, block).shape for block in blocks]
         if not blocks:
@@ -66,11 +64,47 @@ def open_gtsdf(path: Path) -> ChannelTable:
     units = ["s", *("" if unit == "-" else unit for unit in units)]
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
+        with _open(path) as file:
             return _load(path, file, blocks, {name: names.index(name) for name in wanted}, rows)
 
     rows = sum(shape[0] for shape in shapes)
     return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load, rows)
+
+
+#: Name, shape, whether it holds real numbers, and what reads these: `matlab.Variable`.
+Listed = tuple[str, tuple[int, ...], bool, Callable[[], Array]]
+
+
+def list_arrays(path: Path) -> list[Listed]:
+    """Return the variables of a file of MATLAB's version 7.3; read none of their numbers."""
+
+    def load(name: str) -> Array:
+        with _open(path) as file:
+            return np.asarray(file[name][()], dtype=float).T  # MATLAB goes down the columns
+
+    found: list[Listed] = []
+    with _open(path) as file:
+        require_channels(path, len(file))
+        for name in file:
+            if name.startswith("#"):  # what cells and objects refer to
+                continue
+            data: Any = _follow(path, file, name)
+            real = hasattr(data, "dtype") and data.dtype.kind in "fiu"
+            if real:
+                kind = data.attrs.get("MATLAB_class")
+                real = kind not in (b"char", "char") and "MATLAB_empty" not in data.attrs
+            found.append((name, data.shape[::-1] if real else (), real, partial(load, name)))
+    return found
+
+
+@contextmanager
+def _open(path: Path) -> Iterator[h5py.File]:
+    try:
+        import h5py
+    except ImportError:
+        raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
+    with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
+        yield file
 
 
 def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
