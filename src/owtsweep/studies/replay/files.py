@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import hashlib
 import os
 from collections.abc import Sequence
 from functools import lru_cache
@@ -13,6 +12,7 @@ from pathlib import Path
 
 from owtsweep.config import require
 from owtsweep.errors import InputError, printable
+from owtsweep.io import reading
 from owtsweep.io.files import name_refusal, write_all
 from owtsweep.io.reading import require_regular
 
@@ -40,31 +40,23 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 def hash_file(file: str) -> str:
     """Return the hash of a file's contents; NAME.sel and NAME.dat of HAWC2 share one hash."""
     path = Path(file)
-    try:
-        parts = [path]
-        if path.suffix.lower() in (".sel", ".dat"):
-            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
-        for part in parts:
-            require_regular(part)
-        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
-        return _hash(states)
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+    parts = [path]
+    if path.suffix.lower() in (".sel", ".dat"):
+        parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
+    for part in parts:
+        require_regular(part)
+    states = [(part, part.stat().st_size, part.stat().st_mtime_ns) for part in parts]
+    return "".join(_hash(*state) for state in states)
+
+
+@lru_cache(maxsize=4096)
+def _hash(path: Path, size: int, modified: int) -> str:
+    return reading.hash_file(path)  # once per state of the file
 
 
 def may_read(file: str) -> bool:
     """Return False if a file is there but its permissions do not let this process read it."""
     return os.access(file, os.R_OK) or not os.path.exists(file)
-
-
-@lru_cache(maxsize=4096)
-def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
-    result = hashlib.blake2b(digest_size=16)
-    for name, _, _ in states:
-        with open(name, "rb") as stream:
-            while chunk := stream.read(1 << 20):
-                result.update(chunk)
-    return result.hexdigest()
 
 
 def as_plain(text: str) -> str:

@@ -164,25 +164,23 @@ def _state(sensors: Sensors, source: str) -> Array:
 
 
 def _name(fit: Fit, sensors: Sensors, source: str) -> list[Estimated]:
-    stated: dict[str, float] = {"sensors.imu.sigma": sensors.force_sigma}
-    if source == "fixes":
-        stated["sensors.gnss.sigma"] = sensors.position_sigma
-    else:
-        stated["reference.sigma"] = np.nan
-    stated["sensors.imu.bias_walk"] = sensors.bias_walk
-    if source == "fixes":
-        stated["sensors.gnss.delay"] = sensors.delay * sensors.step
-    else:
-        stated["clock_offset"] = 0.0
-    bounds = zip(fit.values, fit.low, fit.high, strict=True)
+    fixes = source == "fixes"
+    stated = {
+        "sensors.imu.sigma": sensors.force_sigma,
+        "sensors.gnss.sigma" if fixes else "reference.sigma": (
+            sensors.position_sigma if fixes else np.nan
+        ),
+        "sensors.imu.bias_walk": sensors.bias_walk,
+        "sensors.gnss.delay" if fixes else "clock_offset": (
+            sensors.delay * sensors.step if fixes else 0.0
+        ),
+    }
+    bounds = np.stack([fit.values, fit.low, fit.high], axis=1)
+    bounds[~np.isfinite(bounds)] = np.nan
     return [
-        Estimated(
-            name, source, value, float(found),
-            float(low) if np.isfinite(low) else np.nan,
-            float(high) if np.isfinite(high) else np.nan,
-        )
-        for (name, value), (found, low, high) in zip(stated.items(), bounds, strict=True)
-    ]  # fmt: skip
+        Estimated(name, source, value, *map(float, row))
+        for (name, value), row in zip(stated.items(), bounds, strict=True)
+    ]
 
 
 def measure_floor(force: Array) -> float:
