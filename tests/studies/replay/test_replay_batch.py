@@ -80,10 +80,10 @@ def test_from_python_and_a_file_that_may_not_be_read(monkeypatch):
     may, compute = os.access, files._hash
     locked = str(Path("short.csv").resolve())
 
-    def refuse(states):
-        if states[0][0] == locked:
+    def refuse(path, *state):
+        if str(path) == locked:
             raise PermissionError(13, "Permission denied")
-        return compute(states)
+        return compute(path, *state)
 
     monkeypatch.setattr(os, "access", lambda path, mode: str(path) != locked and may(path, mode))
     monkeypatch.setattr(files, "_hash", refuse)

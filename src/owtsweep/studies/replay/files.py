@@ -45,8 +45,11 @@ def hash_file(file: str) -> str:
         parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
     for part in parts:
         require_regular(part)
-    states = [(part, part.stat().st_size, part.stat().st_mtime_ns) for part in parts]
-    return "".join(_hash(*state) for state in states)
+    try:
+        states = [(part, part.stat().st_size, part.stat().st_mtime_ns) for part in parts]
+        return "".join(_hash(*state) for state in states)
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
 
 
 @lru_cache(maxsize=4096)
