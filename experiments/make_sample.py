@@ -27,10 +27,10 @@ from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import synthesise
 from owtsweep.streams import stream
 from owtsweep.studies.hub.public import make_sensors
+from owtsweep.studies.replay.files import MOTION, SENSORS, find_data
 from owtsweep.studies.replay.of_motion import make_fixes
 from owtsweep.studies.replay.record import ReplayRecord, listen
 from owtsweep.studies.replay.running import compose_replay
-from owtsweep.studies.replay.sample import MOTION, SENSORS, find_data
 
 SEED = 2019
 DURATION = 60.0  # s

@@ -14,7 +14,7 @@ from replay_tools import DATA, ROOT, needs_data
 from experiments import make_sample
 from owtsweep.cli import main
 from owtsweep.studies.replay.advice import recommend
-from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, find_data, write_sample
+from owtsweep.studies.replay.files import MOTION, SENSORS, TABLE, find_data, write_sample
 from owtsweep.sweep.runs import Run
 
 PAGE = (ROOT / "docs/replay.md").read_text(encoding="utf-8")

@@ -31,8 +31,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         return _write_sample(options.words)
     if options.describe:
         return _describe(files, overrides, options.config_dir)
-    from owtsweep.studies.replay.checking import verify
-    from owtsweep.studies.replay.running import compose_replay, configure, execute
+    from owtsweep.studies.replay.running import compose_replay, configure, execute, verify
     from owtsweep.sweep.progress import make_progress
 
     if options.cfg and not files:  # printing the keys needs no record
@@ -106,7 +105,7 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
 
 
 def _write_sample(words: Sequence[str]) -> int:
-    from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, write_sample
+    from owtsweep.studies.replay.files import MOTION, SENSORS, TABLE, write_sample
 
     require(
         not words, "--sample: this writes the package's own records; leave out FILE and overrides"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.motion.recorded.bandlimited import BandLimited
+from owtsweep.motion.recorded.gridding import BandLimited
 
 SOURCE = 20.0
 LENGTH = 60.0

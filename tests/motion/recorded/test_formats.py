@@ -12,7 +12,7 @@ import writers
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import open_table, read
-from owtsweep.motion.recorded.formats import gtsdf
+from owtsweep.motion.recorded.formats import hdf5
 
 STEP = 0.05
 TIME = STEP * np.arange(1, 401)
@@ -105,7 +105,7 @@ def test_without_h5py_one_line_says_what_to_install(tmp_path: Path, monkeypatch)
     path = make(tmp_path, "gtsdf")
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(InputError, match=r"owtsweep\[recorded\]"):
-        gtsdf.open_gtsdf(path)
+        hdf5.open_gtsdf(path)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("out", "hawc2 ascii")])

@@ -74,13 +74,37 @@ def test_nothing_but_numbers_is_loaded(tmp_path: Path) -> None:
     assert "has no vector of numbers: save plain vectors (no arrays of real numbers, left" in said
 
 
-@pytest.mark.parametrize("header", [b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512), b""])
-def test_version_7_3_is_refused_with_what_to_do(tmp_path: Path, header: bytes) -> None:
+HEADERS = [b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512), b""]
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_a_damaged_file_of_version_7_3_is_refused(tmp_path: Path, header: bytes) -> None:
     path = tmp_path / "r.mat"
     path.write_bytes(header + b"\x89HDF\r\n\x1a\n" + bytes(1000))
-    said = refusal(path)
-    assert "version 7.3" in said
-    assert "'-v7'" in said
+    assert "is not a whole HDF5 file" in refusal(path)
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_version_7_3_is_read_as_version_7_is(tmp_path: Path, header: bytes) -> None:
+    h5py = pytest.importorskip("h5py")
+    path, tall = tmp_path / "r.mat", np.random.default_rng(1).normal(size=(400, 2))
+    with h5py.File(path, "w", userblock_size=len(header)) as file:
+        for name, values, kind in [
+            ("time", TIME[:, None], "double"), ("tall", tall, "double"), ("v", X[None], "single"),
+            ("text", np.full((1, 5), 65, np.uint16), "char"), ("fs", np.ones((1, 1)), "double"),
+        ]:  # fmt: skip
+            file.create_dataset(name, data=values.T).attrs["MATLAB_class"] = np.bytes_(kind)
+        file.create_dataset("z", data=np.zeros((1, 400), [("real", "f8"), ("imag", "f8")]))
+        file.create_group("s").attrs["MATLAB_class"] = np.bytes_("struct")
+        file.create_group("#refs#")
+    with path.open("r+b") as raw:
+        raw.write(header)
+    table = open_table(path)
+    assert set(table.names) == {"time", "tall_x", "tall_y", "v"}
+    assert table.notes == ["no arrays of real numbers, left out: fs, s, text, z"]
+    loaded = table.load(table.names, 300)
+    assert np.array_equal(loaded["tall_y"], tall[:300, 1])
+    assert np.array_equal(loaded["v"], X[:300])
 
 
 def test_both_byte_orders_and_all_types_of_numbers(tmp_path: Path) -> None:

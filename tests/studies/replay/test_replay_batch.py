@@ -13,8 +13,8 @@ import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies.replay import files
 from owtsweep.studies.replay.blocks import plan
+from owtsweep.studies.replay.files import SENSORS, write_sample
 from owtsweep.studies.replay.running import configure, execute
-from owtsweep.studies.replay.sample import SENSORS, write_sample
 from owtsweep.sweep.runs import Run
 
 QUICK = ["schemes=[MKF]", "replay.replicates=1", "measures.settling_time=5"]
@@ -80,10 +80,10 @@ def test_from_python_and_a_file_that_may_not_be_read(monkeypatch):
     may, compute = os.access, files._hash
     locked = str(Path("short.csv").resolve())
 
-    def refuse(states):
-        if states[0][0] == locked:
+    def refuse(path, *state):
+        if str(path) == locked:
             raise PermissionError(13, "Permission denied")
-        return compute(states)
+        return compute(path, *state)
 
     monkeypatch.setattr(os, "access", lambda path, mode: str(path) != locked and may(path, mode))
     monkeypatch.setattr(files, "_hash", refuse)

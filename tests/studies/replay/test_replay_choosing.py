@@ -13,7 +13,7 @@ from owtsweep.motion.modes import find_modes
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.public import resolve_all
-from owtsweep.studies.replay import advice, baselines
+from owtsweep.studies.replay import advice, measures
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
 from owtsweep.studies.replay.sentences import write_sentence
@@ -57,16 +57,13 @@ def test_baselines_are_those_of_the_hub_also_with_missing_fixes(tmp_path):
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     signals = listen(config, sensors, record, 0)
-    sums = baselines.sum_motion(record, sensors, 500)
     found = {
         (row, m, w): v
-        for row, (m, w, v, _) in baselines.measure_baselines(
-            record, sums, signals.fixes, sensors, 500
-        )
+        for row, (m, w, v, _) in measures.measure_baselines(record, signals.fixes, sensors, 500)
     }
     at = np.arange(1, len(signals.fixes)) * 100 - sensors.delay
     for (row, _), scheme in zip(
-        baselines.BASELINE_ROWS.items(), resolve_all(["NONE", "HOLD", "DELTA"], config), strict=True
+        measures.BASELINE_ROWS.items(), resolve_all(["NONE", "HOLD", "DELTA"], config), strict=True
     ):
         estimator, states = scheme.start(Known(sensors, config)), []
         for k in range(record.steps):

@@ -42,7 +42,7 @@ def make_traces(size: float) -> Traces:
     line = [(time, np.where(time < 1.0, size, 0.5))]
     errors = dict.fromkeys(NAMES, line)
     pairs = dict.fromkeys(NAMES, (line, line))
-    return Traces((0.0, 10.0), pairs, errors, bound=1.0)
+    return Traces((0.0, 10.0), pairs, errors)
 
 
 def test_the_advised_scheme_is_on_top_and_what_is_cut_is_told():
@@ -53,6 +53,6 @@ def test_the_advised_scheme_is_on_top_and_what_is_cut_is_told():
     for panel in (values, errors):
         heights = [mark.look["zorder"] for mark in panel.marks if hasattr(mark, "look")]
         assert heights == [2.5, time_histories.ON_TOP, 2.5]
-    assert errors.note == "not shown: errors beyond ±1.2 m at the start"
-    inside = histories._make_errors_panel(session, "position", make_traces(size=1.1), None)
+    assert errors.note == "not shown: errors beyond ±0.6 m at the start"
+    inside = histories._make_errors_panel(session, "position", make_traces(size=0.55), None)
     assert inside.note == ""

@@ -11,10 +11,9 @@ from replay_tools import config_of, motion_file
 
 from owtsweep.cli import main
 from owtsweep.errors import InputError
-from owtsweep.studies.replay.checking import verify
 from owtsweep.studies.replay.files import as_plain, hash_file, label_files
 from owtsweep.studies.replay.report import _describe_many
-from owtsweep.studies.replay.running import LONGEST_EXPERIMENT, configure, expand
+from owtsweep.studies.replay.running import LONGEST_EXPERIMENT, configure, expand, verify
 from owtsweep.studies.replay.seastates import read_table
 
 QUICK = ["schemes=[HME1]", "replay.replicates=1", "measures.settling_time=5"]

@@ -15,8 +15,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies import compose
 from owtsweep.studies.hub.public import follow_sensors
 from owtsweep.studies.replay import running
-from owtsweep.studies.replay.identification.disagreement import describe_disagreement
-from owtsweep.studies.replay.identification.fit import Fit, fit_noise
+from owtsweep.studies.replay.identification.fit import Fit, describe_disagreement, fit_noise
 from owtsweep.studies.replay.identification.likelihood import (
     integrate_twice,
     pose,

@@ -77,9 +77,8 @@ def test_holding_the_last_fix(case):
             last = measured.fixes[k // 100]
         squared.append(np.sum((last - record.position[k]) ** 2))
     sensors = sensing.sensors(config_of([]).sensors)
-    held = {
-        (n, w): v for n, w, v, _ in measures.measure_last_fix(record, measured.fixes, sensors, 2000)
-    }
+    found = measures.measure_baselines(record, measured.fixes, sensors, 2000)
+    held = {(n, w): v for row, (n, w, v, _) in found if row == "last_fix"}
     assert held["position", "settled"] == pytest.approx(np.mean(squared[2000:]))
     assert held["position", "full"] == pytest.approx(np.mean(squared))
 
@@ -105,7 +104,8 @@ def test_without_a_reference_there_are_innovations_alone(tmp_path):
     estimated = estimate(config, resolve("HME1"), sensors, measured)
     names = {n for n, *_ in measure(record, measured.fixes, estimated, sensors, 2000)}
     assert names == {"fix_residual", "nis", "innovation", "innovation_lag_1", "innovation_white_p"}
-    assert not list(measures.measure_last_fix(record, measured.fixes, sensors, 2000))
+    of_baselines = measures.measure_baselines(record, measured.fixes, sensors, 2000)
+    assert {n for _, (n, *_) in of_baselines} == {"fix_residual"}
 
 
 def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):

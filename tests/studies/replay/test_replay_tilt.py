@@ -4,7 +4,7 @@ import pytest
 
 import owtsweep
 from owtsweep.studies.replay.facts import pick_facts
-from owtsweep.studies.replay.sample import MOTION, write_sample
+from owtsweep.studies.replay.files import MOTION, write_sample
 from owtsweep.studies.replay.sentences import describe_tilt
 
 pytestmark = pytest.mark.usefixtures("kernels")

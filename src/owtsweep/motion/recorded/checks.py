@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,10 +33,9 @@ LOWEST_IMU_RATE = 5.0  # Hz
 
 
 def require_possible(where: str, values: Array, hint: str, *, load: bool = False) -> None:
-    """Raise `InputError` if a number is larger than `LARGEST_VALUE`, or `LARGEST_LOAD` for a load.
+    """Raise `InputError` if a number, in SI units, is larger than that of any motion or load.
 
-    `values` are in SI units, NaN where missing; `where` (file and column) begins the message,
-    `hint` ends it.
+    `where` (file and column) begins the message, `hint` ends it.
     """
     most, kind = (LARGEST_LOAD, "load") if load else (LARGEST_VALUE, "motion")
     largest = float(np.max(np.abs(values), initial=0.0, where=~np.isnan(values)))
@@ -53,12 +53,9 @@ def check_time(
     rows: NDArray[np.intp] | None = None,
     fewest: int = FEWEST_SAMPLES,
 ) -> None:
-    """Check times in s, shape (n,), of the channel `name`.
+    """Check times in s, shape (n,), of the channel `name`; `rows` are their data rows, from 0.
 
-    `rows` are the numbers of their data rows, from 0 (None: all rows).
-
-    Raises InputError if there are fewer than `fewest` times, if a time is missing, or if the times
-        do not increase.
+    Raises InputError if there are fewer than `fewest`, one is missing, or they do not increase.
     """
     rows = np.arange(len(time)) if rows is None else rows
     if len(time) < fewest:
@@ -82,28 +79,32 @@ def find_gaps(
 ) -> list[tuple[float, float]]:
     """Return (start, end) in s of the long gaps between a channel's times.
 
-    A gap is long if it is longer than so many median intervals, and than `least` (None:
-    `LONGEST_GAP`).
+    Longer, that is, than so many median intervals, and than `least` (None: `LONGEST_GAP`).
     """
     step = np.diff(time)
     longest = max(LONGEST_GAP if least is None else least, steps * float(np.median(step)))
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
-def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
+def describe_gaps(gaps: Sequence[tuple[float, float]], shown: int = 3) -> str:
     """Return the first gaps in words, and the number of further ones."""
     text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in gaps[:shown])
     return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
 
 
+def describe_missing(name: str, values: Array) -> str:
+    """Return where a channel, (n,), has no number; "" if each row has one."""
+    rows = np.flatnonzero(np.isnan(values))
+    more = f"({len(rows)} such rows in all)"
+    return f"{name} has no number in data row {rows[0] + 1} {more}" if len(rows) else ""
+
+
 def check_channels(recording: Recording, gaps: str) -> list[str]:
     """Check every channel of a recording, and return notes for the user.
 
-    `gaps` says what happens to long gaps in motion and specific force: "refuse" raises an error,
-    "interpolate" gives a note. Those in GNSS fixes and references always give a note.
+    `gaps` says whether long gaps in motion and specific force are refused ("refuse") or noted.
 
-    Raises InputError: for a channel with too few values, an IMU that samples too slowly, a gap that
-        is refused, a time span that needs too many steps, or a unit that cannot be right.
+    Raises InputError for too few values, a slow IMU, a refused gap, or an impossible time or size.
     """
     notes: list[str] = []
     for role, values in recording.channels.items():
@@ -124,7 +125,10 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
         )
         if not role.startswith("fix"):
             check_extent(recording.path, name, time)
+        sparse = role.startswith(("fix", "reference"))
         notes += _check_sampling(recording.path, role, name, time, gaps)
+        if not sparse and (missing := describe_missing(name, values)):
+            notes.append(f"{missing}: filled by cubic spline")
         notes += _check_size(recording.path, role, name, time, there)
     return list(dict.fromkeys(notes))
 

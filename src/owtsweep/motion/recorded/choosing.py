@@ -1,8 +1,7 @@
 """Choose the channels that give the motion of the hub: whole positions, or parts of the motion.
 
-Whole are positions in the inertial frame: OpenFAST's TwrTpTDxi of the tower top, TwHt1TPxi of a
-gauge somewhere on the tower, HAWC2's states in global coordinates, and what the user names. Where
-there is none, the parts of the motion (`parts`) are chosen.
+Whole are positions in the inertial frame: what the user names, OpenFAST's TwrTpTDxi of the tower
+top, TwHt1TPxi of a gauge on the tower, HAWC2's states in global coordinates.
 """
 
 from __future__ import annotations
@@ -64,11 +63,8 @@ def choose_motion(
 ) -> Choice:
     """Choose the channels of the hub's motion by their names.
 
-    `chosen` is role -> channel, as `columns.assign_roles` returned it, and `given` is what the user
-    says.
-
-    Raises InputError if `hub.motion` is none of `MotionKind`, or the user gives both a position and
-        parts of it.
+    chosen, given: role -> channel, as `columns.assign_roles` returned it, and as the user says.
+    Raises InputError if `hub.motion` is unknown, or the user gives both a position and parts of it.
     """
     motion, height = hub.motion, hub.tower_height
     if motion not in get_args(MotionKind):
@@ -99,7 +95,6 @@ def choose_motion(
 
 
 def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, motion: str) -> Choice:
-    """Choose the parts for a motion that the user insists on."""
     if motion == "rigid":
         parts = {role: name for role, name in parts.items() if role.startswith("platform")}
     if motion in ("auto", "rigid"):
@@ -124,12 +119,6 @@ def _choose_by_names(
     use: str,
     tower_height: float | None,
 ) -> Choice:
-    """Choose channels by the programs' names alone.
-
-    `parts` maps the roles of parts to channels, `axes` are the wanted ones, and `use` begins the
-    role of a position.
-    """
-
     def take(found: Mapping[str, str | None], note: str = "") -> Choice:
         roles = {use + axis: name for axis in axes if (name := found.get(axis))}
         return Choice(roles, note=note)

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.formats.text_layout import ISO_TIME
 from owtsweep.motion.recorded.units import find_factor
 
 #: The quantities that a channel can hold, with their dimensions (see `units`). `_x` points north or
@@ -95,8 +95,8 @@ def strip(name: str) -> str:
 def guess_roles(names: Sequence[str]) -> dict[str, str]:
     """Assign channels to roles by well-known names: return role -> channel.
 
-    The x and the y axis of a quantity come from one pair of well-known names; y may be missing. If
-    there are a specific force and positions, but no reference, the positions become the reference.
+    Both axes come from one pair of names; y may be missing. Beside a specific force, positions
+    become the reference if there is none.
     """
     bare = {name: strip(name) for name in names}
 
@@ -153,7 +153,6 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
 
 
 def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
-    """Return the channel with y in place of one x, or x of y: "TwHt1TPyi" for "TwHt1TPxi"."""
     swap = {axis: OTHER[axis], axis.upper(): OTHER[axis].upper()}
     for place, letter in enumerate(name):
         if letter in swap:
@@ -211,8 +210,7 @@ def find_scale(
 ) -> float | None:
     """Return the factor to SI of a channel's unit; None if there is no unit.
 
-    The unit that the user gives by `setting` goes before the file's, and this before an `implied`
-    one. `dimension` is one of `units.DIMENSIONS`.
+    What the user gives by `setting` goes before the file's unit, and this before an `implied` one.
 
     Raises InputError if the unit is not known or is not of the dimension.
     """

@@ -7,12 +7,9 @@ bending. So its horizontal displacement is
     x = surge + [R (b_x, b_y, h + b_z)]_x,    y = sway + [R (b_x, b_y, h + b_z)]_y,
     R = R_z(yaw) R_y(pitch) R_x(roll).
 
-The axes are those of FAST: x downwind, y to the left when looking downwind, z up. ElastoDyn turns
-the platform by this R (EulerConstructZYX in OpenFAST's modules/nwtc-library/src/NWTC_Num.f90) since
-OpenFAST 4.0. Before, FAST and OpenFAST turned it by the orthonormal matrix nearest to I + [a]x, a =
-(roll, pitch, yaw) (SmllRotTrans in the same file): a turn about a by the angle arctan |a|. What the
-channels mean is in OpenFAST's modules/elastodyn/src/ElastoDyn.f90, AllOuts. docs/recorded.md has
-the names.
+This R is ElastoDyn's (EulerConstructZYX in OpenFAST's modules/nwtc-library/src/NWTC_Num.f90) since
+OpenFAST 4.0. Before, it was the orthonormal matrix nearest to I + [a]x, a = (roll, pitch, yaw)
+(SmllRotTrans in the same file): a turn about a by arctan |a|. docs/recorded.md has axes and names.
 """
 
 from __future__ import annotations
@@ -82,11 +79,7 @@ class Hub(NamedTuple):
 def find_parts(
     names: Sequence[str], chosen: Mapping[str, str], left_out: Sequence[str]
 ) -> dict[str, str]:
-    """Find the channels of the parts of the motion: return role -> channel.
-
-    Channels in `chosen` (role -> channel) are taken, roles in `left_out` are not, and the other
-    roles are guessed by `PATTERNS`.
-    """
+    """Find the channels of the parts of the motion, role -> channel: `chosen`, or guessed ones."""
     found = {role: chosen.get(role) or find(names, PATTERNS[role]) for role in PARTS}
     return {role: name for role, name in found.items() if name and role not in left_out}
 
@@ -96,8 +89,7 @@ def find_angles(
 ) -> dict[str, str]:
     """Find the channels of the platform's roll and pitch, as `find_parts`.
 
-    The bare names roll and pitch are taken as a pair only, because a pitch alone may be that of the
-    blades.
+    The bare names are taken as a pair only, because a pitch alone may be that of the blades.
     """
     found = {role: chosen.get(role) or find(names, ANGLES[role]) for role in TILT.values()}
     bare = {role: find(names, role.removeprefix("platform_")) for role in found}
@@ -140,13 +132,11 @@ def compose(
 ) -> Composed:
     """Compose the motion of the hub along x and y from its parts.
 
-    `values` and `names` are role of a part (`columns.PARTS`) -> values in m or rad, shape (n,), NaN
-    where missing, and the channel's name.
-
-    Returns: axis "x" or "y" -> displacement of the hub in m, shape (n,), for axes that have parts;
-        axis -> the names of its channels; and a note for the user, which states the formula.
-    Raises InputError if `hub.rotation` is none of `Rotation`, if the platform moves and a part or
-        the height is missing, or if the parts make no motion.
+    values, names: role of a part -> values in m or rad, (n,), NaN where missing, and the channel's
+        name. Returns: axis -> displacement of the hub in m, (n,), for axes that have parts; axis ->
+        the names of its channels; and a note for the user, which states the formula.
+    Raises InputError if the rotation is unknown, the platform moves and a part or the height is
+        missing, or the parts make no motion.
     """
     rotation, rigid = hub.rotation, hub.motion == "rigid"
     require(
@@ -179,7 +169,6 @@ def compose(
 
 
 def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str]:
-    """Return the axes along which there is motion; refuse an axis with some parts only."""
     missing: dict[str, list[str]] = {}
     for axis in "xy":
         needed = [TRANSLATION[axis], TILT[axis]] + ([] if rigid else [f"tower_{axis}"])
@@ -204,7 +193,6 @@ def _find_axes(path: Path, names: Mapping[str, str], *, rigid: bool) -> list[str
 
 
 def _add_up(values: Mapping[str, Array], axis: str, height: float, rotation: str) -> Array:
-    """Return surge + [R (b_x, b_y, height + b_z)]_x, or for "y" sway and the y component; m."""
     turn = _turn_about_axes if rotation == "zyx" else _turn_by_small_angles
     result = values[TRANSLATION[axis]].copy()
     for begin in range(0, len(result), ROWS):
@@ -217,7 +205,6 @@ def _add_up(values: Mapping[str, Array], axis: str, height: float, rotation: str
 
 
 def _turn_about_axes(angles: Vector, v: Vector) -> tuple[Array, Array]:
-    """Turn v about x by the roll, then about y by the pitch and z by the yaw: return x and y."""
     roll, pitch, yaw = angles
     y, z = np.cos(roll) * v[1] - np.sin(roll) * v[2], np.sin(roll) * v[1] + np.cos(roll) * v[2]
     x = np.cos(pitch) * v[0] + np.sin(pitch) * z
@@ -225,10 +212,7 @@ def _turn_about_axes(angles: Vector, v: Vector) -> tuple[Array, Array]:
 
 
 def _turn_by_small_angles(angles: Vector, v: Vector) -> tuple[Array, Array]:
-    """Turn v about the axis a = `angles` by arctan |a|: return x and y.
-
-    With s = sqrt(1 + |a|^2), the turn is Rodrigues' (v + a x v) / s + a (a . v) / (s (s + 1)).
-    """
+    """Turn v about the axis a = `angles` by arctan |a|: return x and y."""
     a = angles
     s = np.sqrt(1.0 + a[0] ** 2 + a[1] ** 2 + a[2] ** 2)
     along = (a[0] * v[0] + a[1] * v[1] + a[2] * v[2]) / (s + 1.0)
@@ -253,7 +237,6 @@ def _state_formula(
     height: float,
     matrix: str,
 ) -> str:
-    """Say how the motion was composed, and how much each part moves the hub."""
     bending = ", ".join(names.get(f"tower_{axis}", "0") for axis in "xy")
     up = f"{height:g} m" + (f" + {names['tower_z']}" if "tower_z" in names else "")
     sums = ", ".join(f"{axis} = {names[TRANSLATION[axis]]} + [R b]_{axis}" for axis in channels)

@@ -8,9 +8,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.gridding import (
     FULL_BAND,
+    BandLimited,
     Gridded,
     TimeGrid,
     find_common_grid,
@@ -41,20 +41,18 @@ def to_motion(
 ) -> Gridded:
     """Compute position, velocity and acceleration on a grid from recorded positions.
 
-    All three are derivatives of one band-limited function through the positions (docs/recorded.md
-    says what noise they have). Recorded velocities or accelerations take their place if `quantity`
-    is "position"; a note says how much the two differ. An axis without positions stays at rest.
+    All three are derivatives of one band-limited function through the positions. Recorded
+    velocities or accelerations take their place beside "position". An axis without positions stays
+    at rest.
 
     recording: a checked recording.
-    rate: Rate of the grid, Hz; not used if `grid` is given.
-    quantity: What holds the positions: "position" or "reference", which is NaN in its long gaps.
+    rate: of the grid, Hz; not used if `grid` is given.
+    quantity: what holds the positions: "position" or "reference", which is NaN in its long gaps.
     orders: 1 for the position only, 2 for position and velocity, 3 for the acceleration too.
-    cutoff: Cut-off frequency in Hz; by default 5 Hz, or 0.4 of the rate of recording or grid if
-        this is less.
-    grid: By default it covers the time that the recorded axes have in common.
-    Raises InputError if the recording lacks the quantity, if the cut-off is not positive or is
-        above 0.4 of one of the two rates, or if the grid would be shorter than 1 s or have too many
-        steps.
+    cutoff: Hz; by default 5 Hz, or 0.4 of the rate of recording or grid if this is less.
+    grid: by default it covers the time that the recorded axes have in common.
+    Raises InputError if the recording lacks the quantity, the cut-off is above 0.4 of one of the
+        two rates, or the grid would be shorter than 1 s or have too many steps.
     """
     roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
     if not roles:
@@ -108,9 +106,8 @@ def _describe_mismatch(role: str, recorded: Array, derived: Array) -> str:
 def find_clear_band(recording: Recording, roles: Sequence[str], lowest: float) -> float:
     """Return the frequency (Hz) above `lowest` up to which positions are mostly motion.
 
-    The noise is taken as white: its density is the median density above 0.4 of the sampling rate.
-    The result is that of the channel of `roles` with the widest band, at most 0.4 of its rate, and
-    `lowest` if the record has fewer than 512 samples.
+    The noise is taken as white: its density is the median above 0.4 of the sampling rate. The
+    result is that of the role with the widest band; `lowest` with fewer than 512 samples.
     """
     found = lowest
     for role in roles:
@@ -129,8 +126,7 @@ def find_clear_band(recording: Recording, roles: Sequence[str], lowest: float) -
 def estimate_density(values: Array, step: float) -> tuple[Array, Array]:
     """Estimate a spectral density by Welch's method; return frequencies (Hz) and densities.
 
-    `values` has the shape (n,), n at least 512. Segments overlap by half or less and have a Hann
-    window; their mean and trend are removed.
+    `values` has at least 512 samples. Segments overlap by half or less and have a Hann window.
     """
     most = len(values) - SEGMENT
     starts = np.unique(

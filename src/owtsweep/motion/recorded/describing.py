@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import wrap
@@ -32,7 +32,7 @@ MOST_ROWS = 1_000_000
 WIDTH = 100
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Channel:
     """One channel of a file, in the unit that the file uses; NaN where there is no number."""
 
@@ -70,7 +70,7 @@ class Description:
         by_name = {channel.name: channel for channel in self.channels}
         if self.guess:
             lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
-            width = max(len(name) for name in self.guess.values())
+            width = max(map(len, self.guess.values()))
             for role, name in self.guess.items():
                 values = _describe_values(by_name[name], role)
                 lines.append(f"  {role:<17} = {name:<{width}}  {values}")
@@ -78,18 +78,15 @@ class Description:
             lines += ["", "No channel has a well-known name: set columns.time=... and others."]
         if self.motion:
             lines += ["", *wrap(f"What moved: {self.motion}", WIDTH, break_on_hyphens=False)]
-        played = set(self.guess.values())
-        likely = [c for c in self.channels if c.name not in played and _is_likely(c)]
-        rest = [c for c in self.channels if c.name not in played and not _is_likely(c)]
-        if likely:
+        others = [c for c in self.channels if c.name not in self.guess.values()]
+        if likely := [c for c in others if _is_likely(c)]:
             lines += ["", "Others that could be motion or force, by their unit:"]
             width = max(len(channel.name) for channel in likely[:30])
             lines += [f"  {c.name:<{width}}  {_describe_values(c)}" for c in likely[:30]]
-            if len(likely) > 30:
-                lines += _wrap([f"{c.name} ({c.unit})" for c in likely[30:]])
-        if rest:
+            lines += _wrap(f"{c.name} ({c.unit})" for c in likely[30:])
+        if rest := [c for c in others if not _is_likely(c)]:
             lines += ["", "The rest:"]
-            lines += _wrap([f"{c.name} ({c.unit})" if c.unit else c.name for c in rest])
+            lines += _wrap(f"{c.name} ({c.unit})" if c.unit else c.name for c in rest)
         return "\n".join(lines)
 
 
@@ -102,40 +99,35 @@ def describe(
     tower_height: float | None = None,
     rotation: str = "zyx",
 ) -> Description:
-    """Describe every channel of a file, from its first million rows at most.
+    """Describe every channel of a file, from its first million rows; arguments as of `read`.
 
-    Arguments are those of `read`.
-
-    Raises InputError if the file cannot be read at all, or if a given role, channel or unit is
-        wrong.
+    Raises InputError if the file cannot be read at all, or a given role, channel or unit is wrong.
     """
     table = open_table(path)
     most = min(MOST_ROWS, MOST_VALUES // max(len(table.names), 1))
     loaded = _load(table, table.names, most)
     if not loaded:
         table.load(table.names, most)  # says why
-    mapping = assign_roles(table, columns or {})
     hub = Hub(motion, tower_height, rotation)
+    mapping = assign_roles(table, columns or {})
     mapping, choice = add_motion(table, mapping, columns or {}, hub)
     table = _with_units(table, mapping, units or {})
     mapping = {role: name for role, name in mapping.items() if name in loaded}
     time: Array | None = None
     clock = "no time column found: set columns.time=CHANNEL"
-    if "time" in mapping:
-        name = mapping["time"]
+    if name := mapping.get("time"):
         to_seconds = DIMENSIONS["time"][1].get(normalise_unit(table.unit(name) or "s"), 1.0)
-        time = loaded[name] * to_seconds
-        clock = _describe_clock(table.path, name, time)
-        if len(time) < 2 or not np.all(np.diff(time) > 0.0):
-            time = None
-    rows = max((len(values) for values in loaded.values()), default=0)
+        clock = _describe_clock(table.path, name, to_seconds * loaded[name])
+        if len(loaded[name]) > 1 and np.all(np.diff(loaded[name]) > 0.0):
+            time = to_seconds * loaded[name]
+    rows = max(map(len, loaded.values()), default=0)
     channels = tuple(
         _summarise(name, unit, loaded.get(name), time)
         for name, unit in zip(table.names, table.units, strict=True)
     )
     moved = choice.problem or choice.note
-    if any(role in PARTS for role in mapping):
-        moved = _describe_parts(table, mapping, loaded, hub)
+    if parts := {role: name for role, name in mapping.items() if role in PARTS}:
+        moved = _describe_parts(table, parts, loaded, hub)
     notes = tuple(dict.fromkeys(table.notes))
     return Description(
         table.path, table.format, rows, rows >= most, mapping, channels, clock, moved, notes
@@ -143,9 +135,8 @@ def describe(
 
 
 def _describe_parts(
-    table: ChannelTable, mapping: Mapping[str, str], loaded: Mapping[str, Array], hub: Hub
+    table: ChannelTable, names: Mapping[str, str], loaded: Mapping[str, Array], hub: Hub
 ) -> str:
-    names = {role: name for role, name in mapping.items() if role in PARTS}
     try:
         factors, _ = find_factors(table, names, {})
         values = {role: factors[role] * loaded[name] for role, name in names.items()}
@@ -162,19 +153,17 @@ def _with_units(
         if unit and role in mapping:
             find_factor(unit, ROLES[role], f"{table.path}: units.{role}")
             stated[mapping[role]] = unit
-    return replace(table, units=tuple(stated[name] for name in table.names))
+    return replace(table, units=tuple(stated.values()))
 
 
 def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, Array]:
-    """Read the channels that hold numbers."""
     try:
         return table.load(names, rows)
     except InputError:
         if len(names) == 1:
             return {}
-        half = len(names) // 2  # few reads find one bad column among thousands
-        left, right = names[:half], names[half:]
-        return {**_load(table, left, rows), **_load(table, right, rows)}
+        half = len(names) // 2  # few reads find one column without numbers among thousands
+        return {**_load(table, names[:half], rows), **_load(table, names[half:], rows)}
 
 
 def _describe_clock(path: Path, name: str, time: Array) -> str:
@@ -195,34 +184,21 @@ def _describe_clock(path: Path, name: str, time: Array) -> str:
 
 def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -> Channel:
     if values is None:
-        return Channel(name=name, unit=unit, numeric=False)
+        return Channel(name, unit, numeric=False)
     there = np.isfinite(values)
-    kept = values[there]
+    kept, missing = values[there], int(np.count_nonzero(~there))
     if len(kept) == 0:
-        return Channel(name=name, unit=unit, missing=len(values))
-    rate = np.nan
-    holes: tuple[tuple[float, float], ...] = ()
+        return Channel(name, unit, missing)
+    rate, gaps = np.nan, []
     if time is not None and len(kept) > 1:
-        median = float(np.median(np.diff(time[there])))
-        rate = 1.0 / median
-        holes = tuple(find_gaps(time[there], 10.0))
+        rate, gaps = 1.0 / float(np.median(np.diff(time[there]))), find_gaps(time[there], 10.0)
     with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
         mean, deviation = float(kept.mean()), float(kept.std())
-    return Channel(
-        name=name,
-        unit=unit,
-        missing=int(len(values) - len(kept)),
-        mean=mean,
-        deviation=deviation,
-        smallest=float(kept.min()),
-        largest=float(kept.max()),
-        rate=rate,
-        gaps=holes,
-    )
+    ends = float(kept.min()), float(kept.max())
+    return Channel(name, unit, missing, mean, deviation, *ends, rate, tuple(gaps))
 
 
 def _is_likely(channel: Channel) -> bool:
-    """Return whether a channel varies, and its unit is missing or that of a motion or force."""
     if not channel.deviation > 0.0:  # NaN without numbers
         return False
     return not channel.unit or find_dimension(channel.unit) in QUANTITIES.values()
@@ -245,12 +221,12 @@ def _describe_values(channel: Channel, role: str | None = None) -> str:
     if channel.missing:
         text += f", {channel.missing} missing"
     if channel.gaps:
-        text += f", {len(channel.gaps)} gap(s): {describe_gaps(list(channel.gaps), 2)}"
+        text += f", {len(channel.gaps)} gap(s): {describe_gaps(channel.gaps, 2)}"
     return text
 
 
-def _wrap(words: list[str]) -> list[str]:
-    """Return words as indented lines of at most `WIDTH` characters, broken only between words."""
+def _wrap(words: Iterable[str]) -> list[str]:
+    # at most `WIDTH` characters, broken only between words
     text = ", ".join(word.replace(" ", "\0") for word in words)
     lines = wrap(
         text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,

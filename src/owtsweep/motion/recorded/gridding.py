@@ -4,16 +4,95 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.checks import find_gaps
 from owtsweep.motion.recorded.formats.table import MOST_STEPS
 from owtsweep.motion.recorded.recording import Comb, Recording, fit_comb
+
+#: The filter reaches zero at this multiple of the cut-off. A cut-off of 0.4 of a rate times 1.25 is
+#: half the rate, its Nyquist frequency.
+ROLL_OFF = 1.25
+
+
+class BandLimited:
+    """A band-limited function through n samples at the times start + k step, in s.
+
+    It is kept in full up to `cutoff`, Hz, and not at all above `ROLL_OFF` times that. The
+    evaluation is faster if the `rate` of its grids, Hz, is known.
+    """
+
+    def __init__(
+        self, values: Array, start: float, step: float, cutoff: float, rate: float | None = None
+    ) -> None:
+        from scipy.fft import next_fast_len, rfft
+
+        n = len(values)
+        self.start = start
+        self.offset = float(values[0])
+        self.slope = float(values[-1] - values[0]) / ((n - 1) * step)
+        pad = min(n - 1, max(int(np.ceil(20.0 / (cutoff * step))), n // 8))
+        fade = np.cos(0.5 * np.pi * np.arange(1, pad + 1) / (pad + 1)) ** 2
+        whole = 1 if rate is None else Fraction(rate * step).limit_denominator(1000).denominator
+        total = whole * next_fast_len(-(-(n + 2 * pad) // whole), real=True)
+        series = np.zeros(total)
+        flat = series[:n]  # a view: each copy of ten million samples would take 80 MB
+        flat[:] = np.arange(n)
+        flat *= self.slope * step
+        flat += self.offset
+        np.subtract(values, flat, out=flat)
+        series[n : n + pad] = -flat[n - 2 : n - 2 - pad if n - 2 - pad >= 0 else None : -1] * fade
+        series[total - pad :] = (-flat[1 : pad + 1] * fade)[::-1]
+        self.period = total * step
+        last = min(int(np.floor(ROLL_OFF * cutoff * self.period)), (total - 1) // 2)
+        lines = rfft(series, overwrite_x=True)[: last + 1] * (2.0 / total)
+        lines[0] *= 0.5
+        self.frequency: Array = np.arange(last + 1) / self.period
+        self.lines: NDArray[np.complex128] = lines * lowpass(self.frequency, cutoff)
+
+    def on_grid(self, start: float, rate: float, count: int, order: int = 0) -> Array:
+        """Evaluate the function, or its first or second derivative, at the times start + k / rate.
+
+        `order` is 0 for the function, 1 or 2 for a derivative. `start` is in s and `rate` in Hz.
+        The result has shape (count,), k = 0, ..., count - 1.
+        """
+        first = start - self.start
+        omega = 2.0 * np.pi * self.frequency
+        terms = self.lines * (1j * omega) ** order * np.exp(1j * omega * first)
+        points = self.period * rate
+        values: Array
+        if abs(points - round(points)) < 1e-5 and len(terms) <= round(points) // 2 >= 1:
+            from scipy.fft import irfft
+
+            terms[1:] *= 0.5
+            terms *= round(points)
+            values = irfft(terms, n=round(points))[:count]
+        else:
+            from scipy.signal import czt
+
+            values = np.real(czt(terms, m=count, w=np.exp(2j * np.pi / points)))
+        if order == 0:
+            line = np.arange(count, dtype=float)
+            line /= rate
+            line += first
+            line *= self.slope
+            values += self.offset
+            values += line
+        elif order == 1:
+            values += self.slope
+        return values
+
+
+def lowpass(frequency: Array, cutoff: float) -> Array:
+    """Return the gain: 1 up to `cutoff` (Hz), then a raised cosine to 0 at `ROLL_OFF` * cutoff."""
+    part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
+    return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))
+
 
 #: A channel is kept in full up to this multiple of its sampling rate.
 FULL_BAND = 0.4
@@ -38,10 +117,10 @@ class Gridded:
     """Channels resampled to one grid."""
 
     grid: TimeGrid
-    #: role -> values, shape (steps,). Fixes are NaN at steps without one, references in long gaps.
+    #: role -> values, shape (steps,). References are NaN in long gaps.
     channels: Mapping[str, Array]
-    #: quantity (but fixes) -> values, shape (steps, 2), which share memory with `channels`; an axis
-    #: that was not requested is zero.
+    #: quantity -> values, shape (steps, 2), which share memory with `channels`; an axis that was
+    #: not requested is zero.
     pairs: Mapping[str, Array]
     cutoff: float | None  # Hz, up to which the motion is kept; None if none was derived
     notes: tuple[str, ...]
@@ -50,8 +129,8 @@ class Gridded:
 def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) -> TimeGrid:
     """Return the grid of a rate in Hz over the time that all channels of the roles cover.
 
-    Raises InputError if this time is shorter than 1 s, or the grid would have more than
-        `MOST_STEPS` steps.
+    Raises InputError if this is shorter than 1 s, or the grid would have more than `MOST_STEPS`
+        steps.
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
@@ -79,28 +158,21 @@ def to_grid(
 ) -> Gridded:
     """Resample channels to a grid.
 
-    Frequencies up to 0.4 of the lower rate (of the channel and of the grid) are kept in full, those
-    above half of it removed. A channel whose samples lie on the grid is not changed. Irregular
-    times and missing samples are first interpolated (`fill`). GNSS fixes move to the nearest step,
-    and of two fixes at one step the later one is kept.
+    Frequencies up to 0.4 of the lower rate (of channel and grid) are kept in full, those above half
+    of it removed; samples on the grid are not changed. Irregular times and missing samples are
+    first interpolated (`fill`).
 
-    recording, roles: a checked recording, and the roles of its channels to resample, e.g.
-        "position_x".
-    rate: Rate of the grid, Hz; not used if `grid` is given.
-    grid: By default it covers the time that the channels have in common, without fixes and
-        references if there are others.
+    recording, roles: a checked recording, and the roles to resample, e.g. "position_x".
+    rate: of the grid, Hz; not used if `grid` is given.
+    grid: by default it covers the time that the channels have in common, without references if
+        there are others.
     """
     if grid is None:
-        dense = [role for role in roles if not role.startswith(("fix", "reference"))]
+        dense = [role for role in roles if not role.startswith("reference")]
         grid = find_common_grid(recording, dense or roles, rate)
     channels: dict[str, Array] = {}
     pairs: dict[str, Array] = {}
-    notes: list[str] = []
     for role in roles:
-        if role.startswith("fix"):
-            channels[role], said = _place_fixes(recording, role, grid)
-            notes += said
-            continue
         source, step, holes = make_uniform(recording, role)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
         values = _take_if_on_grid(source, step, grid)
@@ -111,15 +183,11 @@ def to_grid(
         channels[role][:] = values
         if role.startswith("ref"):
             mark_gaps(channels[role], grid, holes)
-    return Gridded(grid, channels, pairs, None, tuple(dict.fromkeys(notes)))
+    return Gridded(grid, channels, pairs, None, ())
 
 
 def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
-    """Make an array of zeros, shape (steps,), for a role.
-
-    For a role with an axis it is a column of the array `pairs[quantity]`, which is added if
-    missing.
-    """
+    """Make zeros, (steps,), for a role; with an axis they are a column of `pairs[quantity]`."""
     quantity, _, axis = role.rpartition("_")
     if axis not in ("x", "y"):
         return np.zeros(grid.steps)
@@ -129,11 +197,7 @@ def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
 def make_uniform(
     recording: Recording, role: str
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
-    """Return a channel as uniform samples: ((start, samples), step, gaps).
-
-    `start` and `step` are in s. Missing samples are interpolated. Gaps are those of
-    `checks.find_gaps`.
-    """
+    """Return a channel as uniform samples, gaps filled: (start, samples), step, gaps."""
     time, values = recording.series(role)
     comb, holes = fit_comb(time), find_gaps(time)
     if comb.uniform and comb.count == len(time):
@@ -142,10 +206,10 @@ def make_uniform(
 
 
 def fill(time: Array, values: Array, comb: Comb) -> Array:
-    """Interpolate a channel at the teeth of the comb of its times; return shape (comb.count,).
+    """Interpolate a channel, (n,), at the teeth of the comb of its times; return (comb.count,).
 
-    The spline is cubic, in long gaps (`checks.find_gaps`) monotone. Samples that lie on teeth are
-    not changed. `time` (s) and `values` have shape (n,).
+    The spline is cubic, in long gaps (`checks.find_gaps`) monotone. Samples on teeth are not
+    changed.
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -161,10 +225,6 @@ def fill(time: Array, values: Array, comb: Comb) -> Array:
 
 
 def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
-    """Return the samples at the times of a grid; None unless all have one.
-
-    `source` is (start, samples). A sample may be off the grid's time by 1e-3 of `step`.
-    """
     start, values = source
     first = (grid.start - start) / step
     drift = abs(step * grid.rate - 1.0) * grid.steps
@@ -185,21 +245,3 @@ def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -
     """Set the values inside gaps, each (start, end) in s, to NaN, in place."""
     if holes:
         values[_mark_inside(grid.time, holes)] = np.nan
-
-
-def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
-    """Move fixes to the nearest steps of a grid; return values (else NaN) and notes."""
-    time, values = recording.series(role)
-    exact = (time - grid.start) * grid.rate
-    place = np.rint(exact).astype(np.int64)
-    kept = (place >= 0) & (place < grid.steps)
-    result = np.full(grid.steps, np.nan)
-    result[place[kept]] = values[kept]
-    moved = float(np.max(np.abs(exact - place)[kept], initial=0.0)) / grid.rate
-    notes = []
-    if moved > 1e-6:
-        notes.append(f"fixes moved to the nearest step, by {moved:.3g} s at most")
-    lost = int(kept.sum()) - len(np.unique(place[kept]))
-    if lost:
-        notes.append(f"{role}: {lost} fixes dropped: a later fix fell on the same IMU step")
-    return result, notes

@@ -48,24 +48,18 @@ def read(
 ) -> Recording:
     """Read and check one recorded file; return its contents by role, in SI units.
 
-    If the file holds the hub's motion in parts (a platform's motion and a tower's bending), the
-    position is composed from them (`composing.compose`), and a note says so.
+    If the file holds the hub's motion in parts, the position is composed from them (`compose`).
 
     path: the file.
-    columns: role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Other roles are guessed from
-        well-known names; None or "" leaves a role out.
+    columns: role -> channel; other roles are guessed from well-known names, "" leaves one out.
     units: role -> unit, in place of the file's. Without any unit SI is assumed, and a note says so.
-    gaps: What happens to gaps of more than 0.1 s and five steps in motion and specific force:
+    gaps: what happens to gaps of more than 0.1 s and five steps in motion and specific force:
         "refuse" or "interpolate".
-    motion: Which motion to take: "auto" is the hub's, as far as the file holds it; "tower" the
-        bending of the tower alone; "rigid" the platform with a stiff tower; "platform" the platform
-        alone.
-    tower_height: Height of the tower top above the platform's reference point, m; needed to
-        compose.
-    rotation: How the platform's angles are to be read: "zyx" as turns about z, y and x, as in
-        OpenFAST from 4.0 on; "small" as the small angles of FAST and of OpenFAST before.
-    Raises InputError if the file cannot be read or fails a check; the message names the file and
-        what is wrong.
+    motion: "auto" is the hub's, as far as the file holds it; "tower" the bending of the tower
+        alone; "rigid" the platform with a stiff tower; "platform" the platform alone.
+    tower_height: of the tower top above the platform's reference point, m; needed to compose.
+    rotation: of the platform: "zyx" as in OpenFAST from 4.0 on, "small" as in FAST and before.
+    Raises InputError if the file cannot be read or fails a check.
     """
     if gaps not in GAPS:
         raise InputError(f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
@@ -109,7 +103,6 @@ def _find_leans(
     names: Mapping[str, str],
     factors: Mapping[str, float],
 ) -> dict[str, tuple[str, Array | None]]:
-    """Return `Recording.leans`; `factors` has the roles of which user or part decide."""
     leans: dict[str, tuple[str, Array | None]] = {}
     for axis, role in TILT.items():
         name = names.get(role)
@@ -126,7 +119,6 @@ def _find_leans(
 
 
 def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub: Hub) -> str:
-    """Put positions composed from parts in the place of these, and return a note for the user."""
     values = {role: channels.pop(role) for role in PARTS if role in channels}
     names = {role: chosen.pop(role) for role in PARTS if role in chosen}
     composed, sources, note = compose(path, values, names, hub)
@@ -139,7 +131,6 @@ def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub
 def _scale_to_si(
     loaded: Mapping[str, Array], role: str, chosen: Mapping[str, str], scale: float
 ) -> Array:
-    """Return the values of a role in SI units; no copy is made where none is needed."""
     values = loaded[chosen[role]]
     shared = list(chosen.values()).count(chosen[role]) > 1  # one channel plays two roles
     if shared or not values.flags.writeable:
@@ -152,7 +143,6 @@ def _scale_to_si(
 def _assign_roles(
     table: ChannelTable, columns: Mapping[str, str | None], hub: Hub
 ) -> tuple[dict[str, str], str]:
-    """Return role -> channel, "time" first, and a note on the channels of the motion ("": none)."""
     chosen = assign_roles(table, columns)
     if "time" not in chosen:
         raise refuse_without_time(table, "columns.time=NAME")
@@ -176,8 +166,7 @@ def find_factors(
 
     `chosen` maps roles to channels, and `units` maps roles to units as the user says.
 
-    Raises InputError if `units` names an unknown role, or a unit is not known or is not of the
-        role's dimension.
+    Raises InputError if a role or a unit is not known, or a unit is of another dimension.
     """
     for role in units:
         if role not in ROLES:

@@ -118,9 +118,7 @@ def describe_jitter(comb: Comb, median: float) -> str:
 
 
 def _resolution(time: Array) -> float:
-    """Find the largest power of ten, 1e-9 to 1 s, of which the first times are multiples (else
-    1e-9).
-    """
+    """Find the largest power of ten, 1e-9 to 1 s, of which the first times are multiples."""
     some = time[: 1 << 16]
     for place in range(10):
         scaled = some * 10.0**place

@@ -20,6 +20,7 @@ from owtsweep.motion.recorded.checks import (
     check_extent,
     check_time,
     describe_gaps,
+    describe_missing,
     find_gaps,
     require_possible,
 )
@@ -101,35 +102,29 @@ def read_signals(
 ) -> Signals:
     """Read the signals of a file at uniform times, those of the file or near them.
 
-    If times jitter, or rows up to `WIDEST` steps apart are missing, the signals are resampled, and
-    a note says so.
+    If times jitter, or rows up to `WIDEST` steps apart are missing, signals are resampled, with a
+    note.
 
     path, wanted: the file, and the signals that it may have.
     items: the value of the key `wanted.key`.
-    others: Further files that the items are for.
+    others: further files that the items are for.
     Raises InputError if the file cannot be read, a column, a unit or a number is missing or wrong,
-        times do not rise, or the rows are too far apart or too near each other.
+        times do not rise, or rows are too far apart or too near each other.
     """
     table = open_table(path)
     _check_items(items, [(table, wanted), *others])
     found = _load_signals(table, wanted, items)
     check_time(found.path, found.columns["time"], found.time)
     for signal, values in found.values.items():
-        missing = np.flatnonzero(np.isnan(values))
-        if len(missing):
-            raise refuse(
-                found.path,
-                f"{signal} (channel {found.columns[signal]}) has no number in data row "
-                f"{missing[0] + 1} ({len(missing)} such rows in all); fill the gaps or cut the "
-                "record there",
-            )
+        if missing := describe_missing(f"{signal} (channel {found.columns[signal]})", values):
+            raise refuse(found.path, f"{missing}; fill the gaps or cut the record there")
     return _make_uniform(found)
 
 
 def read_fixes(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
     """Read the rows of an opened file in which no needed signal is missing; times may be uneven.
 
-    Errors are those of `read_signals`; the items are not checked, for they may be for other files.
+    Errors are those of `read_signals`; items are not checked, for they may be for other files.
     """
     found = _load_signals(table, wanted, items)
     there = np.isfinite(found.stack(wanted.needed)).all(axis=1)
@@ -142,7 +137,6 @@ def read_fixes(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Sig
 
 
 def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wanted]]) -> None:
-    """Check that each item names a signal, and a column of a file that may have it."""
     for item in items:
         signal, _, rest = item.partition(":")
         key = files[0][1].key
@@ -157,7 +151,6 @@ def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wante
 
 
 def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
-    """Read the signals of an opened file; NaN is a missing number, `step` is not found yet."""
     columns, units = _find_columns(table, wanted, items)
     loaded = table.load(list(dict.fromkeys(columns.values())), None)
     values: dict[str, Array] = {}
@@ -182,7 +175,6 @@ def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> 
 
 
 def _find(table: ChannelTable, rest: str) -> tuple[str, str] | None:
-    """Return name and unit ("": none is given) of what follows the signal in an item."""
     name, _, unit = rest.rpartition(":")
     for each, given in ((rest, ""), (name, unit)):  # a name may hold a colon
         if each.strip():
@@ -196,7 +188,6 @@ def _find(table: ChannelTable, rest: str) -> tuple[str, str] | None:
 def _find_columns(
     table: ChannelTable, wanted: Wanted, items: Sequence[str]
 ) -> tuple[dict[str, str], dict[str, str]]:
-    """Return signal -> column, and signal -> unit of those with a given one."""
     columns: dict[str, str] = {}
     units: dict[str, str] = {}
     for item in items:
@@ -230,7 +221,6 @@ def _find_columns(
 
 
 def _make_uniform(found: Signals) -> Signals:
-    """Return signals at uniform times, unchanged where the file's times are uniform."""
     path, time, name = found.path, found.time, f"time ({found.columns['time']})"
     check_extent(path, name, time)
     even = fit_comb(time, np.arange(len(time), dtype=float))  # much jitter looks like missing rows

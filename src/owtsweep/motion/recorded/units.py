@@ -65,8 +65,7 @@ def find_dimension(unit: str) -> str | None:
 def find_factor(unit: str, wanted: str, argument: str) -> float:
     """Return the factor from a unit to the SI unit of the dimension `wanted`, e.g. "length".
 
-    Raises InputError if the unit is not in `DIMENSIONS` or has another dimension. The message
-        starts with `argument`, which says where the unit comes from.
+    Raises InputError, which begins with `argument`, if the unit is unknown or of another dimension.
     """
     si, table = DIMENSIONS[wanted]
     spelling = normalise_unit(unit)

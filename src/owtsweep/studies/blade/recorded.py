@@ -70,11 +70,7 @@ class Recorded(Section):
     velocity_sigma: NotNegative = key("error of the velocity at the start", unit="m/s", default=0.1)
 
     def check(self) -> None:
-        """Check that sensors and rotations can be.
-
-        Raises InputError if files or points are missing, or a rotation is none; the message says
-            what would work.
-        """
+        """Check that sensors and rotations can be."""
         require(
             self.imu != "",
             "recorded.imu: name the table of the inertial unit, e.g. recorded.imu=imu.csv "

@@ -19,9 +19,9 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import expand_home
 from owtsweep.motion.recorded import Signals, Wanted, open_table, read_signals
-from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.nmea import FORMAT as NMEA
 from owtsweep.motion.recorded.formats.table import ChannelTable
+from owtsweep.motion.recorded.formats.text_layout import ISO_TIME
 from owtsweep.motion.recorded.signals import read_fixes
 from owtsweep.studies.blade.aligning import align
 from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Setting, Truth
@@ -116,8 +116,7 @@ def load_lift(config: BladeConfig) -> Lift:
 def read_antenna(table: ChannelTable, columns: Sequence[str]) -> Fixes:
     """Read the positions of an antenna from an opened file.
 
-    Raises InputError if a column is missing, times do not increase, or a position is none or
-        absurdly large.
+    Raises InputError if a column is missing, times do not increase, or a position is impossible.
     """
     named = {item.partition(":")[0] for item in columns}
     globe = "latitude" in (*table.names, *named) and "x" not in table.names
@@ -145,8 +144,7 @@ def place_fixes(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return fixes at the nearest samples, m, shape (steps, k, 3), and where they are float.
 
-    The frame has x north, y west and z up from the first fix if positions are on the globe, and is
-    that of the files if not.
+    The frame is that of the files, or has x north, y west and z up from the first fix on the globe.
 
     Raises InputError if files differ in kind or in what heights are above, GNSS is faster than the
         samples, or a package is missing.
@@ -181,7 +179,6 @@ def place_fixes(
 
 
 def _level(fixes: Fixes, origin: Array) -> Array:
-    """Return positions on the globe (WGS84) as north, west and up of an origin, m, (n, 3)."""
     try:
         from pymap3d import geodetic2enu
     except ModuleNotFoundError:

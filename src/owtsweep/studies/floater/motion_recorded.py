@@ -1,9 +1,7 @@
 """Reads a recorded motion of six degrees of freedom as a truth.
 
-The file has a column of time and six of positions. Velocities and accelerations are those of a
-spline of degree 5 through the positions, so that all three are exact derivatives of each other.
-Columns u, v, w, p, q, r (derivatives of the six, in the basin's frame as in section 2.3) and ax,
-ay, az (accelerations there) take their place where the file has them.
+Velocities and accelerations are those of a spline of degree 5 through the positions, or columns u,
+v, w, p, q, r (derivatives of the six, in the basin's frame as in section 2.3) and ax, ay, az.
 """
 
 from __future__ import annotations
@@ -41,8 +39,7 @@ def read_motion(
 ) -> Series:
     """Read a recorded motion; before the record it rests at its first position.
 
-    `motion` is the section, with a file; `stream` and `roll` are not used, because nothing is
-    random. The samples of `span` are taken from the file's beginning.
+    The samples of `span` are taken from the file's beginning; `stream` and `roll` are not used.
 
     Raises InputError if the file cannot be used, lacks a column, is too short, or has another step.
     """

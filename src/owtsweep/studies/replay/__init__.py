@@ -24,8 +24,8 @@ __all__ = ["ReplayStudy"]
 class ReplayStudy(HubKeys, Engine):
     """The study of recorded data, which is also its only engine.
 
-    A block of the plan runs one scheme on one record. A further block for each record runs no
-    scheme: it measures the record itself.
+    A block runs one scheme on one record; a further block for each record measures the record
+    itself.
     """
 
     name = "replay"
@@ -39,7 +39,6 @@ class ReplayStudy(HubKeys, Engine):
     }
 
     def config_type(self) -> type[ReplayConfig]:
-        """Return the configuration's type: the hub study's keys, and keys on reading records."""
         from owtsweep.studies.replay.config import ReplayConfig
 
         return ReplayConfig
@@ -64,25 +63,20 @@ class ReplayStudy(HubKeys, Engine):
         super().check(config)
 
     def describe_origin(self, config: HubConfig) -> str:
-        """Return nothing, because a replay's truth is in its record."""
         return ""
 
     def conditions(self, config: ReplayConfig) -> tuple[Condition, ...]:
-        """Return an empty tuple: a replay has records instead of a grid of conditions."""
         return ()
 
     def engine(self, config: ReplayConfig) -> ReplayStudy:
-        """Return the study itself, which is also its only engine."""
         return self
 
     def plan(self, config: ReplayConfig) -> list[Block]:
-        """Return the plan: for every file a block on the record itself, and a block per scheme."""
         from owtsweep.studies.replay.blocks import plan
 
         return plan(config)
 
     def backend(self, config: ReplayConfig) -> str:
-        """Return joblib's backend: threads for compiled kernels, otherwise processes."""
         from owtsweep.studies.hub.public import backend, resolve_all
 
         return backend(config, resolve_all(config.schemes, config))
@@ -90,7 +84,6 @@ class ReplayStudy(HubKeys, Engine):
     def run(
         self, config: ReplayConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of the plan that share a record; yield each block with its rows of results."""
         from owtsweep.studies.replay.blocks import run
 
         return run(config, blocks)
@@ -99,13 +92,11 @@ class ReplayStudy(HubKeys, Engine):
         return ["file", "scheme", "measure", "window", "replicate"]
 
     def tables(self, config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables "replay", "errors", "records" and "advice" from a run's rows."""
         from owtsweep.studies.replay.results import aggregate
 
         return aggregate(config, rows)
 
     def terminal(self, config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Make the terminal's output: the advice, and with a single record the table of errors."""
         from owtsweep.studies.replay.terminal import render_answer
 
         return render_answer(config, tables)
@@ -117,13 +108,11 @@ class ReplayStudy(HubKeys, Engine):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """Return the figures of the only record, or a map of the best schemes of several."""
         from owtsweep.studies.replay.figures.listing import drawings
 
         return drawings(config, tables, metadata)
 
     def overview(self, config: ReplayConfig) -> str:
-        """Return the main figure: the position over some seconds, or the map of several records."""
         from owtsweep.studies.replay.figures.listing import overview
 
         return overview(config)

@@ -1,15 +1,11 @@
 """Advise which scheme to run, by how much it beats the runner-up, and whether the margin matters.
 
-Schemes are compared in pairs on the same data. If noise was simulated, they are compared replicate
-by replicate. If everything was recorded, there is a single replicate; then schemes are compared
-part by part of the settled record.
+Schemes are compared in pairs on the same data: replicate by replicate, or, if everything was
+recorded, part by part of the settled record.
 
-Recommended is the simplest of those schemes and baselines that are not worse. The order of
-simplicity is NONE, HOLD, DELTA, EKF and MKF, HME1, HME2, then schemes of a user. A scheme or
-baseline is worse if its error is larger than the least error by a difference that matters: by
-`LEAST_MARGIN` at least, with a 95 % interval above zero, or by `LARGE_MARGIN`. So a scheme is not
-recommended where a baseline has less error. Where a scheme and a baseline cannot be told apart, the
-baseline is recommended.
+Recommended is the simplest of those schemes and baselines that are not worse; a baseline, if it
+cannot be told apart from a scheme. Worse is an error larger than the least one by a difference that
+matters: by `LEAST_MARGIN` at least, with a 95 % interval above zero, or by `LARGE_MARGIN`.
 """
 
 from __future__ import annotations
@@ -23,8 +19,8 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES, INSTEAD
-from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.identification.words import ESTIMATED
+from owtsweep.studies.replay.measures import BASELINE_ROWS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,19 +56,13 @@ def compare(
 ) -> dict[str, object] | None:
     """Find the best scheme and the runner-up, and whether the difference of their errors matters.
 
-    It matters if its 95 % interval lies above zero and the margin, which is difference / best
-    error, is at least `LEAST_MARGIN`. With a single sample there is no interval, and only the
-    margin decides.
+    It matters if its 95 % interval lies above zero and the margin, difference / best error, is at
+    least `LEAST_MARGIN`; with a single sample only the margin decides.
 
-    Return the columns of the table of advice from `best` to `matters` (see `COLUMNS`). None if no
-    scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters` is
-    False, and the numbers on the runner-up are left out.
-
-    samples: Mean squared errors, shape (schemes, n), in n replicates or in n parts of a record; NaN
-        where a scheme has no value.
-    whole: the mean squared errors by which schemes are ranked, shape (schemes,); by default the
-        means of the samples. Needed if the samples are parts of a record, which only give the
-        interval.
+    samples: mean squared errors of n replicates or parts, (schemes, n); NaN: no value.
+    whole: those by which schemes are ranked, (schemes,); by default the means of the samples.
+    Returns the columns of the table of advice from `best` to `matters`, with an empty `runner_up`
+        if no scheme differs from the best; None if no scheme has a value.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -112,14 +102,11 @@ def compare(
 def advise_from_record(
     values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
 ) -> dict[str, object] | None:
-    """Advise which scheme to run, from the schemes' errors on one record.
+    """Advise which scheme to run, from the schemes' errors on one record; None if there are none.
 
-    Without reference position, squared distances to later fixes take the place of errors. Return
-    None if no scheme has a value.
+    Without reference position, squared distances to later fixes take the place of errors.
 
-    values: the rows of results on the record, with the columns scheme, replicate, measure, window,
-        value. Rows of baselines have a value of scheme that is in `BASELINE_ROWS`; without such
-        rows, baselines are not considered.
+    values: the rows of results on the record, with those of baselines (`BASELINE_ROWS`).
     """
     measures = set(values["measure"])
     source = "record"
@@ -153,8 +140,7 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
 def recommend(advised: pd.DataFrame) -> str:
     """Write the recommendation for the only record of a run as one sentence; "" if there is none.
 
-    The record's own errors, or its fixes, count before the expected map. If the record contradicts
-    the stated noise, so that the schemes were run with the estimated noise too, that run counts.
+    A record's own errors count before the expected map, and those with the estimated noise first.
     """
     if advised.empty:
         return ""
@@ -186,18 +172,14 @@ def choose_simplest(
 ) -> dict[str, object]:
     """Choose the simplest of the schemes and baselines that are not worse than another.
 
-    Return the columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline`
-    is what is recommended if that is a baseline, otherwise the baseline of the least error; without
-    baselines it is "", and the numbers on it are left out. `baseline_difference` is the best
-    scheme's error minus that of the baseline, so it is positive where the baseline is better.
-
-    samples: Mean squared errors in n replicates or n parts of a record, shape (schemes and
-        baselines, n); NaN where there is no value. Those are compared that have every value which
-        the best scheme has.
-    names: names of schemes and baselines. A name may be there twice; the first one counts.
+    samples: mean squared errors, (schemes and baselines, n); those are compared that have every
+        value which the best scheme has.
+    names: of schemes and baselines; of a name that is there twice the first one counts.
     best: the scheme of the least error.
-    whole: the mean squared errors of the whole record, shape (schemes and baselines,); by default
-        the means of the samples.
+    whole: the errors of the whole record; by default the means of the samples.
+    Returns the columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline`
+        is what is recommended, if a baseline, else the best one ("": none); `baseline_difference`
+        is positive where it beats the best scheme.
     """
     at_best = list(names).index(best)
     common = np.isfinite(samples[at_best])
@@ -230,7 +212,6 @@ def choose_simplest(
 
 
 def _is_worse(samples: Array, means: Array, one: int, other: int) -> bool:
-    """Say whether the error of `one` is larger than `other`'s by a difference that matters."""
     difference, half = _compare(samples, means, one, other)
     if difference == 0.0 or not difference >= LEAST_MARGIN * means[other]:
         return False
@@ -239,10 +220,6 @@ def _is_worse(samples: Array, means: Array, one: int, other: int) -> bool:
 
 
 def _compare(samples: Array, means: Array, one: int, other: int) -> tuple[float, float]:
-    """Return the error of `one` minus that of `other`, and half the 95 % interval of its mean.
-
-    The half is NaN for a single sample.
-    """
     _, error, n = mean_and_error(samples[one] - samples[other])
     half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
     return float(means[one] - means[other]), half
@@ -251,15 +228,14 @@ def _compare(samples: Array, means: Array, one: int, other: int) -> tuple[float,
 def relate_to_record(
     values: Mapping[str, float], by_record: Mapping[str, object] | None, share: float
 ) -> dict[str, object]:
-    """Say whether the expected map advises for a record, and whether it contradicts the record.
+    """Return the columns fit_share, advises and contradicts_record of the table of advice.
 
-    `values`: name of a scheme or baseline -> its error by the expected map. `by_record`: the row of
-    the table of advice by the record's own errors, if there is one. `share`: the share of the
-    record's variance that the fitted spectrum covers.
-
-    Return the columns fit_share, advises and contradicts_record of the table of advice. The map
-    contradicts the record if what the record recommends has, by the map, an error that is larger
+    The map contradicts the record if what the record recommends has, by the map, an error larger
     than the least one by `LEAST_MARGIN` or more.
+
+    values: scheme or baseline -> its error by the map.
+    by_record: the row by the record's own errors, if there is one.
+    share: of the record's variance that the fitted spectrum covers.
     """
     contradicts = False
     chosen = "" if by_record is None else str(by_record["recommended"])

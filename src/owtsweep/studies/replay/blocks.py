@@ -6,23 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError, as_text
-from owtsweep.studies.hub.public import (
-    SCHEMES,
-    WIDTH,
-    Scheme,
-    Sensors,
-    backend,
-    make_sensors,
-    resolve_all,
-)
+from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay import facts, measures
-from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
@@ -34,6 +25,7 @@ from owtsweep.studies.replay.identification.words import (
     name_second_run,
 )
 from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.measures import measure_baselines
 from owtsweep.studies.replay.record import (
     LONG,
     ReplayRecord,
@@ -63,60 +55,52 @@ NOT_SHARED = ("table", "noise", "disagreement")
 
 def plan(config: ReplayConfig) -> list[Block]:
     """Return the plan: for every file a block on the record itself, then a block per scheme."""
-    shared = _collect_shared_content(config)
-    schemes = resolve_all(config.schemes, config)
+    schemes = hub.resolve_all(config.schemes, config)
+    describer = facts.choose_describer(config)
+    estimator = hub.SCHEMES.describe_content(config, config.schemes[describer], schemes[describer])
     # Threads share a record, so each scheme is a group. Processes would each have to read it.
     apart = (
-        config.compute.backend in ("auto", "threading") and backend(config, schemes) == "threading"
+        config.compute.backend in ("auto", "threading")
+        and hub.backend(config, schemes) == "threading"
     )
-    pairs = zip(config.schemes, schemes, strict=True)
-    contents = [SCHEMES.describe_content(config, entry, scheme) for entry, scheme in pairs]
     blocks = []
     for label, file in label_files(config.grid.files).items():
         # a file that may not be read fails with that reason when its blocks are run
         digest = hash_file(file) if may_read(file) else ""
-        content = {**shared, "file": label, "digest": digest}
-        content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
-        first = {
-            **content,
-            "scheme": RECORD,
-            "window": config.measures.window,
-            "estimator": contents[facts.choose_describer(config)],
-        }
-        blocks.append(Block(label, f"{label}, the record", first, 1))
-        for scheme, part in zip(schemes, contents, strict=True):
-            name, anew = f"{label}, {scheme.name}", SCHEMES.explain_anew(scheme)
-            group = name if apart else label
-            blocks.append(Block(group, name, {**content, **part}, 1, anew=anew))
-        blocks += _plan_noise(config, label, file, content, apart=apart)
+        ending = "".join(Path(file).suffixes[-2:]).lower()
+        of_file: dict[str, object] = {"file": label, "digest": digest, "ending": ending}
+        content = {**_collect_shared_content(config), **of_file}
+        whole = {"scheme": RECORD, "window": config.measures.window, "estimator": estimator}
+        blocks.append(Block(label, f"{label}, the record", {**content, **whole}, 1))
+        blocks += _plan_schemes(config, content, apart=apart)
+        noise = _find_noise(config, file)
+        if noise.parameters:
+            first = {**content, "scheme": NOISE, "noise": "estimate"}
+            blocks.append(Block(label, f"{label}, its noise", first, 1))
+        if noise.parameters and not noise.agrees:
+            other = use_estimates(config, noise)
+            content = {**_collect_shared_content(other), **of_file, "noise": ESTIMATED}
+            again = {**content, "scheme": RECORD}  # a baseline's errors depend on the delay
+            blocks.append(Block(label, f"{label}, its baselines again", again, 1))
+            blocks += _plan_schemes(other, content, apart=apart)
     return blocks
 
 
-def _plan_noise(
-    config: ReplayConfig, label: str, file: str, content: Mapping[str, object], *, apart: bool
-) -> Iterator[Block]:
-    """Yield a block on a record's noise; if the stated noise is not that, those of a second run.
-
-    The second run has a block for the baselines, whose errors depend on the estimated delay, and
-    one per scheme.
-    """
-    noise = Noise()
+def _find_noise(config: ReplayConfig, file: str) -> Noise:
     with suppress(InputError):  # `verify` says so before anything runs
         if config.replay.noise == "estimate":
-            noise = estimate_noise(config, file)
-    if not noise.parameters:
-        return
-    first = {**content, "scheme": NOISE, "noise": "estimate"}
-    yield Block(label, f"{label}, its noise", first, 1)
-    if noise.agrees:
-        return
-    other = use_estimates(config, noise)
-    shared = {**content, **_collect_shared_content(other), "noise": ESTIMATED}
-    yield Block(label, f"{label}, its baselines again", {**shared, "scheme": RECORD}, 1)
-    for scheme, entry in zip(resolve_all(other.schemes, other), other.schemes, strict=True):
-        name, anew = f"{label}, {name_second_run(scheme.name)}", SCHEMES.explain_anew(scheme)
-        second = {**shared, **SCHEMES.describe_content(other, entry, scheme)}
-        yield Block(name if apart else label, name, second, 1, anew=anew)
+            return estimate_noise(config, file)
+    return Noise()
+
+
+def _plan_schemes(
+    config: ReplayConfig, content: Mapping[str, object], *, apart: bool
+) -> Iterator[Block]:
+    for scheme, entry in zip(hub.resolve_all(config.schemes, config), config.schemes, strict=True):
+        name = name_second_run(scheme.name) if "noise" in content else scheme.name
+        told, label = f"{content['file']}, {name}", str(content["file"])
+        own = {**content, **hub.SCHEMES.describe_content(config, entry, scheme)}
+        yield Block(told if apart else label, told, own, 1, anew=hub.SCHEMES.explain_anew(scheme))
 
 
 def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
@@ -134,68 +118,56 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
     """Run blocks of the plan that share a record, which is read once; yield each with its rows."""
     import pandas as pd
 
-    sensors = make_sensors(config.sensors)
     files = label_files(config.grid.files)
-    schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
-    settled = config.measures.find_settled(sensors.step)
     for block in blocks:
         label, name = block.content["file"], block.content["scheme"]
         try:
             record = load_record(config, files[label])
-            if config.replay.noise == "estimate":
-                estimate_noise(config, files[label])  # refuses a force that contradicts positions
+            noise = Noise()
+            if config.replay.noise == "estimate":  # refuses a force that contradicts positions
+                noise = estimate_noise(config, files[label])
         except InputError as error:  # one bad file of many
             rows = [_make_failed_row(label, name, 0, str(error))]
         else:
-            noise = block.content.get("noise")
-            if noise == "estimate":
-                found = list_values(estimate_noise(config, files[label]))
-                rows = [_make_row(label, NOISE, 0, one) for one in found]
-            elif noise == ESTIMATED:
-                other = use_estimates(config, estimate_noise(config, files[label]))
-                known = make_sensors(other.sensors)
-                if name == RECORD:
-                    rows = _measure_baselines(other, record, label, known, settled)
-                else:
-                    scheme = {one.name: one for one in resolve_all(other.schemes, other)}[name]
-                    rows = _run_scheme(other, record, label, scheme, known, settled)
-                rows = [(row[0], name_second_run(row[1]), *row[2:]) for row in rows]
-            elif name == RECORD:
-                found = facts.measure_record(config, record)
-                rows = [_make_row(label, RECORD, 0, one) for one in found]
-                rows += _measure_baselines(config, record, label, sensors, settled)
-            else:
-                rows = _run_scheme(config, record, label, schemes[name], sensors, settled)
+            rows = [*_run_block(config, record, block.content, noise)]
             release_memory(record)
         table = pd.DataFrame(rows, columns=list(COLUMNS))
         yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
 
-def _measure_baselines(
-    config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
-) -> list[Row]:
-    rows: list[Row] = []
-    sums = sum_motion(record, sensors, settled)
-    for replicate in range(count_replicates(config, record)):
-        fixes = listen(config, sensors, record, replicate).fixes
-        errors = measure_baselines(record, sums, fixes, sensors, settled)
-        rows += [_make_row(label, name, replicate, error) for name, error in errors]
-    return rows
+def _run_block(
+    config: ReplayConfig, record: ReplayRecord, content: Mapping[str, Any], noise: Noise
+) -> Iterator[Row]:
+    label, name = content["file"], content["scheme"]
+    again = content.get("noise") == ESTIMATED
+    if again:
+        config = use_estimates(config, noise)
+    sensors = hub.make_sensors(config.sensors)
+    settled = config.measures.find_settled(sensors.step)
+    if name == NOISE:
+        rows = [_make_row(label, NOISE, 0, one) for one in list_values(noise)]
+    elif name == RECORD:
+        found = [] if again else facts.measure_record(config, record)
+        rows = [_make_row(label, RECORD, 0, one) for one in found]
+        for replicate in range(count_replicates(config, record)):
+            fixes = listen(config, sensors, record, replicate).fixes
+            errors = measure_baselines(record, fixes, sensors, settled)
+            rows += [_make_row(label, row, replicate, error) for row, error in errors]
+    else:
+        scheme = {one.name: one for one in hub.resolve_all(config.schemes, config)}[name]
+        rows = _run_scheme(config, record, label, scheme, sensors, settled)
+    for row in rows:
+        yield (row[0], name_second_run(row[1]), *row[2:]) if again else row
 
 
 def _run_scheme(
     config: ReplayConfig,
     record: ReplayRecord,
     label: str,
-    scheme: Scheme,
-    sensors: Sensors,
+    scheme: hub.Scheme,
+    sensors: hub.Sensors,
     settled: int,
 ) -> list[Row]:
-    """Run a scheme on all replicates of a record; return one row per replicate, measure and window.
-
-    If the scheme fails, the only row has the status "failed" and the reason. `label` is the
-    record's name in the rows, `settled` the first step after the settling time.
-    """
     rows: list[Row] = []
     count = count_replicates(config, record)
     edges = measures.cut_into_parts(settled, record.steps)
@@ -217,17 +189,15 @@ def _run_scheme(
     return rows
 
 
-def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int) -> int:
-    """Return the number of replicates to run at once.
+def choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest: int) -> int:
+    """Return how many replicates to run at once, for pieces of at most `longest` steps.
 
-    A kernel always runs `WIDTH` series at once, and a replicate has two series: x and y. The number
-    is smaller if so many replicates would need too much memory: `longest` is the number of steps of
-    a piece, of which each replicate has one in memory. A scheme without kernel, or with
-    engine=reference, runs one replicate at a time.
+    A kernel runs `WIDTH` series at once, two of a replicate; fewer if these would need too much
+    memory, and one by one without a kernel.
     """
     if config.engine != "batch" or scheme.batched != "chain":
         return 1
-    return max(1, min(WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
+    return max(1, min(hub.WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
 
 
 def _make_row(file: str, scheme: str, replicate: int, measured: measures.Measured) -> Row:

@@ -1,47 +1,59 @@
-"""Run one scheme on a record, piece by piece: estimates, covariances, innovations."""
+"""Run one scheme on a record, piece by piece; write the estimates of all schemes to files.
+
+Pieces, because a whole day at 100 Hz would take several GB of memory.
+"""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import Updating, run_steps
 from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
-from owtsweep.studies.hub.public import (
-    Chain,
-    HubConfig,
-    Known,
-    OnePassSeries,
-    Scheme,
-    Sensors,
-    chunks,
+from owtsweep.studies.hub import public as hub
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.record import (
+    LONG,
+    PIECE,
+    ReplayRecord,
+    Signals,
+    cut_into_pieces,
+    listen,
+    release_memory,
 )
-from owtsweep.studies.replay.record import PIECE, Signals
+
+STATES = ("x", "y", "vx", "vy")
+COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
+#: Rows written at once, and approximate bytes of a row in CSV and in Parquet.
+WRITTEN, ROW = 500_000, (160, 60)
 
 
 def estimate_pieces(
-    config: HubConfig,
-    scheme: Scheme,
-    sensors: Sensors,
+    config: hub.HubConfig,
+    scheme: hub.Scheme,
+    sensors: hub.Sensors,
     replicates: Sequence[Signals],
     edges: Sequence[int],
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Run a scheme on some replicates of a record, and yield its estimates piece by piece.
+    """Run a scheme on some replicates of a record; yield a `Trajectory` of each, piece by piece.
 
-    If every fix arrived, the batch engine runs all replicates at once. If fixes are missing, the
-    filter's gains depend on which fixes these are; the scheme's online form (`stream`) then
-    computes the gains step by step. With engine=reference, or if the scheme has neither kernel nor
-    online form, the scheme's `update` is called at every step. The estimates depend neither on
-    where pieces begin nor on the number of replicates.
+    If every fix arrived, the batch engine runs all replicates at once. If fixes are missing, gains
+    depend on which these are: the scheme's online form (`stream`) computes them step by step. With
+    engine=reference, or without kernel and online form, `update` is called at every step. Estimates
+    depend neither on the pieces nor on the number of replicates.
 
-    `edges` are the steps at which the pieces begin, and the number of steps. Yield for each piece
-    one `Trajectory` per replicate. Raise `ValueError` if an estimate lacks a quantity, has the
-    wrong shape or is not finite; the message names the step.
+    edges: the steps at which the pieces begin, and the number of steps.
+    Raises ValueError if an estimate lacks a quantity, has the wrong shape or is not finite.
     """
-    known, start = Known(sensors, config), scheme.start
+    known, start = hub.Known(sensors, config), scheme.start
     if config.engine == "batch":
         complete = all(bool(np.all(np.isfinite(signals.fixes))) for signals in replicates)
         if complete and scheme.batched == "chain":
@@ -52,29 +64,29 @@ def estimate_pieces(
     return zip(*runs, strict=True)
 
 
-def rotate_force(signals: Signals, sensors: Sensors) -> Iterator[Array]:
+def rotate_force(signals: Signals, sensors: hub.Sensors) -> Iterator[Array]:
     """Yield the measured specific force in NED coordinates, in m/s^2, in pieces of shape (n, 2)."""
     return (piece @ sensors.rotation.T for piece in signals.force(PIECE))
 
 
-def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePassSeries, Array]:
-    """Arrange the measurements of several replicates as columns side by side, for the batch engine.
+def make_lanes(
+    replicates: Sequence[Signals], sensors: hub.Sensors
+) -> tuple[hub.OnePassSeries, Array]:
+    """Arrange the measurements of replicates side by side, for the batch engine.
 
-    Return the specific force in NED coordinates (m/s^2, one row per step) and the fixes (m, one row
-    each). Both have the columns x and y of the first replicate, then x and y of the second, and so
-    on.
+    Returns the specific force in NED (m/s^2, one row per step) and the fixes (m, one row each),
+        with the columns x and y of the first replicate, then of the second, and so on.
     """
     pieces = zip(*(rotate_force(signals, sensors) for signals in replicates), strict=True)
     side_by_side = (np.concatenate(parts, axis=1) for parts in pieces)
     fixes = np.concatenate([signals.fixes for signals in replicates], axis=1)
-    return OnePassSeries(side_by_side, (replicates[0].steps, 2 * len(replicates))), fixes
+    return hub.OnePassSeries(side_by_side, (replicates[0].steps, 2 * len(replicates))), fixes
 
 
 def _run_kernel(
-    chain: Chain, sensors: Sensors, replicates: Sequence[Signals], edges: Sequence[int]
+    chain: hub.Chain, sensors: hub.Sensors, replicates: Sequence[Signals], edges: Sequence[int]
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Run the batch engine on all replicates; yield a `Trajectory` of each, piece by piece."""
-    estimates = chunks(chain, *make_lanes(replicates, sensors))
+    estimates = hub.chunks(chain, *make_lanes(replicates, sensors))
     covariances = spread_to_both_axes(chain.covariance)
     first, count, chunk = next(estimates)
     for begin, end in itertools.pairwise(edges):
@@ -108,12 +120,131 @@ def _run_kernel(
 
 
 def _run_estimator(
-    estimator: Updating, sensors: Sensors, signals: Signals, edges: Sequence[int]
+    estimator: Updating, sensors: hub.Sensors, signals: Signals, edges: Sequence[int]
 ) -> Iterator[Trajectory]:
-    force = OnePassSeries(signals.force(PIECE), (signals.steps, 2))
+    force = hub.OnePassSeries(signals.force(PIECE), (signals.steps, 2))
     M = sensors.fix_interval
     for begin, end in itertools.pairwise(edges):
         positions = np.full((end - begin, 2), np.nan)
         first_fix = -(-begin // M)
         positions[first_fix * M - begin :: M] = signals.fixes[first_fix : -(-end // M)]
         yield run_steps(estimator, np.ascontiguousarray(force[begin:end]), positions, first=begin)
+
+
+class SchemeFailed(Exception):
+    """The error for a scheme that fails on a record; its attribute `name` is the scheme's name."""
+
+    def __init__(self, name: str, cause: BaseException) -> None:
+        self.name = name
+        super().__init__(as_text(cause))
+
+
+def run_scheme(
+    config: ReplayConfig,
+    scheme: hub.Scheme,
+    sensors: hub.Sensors,
+    signals: Signals,
+    edges: list[int],
+) -> Iterator[Trajectory]:
+    """Run a scheme on one replicate of a record; yield its estimates from edge to edge.
+
+    Raises SchemeFailed for any error in the scheme, so that the caller can go on with the others.
+    """
+    try:
+        for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):
+            yield piece
+    except (Exception, SystemExit) as error:
+        raise SchemeFailed(scheme.name, error) from error
+
+
+def write_estimates(
+    config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None]
+) -> None:
+    """Write all schemes' estimates on a record (replicate 0) to Parquet, and to a CSV per scheme.
+
+    The columns are `COLUMNS`: time in s and x, y in m as in the record's file, m/s, and standard
+    deviations, NaN without a covariance; the CSV have no `scheme`. A scheme that fails is left out.
+
+    folder: is made if need be.
+    say: shows the user a line, before slow work on a long record.
+    """
+    record = load_record(config, file)
+    sensors = hub.make_sensors(config.sensors)
+    signals = listen(config, sensors, record, 0)
+    schemes = {scheme.name: scheme for scheme in hub.resolve_all(config.schemes, config)}
+    (folder / "estimates").mkdir(parents=True, exist_ok=True)
+    if record.steps > LONG:
+        rows = record.steps * len(schemes)
+        say(
+            f"writing {rows:,} rows of estimates, some {rows * ROW[0] / 1e9:.1f} GB of CSV and "
+            f"{rows * ROW[1] / 1e9:.1f} GB of Parquet"
+        )
+    while True:
+        pieces = {
+            name: run_scheme(
+                config, scheme, sensors, signals, cut_into_pieces(record.steps, WRITTEN)
+            )
+            for name, scheme in schemes.items()
+        }
+        try:
+            _write_all(record, pieces, folder)
+            break
+        except SchemeFailed as error:  # start again, so that the files hold no part of this scheme
+            del schemes[error.name]
+    release_memory(record)
+
+
+def _write_all(
+    record: ReplayRecord, schemes: Mapping[str, Iterator[Trajectory]], folder: Path
+) -> None:
+    import pyarrow as pa
+    import pyarrow.csv as pc
+    import pyarrow.parquet as pq
+
+    fields = [(name, pa.string() if name == "scheme" else pa.float64()) for name in COLUMNS]
+    schema = pa.schema(fields)
+    schema_of_csv = schema.remove(schema.get_field_index("scheme"))
+    with (
+        _replace_when_written(folder / "estimates.parquet") as target,
+        pq.ParquetWriter(target, schema, write_page_checksum=True) as writer,
+    ):
+        for name, pieces in schemes.items():
+            with (
+                _replace_when_written(folder / "estimates" / f"{name}.csv") as temporary,
+                pc.CSVWriter(temporary, schema_of_csv) as text,
+            ):
+                for columns in _make_columns(record, pieces, name):
+                    table = pa.table(columns, schema=schema)
+                    writer.write_table(table)
+                    text.write_table(table.drop_columns(["scheme"]))
+
+
+@contextmanager
+def _replace_when_written(path: Path) -> Iterator[str]:
+    """Give the name of a temporary file inside a `with` block; then rename this file to `path`."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        yield str(temporary)
+        os.replace(temporary, path)
+    except OSError as error:
+        error.add_note(str(path))  # the error itself has the temporary name, or none
+        raise
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _make_columns(
+    record: ReplayRecord, pieces: Iterator[Trajectory], name: str
+) -> Iterator[dict[str, object]]:
+    origin = np.concatenate([record.origin, np.zeros(2)])
+    first = 0
+    for estimated in pieces:
+        part = slice(first, first + len(estimated.state))
+        first = part.stop
+        state, deviation = estimated.state + origin, estimated.deviation
+        yield {
+            "time": record.time_at(part),
+            "scheme": [name] * len(state),
+            **{column: state[:, i] for i, column in enumerate(STATES)},
+            **{f"{column}_std": deviation[:, i] for i, column in enumerate(STATES)},
+        }

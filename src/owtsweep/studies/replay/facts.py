@@ -51,16 +51,13 @@ def pick_facts(records: pd.DataFrame) -> dict[str, float]:
 class MotionSummary:
     """The horizontal motion of a record, in numbers.
 
-    source: where the displacement comes from, in words: the true motion, or the estimate of a
-        scheme.
+    source: where the displacement comes from, in words.
     samples: Number of samples of the displacement.
-    size: "rms" and "peak" of the displacement (m); "direction" of greatest variance (degrees from
-        the x axis); "direction_share", the share (0 to 1) of the variance along this direction.
-    frequency, power: the periodogram of the displacement: Hz and m^2/Hz, shape (n,) each. It ends a
-        little above `BEYOND` times the upper edge of the band.
+    size: "rms" and "peak" (m), "direction" of greatest variance (degrees from x), and
+        "direction_share", the variance's share (0 to 1) along it.
+    frequency, power: the periodogram: Hz and m^2/Hz, (n,), up to a little above `BEYOND` bands.
     modes: the peaks of the spectrum at all frequencies.
-    fit: the spectrum of Eq. (1) of Ren et al. (2019) fitted to the periodogram inside the band, or
-        the reason why it cannot be fitted.
+    fit: the spectrum of Eq. (1) fitted inside the band, or the reason why it cannot be fitted.
     """
 
     source: str
@@ -112,12 +109,6 @@ def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
 
 
 def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Array, str]:
-    """Return the displacement around its mean, shape (n, 2) in m, and its source in words.
-
-    That is the true motion, with gaps filled by straight lines. With `measures.window` "settled",
-    it begins after the settling time, because simulations begin with a transient. If the true
-    motion is unknown, the displacement is a scheme's estimate after the settling time.
-    """
     settled = config.measures.find_settled(record.step)
     if record.position is not None:
         begin = settled if config.measures.window == "settled" else 0
@@ -130,7 +121,6 @@ def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Arra
 
 
 def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Scheme) -> Array:
-    """Return a scheme's estimate of the position in replicate 0, shape (steps, 2) in m."""
     sensors = make_sensors(config.sensors)
     signals = [listen(config, sensors, record, 0)]
     pieces = estimate_pieces(config, scheme, sensors, signals, cut_into_pieces(record.steps))
@@ -162,10 +152,9 @@ def bridge_gaps(xy: Array) -> Array:
 
 
 def find_main_direction(xy: Array) -> tuple[float, float]:
-    """Return the direction of greatest variance of `xy`, and the share of the variance along it.
+    """Return the direction of greatest variance of centred displacements (n, 2), and its share.
 
-    `xy` are displacements around their mean, shape (n, 2). The direction is an angle from the x
-    axis in degrees, in (-90, 90]. The share is between 0 and 1; it is 1 without motion.
+    It is an angle from x in degrees, in (-90, 90]; the share is 1 without motion.
     """
     variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
     x, y = directions[:, 1]
@@ -178,12 +167,9 @@ def find_main_direction(xy: Array) -> tuple[float, float]:
 def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measured]:
     """Yield the facts about a record, each as (name, window "full", value, number of samples).
 
-    The facts are the duration (s); rms and peak (m), direction (degrees from the x axis) and its
-    share of the variance, all of the displacement; and the spectrum of Eq. (1) of Ren et al.
-    (2019), if it could be fitted. The facts `..._error` are standard errors of the fit. The facts
-    `mode_...` are the peaks of the spectrum at all frequencies, at most `MOST_MODES`, the one with
-    the largest share of the variance first. `slow_share` is the share of the variance of motion
-    with periods longer than `slow_period` (s), which a record of this duration cannot time.
+    They are `FACTS`: s, m, degrees; `..._error` are standard errors of the fit of Eq. (1),
+    `mode_...` the peaks of the spectrum, largest first, and `slow_share` the variance's share of
+    periods beyond `slow_period` (s), which a record of this duration cannot time.
     """
     summary = summarise_motion(config, record.file)
     facts = {"duration": record.steps * record.step, **summary.size}

@@ -1,26 +1,32 @@
-"""Gives files of records labels, hashes, and names for titles."""
+"""Gives files of records labels, hashes and names for titles; writes the sample records."""
 
 from __future__ import annotations
 
-import hashlib
+import gzip
 import os
 from collections.abc import Sequence
 from functools import lru_cache
+from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
+from owtsweep.config import require
 from owtsweep.errors import InputError, printable
+from owtsweep.io import reading
+from owtsweep.io.files import name_refusal, write_all
 from owtsweep.io.reading import require_regular
 
 #: The number of characters that fit into a title.
 LONGEST = 80
+#: A hub's motion; and the recordings of an IMU and a GNSS on a hub, with the true position.
+MOTION, SENSORS = "sample_motion.csv", "sample_sensors.csv"
+#: A table for `replay.table`; the pattern "sample_*.csv" does not match its name.
+TABLE = "table_of_samples.csv"
+ROWS = f"file,natural period (s),rms (m)\n{MOTION},4,0.3\n{SENSORS},3.5,0.2\n"
 
 
 def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Give each file a label; return a mapping from label to file, in the order of the files.
-
-    A label is the file's name without extensions. If several files have one name, the second file's
-    label ends in "-2", the third file's in "-3", and so on.
-    """
+    """Return label -> file, in order: the file's name without extensions, or numbered."""
     labels: dict[str, str] = {}
     for file in files:
         stem = printable(Path(file).name.split(".")[0] or Path(file).name)
@@ -32,21 +38,23 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Return the hash of a file's contents; NAME.sel and NAME.dat of HAWC2 share one hash.
-
-    Raise `InputError` if the file cannot be read.
-    """
+    """Return the hash of a file's contents; NAME.sel and NAME.dat of HAWC2 share one hash."""
     path = Path(file)
+    parts = [path]
+    if path.suffix.lower() in (".sel", ".dat"):
+        parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
+    for part in parts:
+        require_regular(part)
     try:
-        parts = [path]
-        if path.suffix.lower() in (".sel", ".dat"):
-            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
-        for part in parts:
-            require_regular(part)
-        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
-        return _hash(states)
+        states = [(part, part.stat().st_size, part.stat().st_mtime_ns) for part in parts]
+        return "".join(_hash(*state) for state in states)
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+
+
+@lru_cache(maxsize=4096)
+def _hash(path: Path, size: int, modified: int) -> str:
+    return reading.hash_file(path)  # once per state of the file
 
 
 def may_read(file: str) -> bool:
@@ -54,21 +62,8 @@ def may_read(file: str) -> bool:
     return os.access(file, os.R_OK) or not os.path.exists(file)
 
 
-@lru_cache(maxsize=4096)
-def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
-    result = hashlib.blake2b(digest_size=16)
-    for name, _, _ in states:
-        with open(name, "rb") as stream:
-            while chunk := stream.read(1 << 20):
-                result.update(chunk)
-    return result.hexdigest()
-
-
 def as_plain(text: str) -> str:
-    """Return a text in a form that matplotlib draws as it is, without reading a part as a formula.
-
-    Characters that cannot be printed are replaced by escape sequences, and each `$` is escaped.
-    """
+    """Return a text that matplotlib draws as it is, without reading a part as a formula."""
     return printable(text).replace("$", r"\$")
 
 
@@ -76,3 +71,30 @@ def name_file(path: str) -> str:
     """Return the name of the file at `path` for a title, cut to `LONGEST` characters."""
     name = Path(path).name
     return as_plain(name if len(name) <= LONGEST else f"{name[:LONGEST]}...")
+
+
+def find_data() -> Traversable:
+    """Return the package's folder of sample records."""
+    return resources.files("owtsweep.studies.replay") / "data"
+
+
+def write_sample(folder: Path) -> list[Path]:
+    """Write the sample records, and a table that names them, into a folder; return their paths.
+
+    Raises InputError if a file of one of these names has other content or cannot be written;
+        nothing is written then.
+    """
+    contents = {folder / TABLE: ROWS.encode()}
+    for name in (MOTION, SENSORS):
+        contents[folder / name] = gzip.decompress((find_data() / f"{name}.gz").read_bytes())
+    try:
+        for path, content in contents.items():
+            require(
+                not path.exists() or (path.is_file() and path.read_bytes() == content),
+                f"--sample: {path.name} is there already, with other content; rename it, or "
+                "write the sample in another folder",
+            )
+        write_all(contents)
+    except OSError as error:
+        raise InputError(f"--sample: {name_refusal(error, folder)}") from error
+    return list(contents)

@@ -38,8 +38,8 @@ INSTEAD = {
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample the record in a file.
 
-    The last two records stay in memory, or only the last one if the records are large. Raise
-    `InputError` if anything is wrong with the file; the one-line message names the file.
+    The last two records stay in memory, or only the last one if they are large.
+    Raises InputError if anything is wrong with the file; the one-line message names it.
     """
     key = _make_key(config, file)
     with _LOCK:
@@ -56,10 +56,7 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
 
 
 def tell_lean(config: ReplayConfig, file: str) -> str:
-    """Return `ReplayRecord.lean` of a file; read it only if it was not read before.
-
-    Raise `InputError` if anything is wrong with the file.
-    """
+    """Return `ReplayRecord.lean` of a file; read it only if it was not read before."""
     key = _make_key(config, file)
     if key not in _LEANS:
         load_record(config, file)
@@ -118,10 +115,6 @@ def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:
 
 
 def _rename(recording: Recording, old: str, new: str) -> Recording:
-    """Return the recording with the channels of one quantity, e.g. "position", renamed.
-
-    If it has channels of `new`, or none of `old`, it is returned unchanged.
-    """
     if recording.has(new) or not recording.has(old):
         return recording
     swap = {f"{old}_{axis}": f"{new}_{axis}" for axis in "xy"}
@@ -149,11 +142,6 @@ def explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
 
 
 def _write_command(config: ReplayConfig, recording: Recording, quantity: str) -> str:
-    """Return the command that replays the file with the channels of `quantity` as `INSTEAD` says.
-
-    Columns and units that the user gave are kept. Beside a specific force the rate of the fixes is
-    stated, unless it is that of the configuration.
-    """
     new = {f"{quantity}_{a}": f"{INSTEAD[quantity][0]}_{a}" for a in _axes(recording, quantity)}
     shown = [*new, *(f"fix_{a}" for a in _axes(recording, "fix") if f"fix_{a}" not in new)]
     columns = {**config.columns.given(), **{role: recording.names[role] for role in shown}}

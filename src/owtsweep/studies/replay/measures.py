@@ -1,9 +1,8 @@
-"""Measure estimates: errors, coverage, consistency, and distances to later fixes.
+"""Measure estimates of schemes and baselines: errors, coverage, distances to later fixes.
 
-If there is no reference position, an estimate is compared with a later fix: the one that arrives
-one GNSS delay later reports the position at the time of the estimate, and the estimate has not used
-it. The mean squared distance is the estimate's MSE plus the variance of a fix, which is equal for
-all schemes.
+Without a reference position, an estimate is compared with the fix that arrives one GNSS delay later
+and reports the same moment; the estimate has not used it. The mean squared distance is its MSE plus
+the variance of a fix, which is equal for all schemes.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub.public import Sensors
+from owtsweep.studies.hub.public import Line, Sensors
 from owtsweep.studies.replay.record import ReplayRecord
 
 WINDOWS = ("full", "settled")
@@ -27,19 +26,29 @@ QUANTILE = 1.959963984540054
 #: Number of lags in the whiteness test.
 LAGS = 10
 
+#: Value of the column `scheme` -> name of the baseline, the simplest first. The values differ from
+#: the names because NONE, HOLD and DELTA may also stand in the key `schemes`.
+BASELINE_ROWS = {"no_estimate": "NONE", "last_fix": "HOLD", "last_two_fixes": "DELTA"}
+#: Value of the column `scheme` -> the line from fix to fix that the baseline follows.
+LINES = {
+    "no_estimate": Line(holds=False, moves=False),
+    "last_fix": Line(holds=True, moves=False),
+    "last_two_fixes": Line(holds=True, moves=True),
+}
+#: The measures of baselines; HOLD has those of each axis too.
+SHOWN = ("position", "velocity", "fix_residual")
 #: Measure, window, value, number of samples.
 Measured = tuple[str, str, float, int]
 
 
 class Tally:
-    """All measures of a scheme in one replicate, computed from its estimates piece by piece.
+    """All measures of a scheme in one replicate, from its estimates piece by piece.
 
-    The pieces always begin and end at the steps of `cut_into_parts`. So the sums are equal to the
-    last bit, however the estimates were computed.
+    Pieces always begin and end at the steps of `cut_into_parts`, so sums are equal to the last bit.
 
-    `record`: the record, with the true motion if it is known. `fixes`: fixes measured in this
-    replicate, shape (fixes, 2) in m; NaN where no fix came. `settled`: the first step after the
-    settling time.
+    record: the record, with the true motion if it is known.
+    fixes: those of this replicate, shape (fixes, 2) in m; NaN where no fix came.
+    settled: the first step after the settling time.
     """
 
     def __init__(self, record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int) -> None:
@@ -82,39 +91,7 @@ class Tally:
             yield from _average("fix_residual", f"part_{number:02d}", self._residual[inside])
 
 
-def measure_last_fix(
-    record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
-) -> Iterator[Measured]:
-    """Yield the mean squared position errors (m^2) of a baseline that holds the last fix.
-
-    Before the first fix, the baseline's position is zero. Nothing is yielded if the true position
-    is unknown. Arguments are as for `Tally`. The measures are "x", "y" and "position", the windows
-    "full" and "settled".
-    """
-    if record.position is None:
-        return
-    last = np.where(np.isfinite(fixes[:, 0]), np.arange(len(fixes)), -1)
-    last = np.maximum.accumulate(last)
-    held = np.where(last[:, None] >= 0, fixes[np.maximum(last, 0)], 0.0)
-    squared = []  # axis by axis and in place, to save memory with a long record
-    for axis in range(2):
-        error = np.repeat(held[:, axis], sensors.fix_interval)[: record.steps]
-        error -= record.position[:, axis]
-        squared.append(np.square(error, out=error))
-    both = squared[0] + squared[1]
-    for window, begin in {"full": 0, "settled": settled}.items():
-        yield from _average("x", window, squared[0][begin:])
-        yield from _average("y", window, squared[1][begin:])
-        yield from _average("position", window, both[begin:])
-
-
 def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
-    """Yield the averages of errors and coverage over the windows "full" and "settled".
-
-    Errors of position and velocity are also averaged over each part of the settled record, with the
-    window "part_00" and so on. `pieces` has for each piece measure -> (sum, number of values). The
-    first piece ends at the settling time; each later piece is one part of the settled record.
-    """
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
             count = sum(piece[name][1] for piece in chosen)
@@ -130,12 +107,7 @@ def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[
 def _sum_errors(
     record: ReplayRecord, estimated: Trajectory, begin: int
 ) -> dict[str, tuple[float, int]]:
-    """Sum squared errors and NEES over a piece; count errors within ±1.96 standard deviations.
-
-    Return measure -> (sum or count, number of values), over the steps at which the true motion is
-    known; empty if it is unknown in the whole record. The axes are processed one after the other on
-    contiguous arrays, because a replay spends most of its time in this function.
-    """
+    """Sum squared errors and NEES over a piece; count errors within ±1.96 standard deviations."""
     if record.position is None:
         return {}
     part = slice(begin, begin + len(estimated.state))
@@ -146,9 +118,11 @@ def _sum_errors(
     for axis in range(2):
         p = estimated.state[:, axis] - position[:, axis]
         v = estimated.state[:, 2 + axis] - velocity[:, axis]
+        squared.append((p**2, v**2))
+        if estimated.covariance is None:
+            continue
         P = estimated.axis_covariance(axis)
         pp, pv, vv = P[:, 0, 0], P[:, 0, 1], P[:, 1, 1]
-        squared.append((p**2, v**2))
         nees.append(_weigh(p, v, pp, pv, vv))
         for which, variance in enumerate((pp, vv)):
             limit = (QUANTILE * np.sqrt(variance)) ** 2
@@ -163,7 +137,7 @@ def _sum_errors(
         **{name: _sum_finite(values) for name, values in series.items()},
         "coverage_position": (float(inside[0, 0]), int(inside[0, 1])),
         "coverage_velocity": (float(inside[1, 0]), int(inside[1, 1])),
-        "nees": _sum_finite(nees[0] + nees[1]),
+        "nees": _sum_finite(nees[0] + nees[1]) if nees else (0.0, 0),
     }
 
 
@@ -174,17 +148,11 @@ def _sum_finite(values: Array) -> tuple[float, int]:
 
 
 def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
-    """Compute one axis' part of NEES: e' P^-1 e with e = (p, v) and P = [[pp, pv], [pv, vv]]."""
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 
 
 def _judge_innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
-    """Yield NIS, mean square and whiteness of the innovations (m) and variances, (n, 2) each.
-
-    The whiteness is left out for 2 * `LAGS` innovations or fewer. Nothing is yielded if there are
-    no innovations.
-    """
     if len(innovation) == 0:
         return
     yield from _average("nis", window, np.sum(innovation**2 / variance, axis=1))
@@ -197,12 +165,10 @@ def _judge_innovations(innovation: Array, variance: Array, window: str) -> Itera
 
 
 def check_whiteness(innovation: Array) -> tuple[float, float]:
-    """Test whether innovations are white, by the test of Ljung and Box (1978).
+    """Test whether innovations, (n, axes) without NaN, are white, by Ljung and Box (1978).
 
-    The test's statistic Q is the sum of n (n + 2) r_k^2 / (n - k) over the lags k = 1, ..., `LAGS`
-    and over the axes; r_k is the autocorrelation at lag k. If the innovations, shape (n, axes)
-    without NaN, are white, Q is chi-squared with (number of lags) * (number of axes) degrees of
-    freedom. Return the autocorrelation at lag 1 (mean over the axes), and the p-value of the test.
+    Q = sum of n (n + 2) r_k^2 / (n - k) over `LAGS` lags k and the axes, r_k being the
+    autocorrelation, is then chi-squared. Return r_1 (mean over the axes), and the p-value.
     """
     from scipy.special import gammaincc
 
@@ -216,10 +182,7 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
 
 
 def cut_into_parts(settled: int, steps: int) -> list[int]:
-    """Return the steps at which the parts of a record begin, and the step at which the last ends.
-
-    The first part is before `settled`. The rest, up to `steps`, is cut into `PARTS` equal parts.
-    """
+    """Return the edges of a record's parts: up to `settled`, then `PARTS` equal ones."""
     return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 
 
@@ -227,3 +190,53 @@ def _average(name: str, window: str, values: Array) -> Iterator[Measured]:
     total, count = _sum_finite(values)
     if count:
         yield (name, window, total / count, count)
+
+
+def draw_lines(line: Line, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
+    """Return positions (m) when fixes are due, and slopes (m/s), both (fixes, 2).
+
+    fixes: (fixes, 2), m; NaN where none came. Before the first one the position is zero, before
+        the second one the slope.
+    """
+    nothing = np.zeros_like(fixes)
+    came = np.flatnonzero(np.isfinite(fixes[:, 0]))
+    if not line.holds or len(came) == 0:
+        return nothing, nothing
+    here = np.arange(len(fixes))
+    last = np.searchsorted(came, here, "right") - 1  # the number of the last fix that came, or -1
+    held = np.where(last[:, None] >= 0, fixes[came[np.maximum(last, 0)]], 0.0)
+    if not line.moves:
+        return held, nothing
+    slopes = np.zeros((len(came), 2))
+    slopes[1:] = np.diff(fixes[came], axis=0) / (sensors.fix_step * np.diff(came))[:, None]
+    slope = np.where(last[:, None] >= 0, slopes[np.maximum(last, 0)], 0.0)
+    age = sensors.delay * sensors.step + sensors.fix_step * (here - came[np.maximum(last, 0)])
+    return held + age[:, None] * slope, slope
+
+
+def follow(
+    line: Line, fixes: Array, sensors: Sensors, edges: Sequence[int]
+) -> Iterator[Trajectory]:
+    """Yield a baseline's estimates from each of the steps `edges` to the next."""
+    start, slope = draw_lines(line, fixes, sensors)
+    for begin, end in itertools.pairwise(edges):
+        number, since = np.divmod(np.arange(begin, end), sensors.fix_interval)
+        position = start[number] + (sensors.step * since)[:, None] * slope[number]
+        yield Trajectory(np.concatenate([position, slope[number]], axis=1))
+
+
+def measure_baselines(
+    record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
+) -> Iterator[tuple[str, Measured]]:
+    """Yield the errors of the baselines in one replicate, each with its value of `scheme`.
+
+    Arguments are those of `Tally`.
+    """
+    for row, line in LINES.items():
+        tally = Tally(record, fixes, sensors, settled)
+        for piece in follow(line, fixes, sensors, tally.edges):
+            tally.add(piece)
+        shown = (*SHOWN, "x", "y") if row == "last_fix" else SHOWN
+        for measured in tally.measures():
+            if measured[0] in shown:
+                yield row, measured

@@ -23,8 +23,7 @@ def make_record_of_motion(
 ) -> ReplayRecord:
     """Make a record from recorded motion: motion resampled at the IMU's rate, and noiseless fixes.
 
-    Raise `InputError` if the recording's rate is too low for the band of the spectrum, or the
-    recording is shorter than the GNSS delay.
+    Raises InputError if its rate is too low for the band, or it is shorter than the GNSS delay.
     """
     rate = config.sensors.imu.rate
     with blame_cutoff(recording):
@@ -69,8 +68,7 @@ def make_record_of_motion(
 def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
     """Make fixes without noise of positions (n, 2) at every IMU step, shape (fixes, 2), in m.
 
-    A fix reports the position `sensors.delay` steps before it arrives. The first arrives at the row
-    `first`, at least `sensors.delay`; `steps` IMU steps later is the end. Gaps are NaN.
+    The first arrives at the row `first`, at least `sensors.delay`, and tells of that delay before.
     """
     count = fix_count(steps, sensors.fix_interval)
     at = first - sensors.delay + sensors.fix_interval * np.arange(count)
@@ -89,11 +87,10 @@ def blame_cutoff(recording: Recording) -> Iterator[None]:
 
 
 def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
-    """Say how large g sin(pitch) and g sin(roll) are beside the motion's acceleration.
+    """Say how large g sin(pitch) and g sin(roll) are beside the motion's acceleration; "": none.
 
-    Compared are standard deviations, from `begin` (s) after the motion's start on. The mean is told
-    but not compared: a constant lean is a constant bias of the accelerometer, which schemes
-    estimate; what changes cannot be told from motion. "" if no platform turns.
+    Standard deviations are compared, from `begin` (s) on. A constant lean is a constant bias, which
+    schemes estimate; what changes cannot be told from motion.
     """
     sentences = []
     start = gridded.grid.start + begin

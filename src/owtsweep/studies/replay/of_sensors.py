@@ -33,10 +33,10 @@ LARGEST_JITTER = 0.25
 class Aligned(NamedTuple):
     """Recorded fixes, moved to the regular moments at which fixes are due.
 
-    offset: Time in s from the beginning of the recording to the first moment at which a fix is due.
+    offset: from the beginning of the recording to the first such moment, s.
     values: one fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
-    jitter: Largest time in s between the arrival of a fix and the moment to which it was moved.
-    dropped: Number of fixes left out, because another fix was nearer to the same due moment.
+    jitter: largest time between the arrival of a fix and its moment, s.
+    dropped: number of fixes left out, because another was nearer to the same moment.
     """
 
     offset: float
@@ -50,10 +50,9 @@ def make_record_of_sensors(
 ) -> ReplayRecord:
     """Make a record from recorded specific force, fixes and reference position.
 
-    The record begins at the first moment at which a fix is due. To save memory, each channel is
-    removed from `recording` once it has been resampled. Raise `InputError` if there are neither
-    fixes nor a reference, if the fixes do not come at sensors.gnss.rate, or if reference and
-    specific force do not overlap in time.
+    It begins when a first fix is due. Channels are removed from `recording` once resampled.
+    Raises InputError if there are neither fixes nor a reference, fixes do not come at
+        sensors.gnss.rate, or reference and specific force do not overlap in time.
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
@@ -76,7 +75,6 @@ def make_record_of_sensors(
     gridded = to_grid(recording, forces, rate, grid=grid)
     force = gridded.pairs["specific_force"]
     recording.let_go("specific_force")
-    notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
         position, velocity, more = _derive_reference(config, recording, whole)
@@ -109,10 +107,6 @@ def make_record_of_sensors(
 
 
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
-    """Return where the fixes come from: "recorded" or "from_reference".
-
-    Raise `InputError` if the recording lacks what replay.gnss names.
-    """
     wanted = config.replay.gnss
     if wanted == "auto":
         wanted = "recorded" if recording.has("fix") else "from_reference"
@@ -154,12 +148,10 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Alig
 
 
 def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
-    """Move irregular fixes to regular moments, each fix to the nearest moment.
+    """Move irregular fixes to the nearest regular moments; of two at one moment the nearer is kept.
 
-    The moments are one GNSS interval apart, and lie at IMU samples. Their phase is the circular
-    mean of the fixes' phases, so a constant offset of all fixes does not matter. If two fixes have
-    the same nearest moment, the nearer fix is kept. Times, shape (n,), are in s after the beginning
-    of the recording, fixes, shape (n, 2) without NaN, in m.
+    The moments are one GNSS interval apart, at IMU samples; their phase is the circular mean of the
+    fixes' phases. Times (n,) are in s after the beginning, fixes (n, 2) in m without NaN.
     """
     interval = sensors.fix_step
     phase = np.angle(np.mean(np.exp(2j * np.pi * time / interval))) / (2.0 * np.pi)
@@ -205,13 +197,6 @@ def _note_fixes(aligned: Aligned, sensors: Sensors) -> list[str]:
 def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
-    """Return position and velocity of the reference at the times of `grid`, and notes for the user.
-
-    Position (m) and velocity (m/s) have the shape (steps, 2) each, with NaN in gaps of the
-    reference. The velocity is kept up to `replay.cutoff`; without it, up to where the reference is
-    mostly noise, because the estimates contain the motion of all frequencies that the IMU measures.
-    Raise `InputError` if the reference and the specific force do not overlap in time.
-    """
     with blame_cutoff(recording):
         gridded = to_motion(
             recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
@@ -244,7 +229,6 @@ def _derive_reference(
 
 
 def _find_clear_band(config: ReplayConfig, recording: Recording, grid: TimeGrid) -> float:
-    """Return the highest frequency (Hz) of the reference's velocity; 0 if the user states it."""
     if config.replay.cutoff is not None:
         return 0.0
     roles = [role for role in recording.channels if role.startswith("reference")]

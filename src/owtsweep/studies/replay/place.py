@@ -14,21 +14,7 @@ from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum, spectrum
 from owtsweep.results.superposition import superpose
-from owtsweep.studies.hub.public import (
-    BASELINES,
-    Chain,
-    ErrorSpectrum,
-    HubConfig,
-    Known,
-    NoiseFloor,
-    Sensors,
-    error_spectrum,
-    expected_mse,
-    look_constant,
-    make_sensors,
-    noise_floor,
-    resolve_all,
-)
+from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig
 
 #: Number of frequencies in the band at which an error spectrum is computed.
@@ -39,53 +25,53 @@ NODES = 64
 class Expectation:
     """The errors expected of a scheme.
 
-    `spectrum`: the part that motion causes, per unit of motion, at frequencies of the band.
-    `floor`: the part that sensor noise causes, whatever the motion.
+    spectrum: what motion causes, per unit of motion, at frequencies of the band.
+    floor: what sensor noise causes, whatever the motion.
     """
 
-    spectrum: ErrorSpectrum
-    floor: NoiseFloor
+    spectrum: hub.ErrorSpectrum
+    floor: hub.NoiseFloor
 
     def mse(
         self, density: Callable[[Array], Array], band: tuple[float, float], rms: float
     ) -> tuple[float, float]:
         """Compute the expected MSE of position (m^2) and velocity (m^2/s^2), x and y together.
 
-        `density` takes Hz and returns the motion's spectral density, in any unit; outside the band
-        (Hz) it counts as zero. `rms` is that of the displacement in m.
+        density: takes Hz, returns the motion's spectral density in any unit; zero outside the band
+            (Hz).
+        rms: of the displacement, m.
         """
-        position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
+        position, velocity = hub.expected_mse(self.spectrum, density, band, rms=rms)
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
 
 
 def expect_errors(
-    config: HubConfig, scheme: Any, sensors: Sensors, steps: int, band: tuple[float, float]
+    config: hub.HubConfig, scheme: Any, sensors: hub.Sensors, steps: int, band: tuple[float, float]
 ) -> Expectation:
-    """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz).
-
-    Raise `InputError` if the scheme's errors do not settle.
-    """
-    chain = scheme.kernel(Known(sensors, config), steps)
+    """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz)."""
+    chain = scheme.kernel(hub.Known(sensors, config), steps)
     return _compute(chain, sensors, *band)
 
 
 @lru_cache(maxsize=8)
-def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expectation:
+def _compute(chain: hub.Chain, sensors: hub.Sensors, low: float, high: float) -> Expectation:
     frequencies = np.geomspace(low, high, NODES)
-    return Expectation(error_spectrum(chain, sensors, frequencies), noise_floor(chain, sensors))
+    return Expectation(
+        hub.error_spectrum(chain, sensors, frequencies), hub.noise_floor(chain, sensors)
+    )
 
 
 def check_band(config: ReplayConfig) -> None:
     """Check that expected errors can be computed in the band `replay.band`, if there is one.
 
-    A default band is not checked: where no errors can be computed in it, the record has no place in
-    the map, and a line says so. Raise `InputError` if a frequency at which errors would be computed
-    (`NODES` of them) is beyond half the rate of the IMU, or looks to the GNSS like a standstill.
+    A default band is not checked: where it cannot be used, the record has no place in the map.
+    Raises InputError if a frequency is beyond half the IMU's rate, or looks to GNSS like a
+        standstill.
     """
     if config.replay.band is None:
         return
     low, high = config.replay.band
-    sensors = make_sensors(config.sensors)
+    sensors = hub.make_sensors(config.sensors)
     highest = 0.5 / sensors.step
     require(
         high < highest,
@@ -93,7 +79,7 @@ def check_band(config: ReplayConfig) -> None:
         "the upper edge",
     )
     frequencies = np.geomspace(low, high, NODES)
-    constant = frequencies[look_constant(frequencies * sensors.fix_step)]
+    constant = frequencies[hub.look_constant(frequencies * sensors.fix_step)]
     if len(constant) > 0:
         raise InputError(
             f"replay.band: no expected errors can be computed at {constant[0]:g} Hz, because to "
@@ -109,10 +95,7 @@ def find_place(config: ReplayConfig, record: Mapping[str, float]) -> Spectrum | 
 
 
 def read_fit(record: Mapping[str, float]) -> Spectrum | None:
-    """Return the spectrum, Eq. (1) of Ren et al. (2019), fitted to a record, if there is one.
-
-    `record` holds the facts about the record, here and below.
-    """
+    """Return the spectrum, Eq. (1) of Ren et al. (2019), fitted to a record, if there is one."""
     values = [record[name] for name in "abc"]
     return Spectrum(*values) if np.all(np.isfinite(values)) else None
 
@@ -125,10 +108,9 @@ def compute_rms_in_band(record: Mapping[str, float]) -> float:
 def compute_rms_error(config: ReplayConfig, record: Mapping[str, float], shape: Spectrum) -> float:
     """Compute the relative standard error of the rms displacement of records of a sea state.
 
-    That is how far the rms of records of this record's duration scatters around that of the sea
-    state: half the relative standard error of the mean square, sqrt(integral of S^2 / duration)
-    over the integral of S (Bendat and Piersol, Random Data, section 8.2). The displacement is taken
-    as Gaussian. `shape` is the spectrum S(f) fitted to the record.
+    That is half of that of the mean square, sqrt(integral of S^2 / duration) over the integral of
+    the fitted spectrum S (Bendat and Piersol, Random Data, section 8.2), for a Gaussian
+    displacement.
     """
     frequency = np.linspace(*config.fit_band, 4000)
     density = shape.density(frequency)
@@ -140,12 +122,11 @@ def compute_rms_error(config: ReplayConfig, record: Mapping[str, float], shape: 
 def expect_at_record(
     config: ReplayConfig, record: Mapping[str, float]
 ) -> dict[str, tuple[float, float]] | None:
-    """Compute the settled errors expected of each scheme and baseline for a record's motion.
+    """Compute the settled errors expected for the spectrum fitted to a record.
 
-    The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). Return scheme or
-    baseline -> expected MSE of position (m^2) and of velocity (m^2/s^2); None if the record has no
-    fitted spectrum with a peak inside the band. Raise `InputError` if no errors can be computed for
-    one of the schemes.
+    Returns scheme or baseline -> MSE of position (m^2) and velocity (m^2/s^2); None without a
+        fitted spectrum with its peak inside the band.
+    Raises InputError if no errors can be computed for one of the schemes.
     """
     shape = find_place(config, record)
     if shape is None:
@@ -162,11 +143,11 @@ def expect_map(
 ) -> dict[str, Array]:
     """Compute the settled MSE expected for motions of many periods (s) and amplitudes (m).
 
-    The MSE is that of velocity if `measures.criterion` is "velocity", otherwise that of position.
-    The motions have spectra of the kind "translated" with the configuration's bandwidth. The ratio
-    of their largest to their rms displacement is that of the record. Return scheme or baseline ->
-    MSE, shape (periods, amplitudes). Raise `InputError` if no errors can be computed for one of the
-    schemes.
+    It is that of the criterion, for spectra of the kind "translated" with the configuration's
+    bandwidth, whose ratio of largest to rms displacement is that of the record.
+
+    Returns scheme or baseline -> MSE, shape (periods, amplitudes).
+    Raises InputError if no errors can be computed for one of the schemes.
     """
     band = config.fit_band
     ratio = compute_rms_in_band(record) / record["peak"]
@@ -183,30 +164,21 @@ def expect_map(
 
 
 def list_left_out(config: ReplayConfig) -> list[str]:
-    """Return the names of the schemes whose expected errors cannot be computed.
-
-    These are the schemes without a chain (`kernel`): their errors depend on more than sensors and
-    tuning, e.g. on what SKFA has tracked.
-    """
-    return [s.name for s in resolve_all(config.schemes, config) if s.batched != "chain"]
+    """Return the schemes without a chain, e.g. SKFA: their errors cannot be computed beforehand."""
+    return [s.name for s in hub.resolve_all(config.schemes, config) if s.batched != "chain"]
 
 
 def _expect_all(
     config: ReplayConfig, record: Mapping[str, float]
 ) -> Iterator[tuple[str, Expectation]]:
-    """Yield the expected errors of schemes, then of baselines, for motions as long as a record.
-
-    A baseline that stands among the schemes comes once; the schemes of `list_left_out` do not come.
-    Raise `InputError` if no scheme is left, or if the errors of one do not settle.
-    """
-    sensors, left_out = make_sensors(config.sensors), list_left_out(config)
+    sensors, left_out = hub.make_sensors(config.sensors), list_left_out(config)
     require(
         len(left_out) < len(config.schemes),
         f"schemes: {', '.join(left_out)}: no expected errors can be computed of a scheme without a "
         "kernel",
     )
     steps = round(record["duration"] / sensors.step)
-    baselines = [name for name in BASELINES if name not in config.schemes]
-    for scheme in resolve_all([*config.schemes, *baselines], config):
+    baselines = [name for name in hub.BASELINES if name not in config.schemes]
+    for scheme in hub.resolve_all([*config.schemes, *baselines], config):
         if scheme.name not in left_out:
             yield scheme.name, expect_errors(config, scheme, sensors, steps, config.fit_band)

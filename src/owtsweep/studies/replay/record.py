@@ -33,16 +33,14 @@ PIECE = 1 << 16
 class ReplayRecord:
     """A record for a replay: series in SI units and NED coordinates, with one row per IMU step.
 
-    gnss: where the fixes come from: "simulated" for recorded motion; "recorded" or "from_reference"
-        for recorded sensors.
-    begin, step, steps: Time of step 0 on the file's clock (s), length of a step (s), and number of
-        IMU steps.
+    gnss: where the fixes come from: "simulated", "recorded" or "from_reference".
+    begin, step, steps: Time of step 0 on the file's clock (s), length of a step (s), number of
+        steps.
     origin: Offset that has been subtracted from all positions, shape (2,) in m.
-    position, velocity: the true position (m) and velocity (m/s), shape (steps, 2); NaN in gaps,
-        None if unknown.
-    acceleration: the true acceleration (m/s^2), shape (steps, 2); None for recorded sensors.
-    specific_force: the recorded specific force (m/s^2) in the IMU's frame, shape (steps, 2); None
-        for recorded motion.
+    position, velocity: the true ones (m, m/s), shape (steps, 2); NaN in gaps, None if unknown.
+    acceleration: the true one (m/s^2), shape (steps, 2); None for recorded sensors.
+    specific_force: as recorded (m/s^2) in the IMU's frame, shape (steps, 2); None for recorded
+        motion.
     fixes: Fixes (m) as recorded, or made without noise, shape (fixes, 2); NaN where no fix came.
     truth: the source of the true position, in words; "" if the position is unknown.
     notes: What the user should know about the recording, one sentence each.
@@ -97,10 +95,9 @@ class Signals:
     """The measurements of one replicate; the specific force comes in pieces, to save memory.
 
     steps: Number of IMU samples.
-    fixes: Fixes in NED coordinates, shape (fixes, 2) in m; NaN where no fix came.
-    force: function that takes a number of steps n and yields the specific force in the IMU's frame
-        (m/s^2), in pieces of shape (n, 2); the last piece may be shorter. Each call begins at the
-        start of the record.
+    fixes: in NED, shape (fixes, 2) in m; NaN where no fix came.
+    force: yields the specific force in the IMU's frame from the record's start on, m/s^2, in pieces
+        of shape (n, 2) of so many steps; the last may be shorter.
     """
 
     steps: int
@@ -116,8 +113,7 @@ def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
 def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replicate: int) -> Signals:
     """Return the measurements of one replicate; sensors that were not recorded are simulated.
 
-    The simulated noise depends neither on the file nor on the length of the pieces in which the
-    specific force comes.
+    The simulated noise depends neither on the file nor on the length of the pieces.
     """
     steps, streams = record.steps, _streams_of(config, replicate)
     fixes = record.fixes
@@ -154,10 +150,7 @@ def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:
 def simulate_true_bias(
     config: ReplayConfig, sensors: Sensors, steps: int, replicate: int
 ) -> Iterator[Array]:
-    """Yield the simulated accelerometer bias of a replicate in pieces of shape (n, 2), in m/s^2.
-
-    The bias is R b^b: b^b in the IMU's frame, rotated to NED coordinates.
-    """
+    """Yield the simulated bias R b^b of a replicate in NED, in pieces of shape (n, 2), m/s^2."""
     streams = _streams_of(config, replicate)
     return simulate_bias(config.sensors, sensors, steps, streams, piece=PIECE)
 

@@ -170,8 +170,5 @@ def _tell_refused(refused: pd.DataFrame) -> list[str]:
 
 
 def _escape(text: str) -> str:
-    """Escape a text for Markdown, so that no part of it becomes a link, picture, formula or HTML.
-
-    The text may come from other people. Unprintable characters become escape sequences.
-    """
+    """Escape a text of other people for Markdown: no link, picture, formula or HTML."""
     return re.sub(r"([\\`*\[\]<>$&])", r"\\\1", printable(text))

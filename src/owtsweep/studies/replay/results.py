@@ -12,7 +12,6 @@ from owtsweep.errors import InputError
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
-from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
@@ -23,7 +22,7 @@ from owtsweep.studies.replay.identification.words import (
     pick_second_run,
     tabulate_noise,
 )
-from owtsweep.studies.replay.measures import WINDOWS
+from owtsweep.studies.replay.measures import BASELINE_ROWS, WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
 
@@ -32,10 +31,7 @@ if TYPE_CHECKING:
 
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables of a replay from its rows of results.
-
-    With several records there is also the table "refused". docs/replay.md describes the columns.
-    """
+    """Make the tables of a replay from its rows; docs/replay.md describes the columns."""
     import pandas as pd
 
     done = rows[rows["status"] == OK]
@@ -72,12 +68,10 @@ def list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
 def average_errors(
     rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    """Average results over the replicates, with 95 % intervals.
+    """Average the results that did not fail over the replicates, with 95 % intervals.
 
-    `rows` has no failed ones. Return one row per file, scheme, measure and window ("full" or
-    "settled"), in the order of `files` and `schemes`; columns file, scheme, measure, window, mean,
-    ci_low, ci_high, n. The interval (ci_low, ci_high) is NaN for a single replicate; n is the
-    number of replicates.
+    Returns one row per file, scheme, measure and window ("full" or "settled"), in the given order;
+        columns file, scheme, measure, window, mean, ci_low, ci_high (NaN for n = 1), n.
     """
     import pandas as pd
 
@@ -103,11 +97,7 @@ def average_errors(
 
 
 def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """Make the table of records: one row per record, in the order of the labels in `files`.
-
-    The columns are the file's label, the columns of `replay.table` (e.g. the sea state) if there is
-    such a table, and the facts about the record. `rows` holds one fact per row.
-    """
+    """Make the table of records: a row per label, with its sea state (`replay.table`) and facts."""
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
     table = wide.reindex([file for file in files if file in wide.index])
     table.columns.name = None
@@ -152,10 +142,9 @@ def advise_from_map(
 ) -> dict[str, object] | None:
     """Advise which scheme to run, by the settled errors expected for a record's motion.
 
-    `record` holds the facts about the record, `by_record` is the row of the table of advice by its
-    own errors, if any. Return a row of that table, without the file; None if the record has no
-    fitted spectrum with a peak inside the band, or if there is nothing to compare. Raise
-    `InputError` if no errors can be computed for one of the schemes.
+    record, by_record: its facts, and its row of the table of advice by its own errors, if any.
+    Returns a row of that table without the file; None if the record has no place in the map, or
+        there is nothing to compare.
     """
     from owtsweep.studies.replay.place import expect_at_record
 

@@ -6,21 +6,24 @@ import glob
 import logging
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.io.files import refuse_in_one_line
 from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.replay.checking import verify
+from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import label_files
-from owtsweep.studies.replay.seastates import read_table
+from owtsweep.studies.replay.identification.of_record import estimate_noise
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.place import check_band
+from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,10 +43,7 @@ _PLAIN = re.compile(r"[\w./-]*")
 
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
-    """Compose and check the configuration of a replay, whose files may be named later.
-
-    Raise `InputError` if the overrides are wrong.
-    """
+    """Compose and check the configuration of a replay, whose files may be named later."""
     config = compose(quote_texts(overrides), config_dir, primary="replay")
     if not isinstance(config, ReplayConfig):
         raise InputError(
@@ -57,12 +57,10 @@ def configure(
 ) -> ReplayConfig:
     """Compose and check the configuration of a replay of some files, without reading these files.
 
-    Raise `InputError` if the overrides are wrong, a file does not exist, or no file is named.
-
-    files: Paths of record files, or patterns such as "*.csv". If no file is named, here or by the
-        key `grid.files`, the files in the table `replay.table` are taken.
+    files: paths or patterns such as "*.csv"; without any, the files of the table `replay.table`.
     overrides: Hydra overrides, e.g. `["tuning=matched"]`.
     config_dir: a folder with further config groups for Hydra (`--config-dir`).
+    Raises InputError if the overrides are wrong, a file does not exist, or no file is named.
     """
     config = compose_replay(overrides, config_dir)
     words, table = [*files, *config.grid.files], config.replay.table
@@ -84,10 +82,7 @@ def configure(
 
 
 def expand(words: Sequence[str]) -> list[str]:
-    """Return the absolute paths of files and of files that match patterns; each path only once.
-
-    Raise `InputError` if a file does not exist, a word is a folder, or nothing matches a pattern.
-    """
+    """Return the absolute paths of files and of files that match patterns; each path only once."""
     paths: dict[str, None] = {}
     for word in words:
         require(word.strip() != "", "FILE: the name is empty; name a record's file or a pattern")
@@ -110,9 +105,7 @@ def expand(words: Sequence[str]) -> list[str]:
 def quote_texts(overrides: Sequence[str]) -> list[str]:
     """Quote names of channels and units that Hydra would not take as they are.
 
-    So `units.specific_force_x=m/s^2` and `columns.position_x=TwHt1TPxi [m]` work as they are typed.
-    Other overrides, and values that have quotes or refer to another key (`${...}`), are returned
-    unchanged.
+    So `columns.position_x=TwHt1TPxi [m]` works as typed. Values with quotes or `${...}` stay.
     """
     return [_quote(word) for word in overrides]
 
@@ -130,10 +123,7 @@ def _quote(word: str) -> str:
 
 
 def tell_missing(word: str, path: Path) -> str:
-    """Return why a word of the user names no file, with the most similar file of its folder.
-
-    `path` is the word with the home folder written out.
-    """
+    """Return why a word of the user, of this path, names no file, and the most similar one."""
     if any(sign in word for sign in "*?["):
         return f"{word}: nothing matches this pattern"
     if "://" in word:
@@ -147,6 +137,61 @@ def tell_missing(word: str, path: Path) -> str:
     return f"{word}: there is no such file{hint}"
 
 
+@dataclass(frozen=True)
+class Verified:
+    """What reading every record once has shown.
+
+    notes: Sentences on the records, each once; of several records they begin with the file's name.
+    refused: Path of a file that cannot be used -> the reason, one line that begins with the path.
+    """
+
+    notes: Sequence[str]
+    refused: Mapping[str, str]
+
+    def lines(self) -> list[str]:
+        """Return all notes, and the reasons why files are left out, as lines for the user."""
+        return [
+            *(f"note: {note}" for note in self.notes),
+            *(f"left out: {reason}" for reason in self.refused.values()),
+        ]
+
+
+def verify(config: ReplayConfig) -> Verified:
+    """Read every record once; tell which records cannot be used.
+
+    Raises InputError if no record, not the table of sea states or not the band can be used.
+    """
+    read_sea_states(config)
+    files, schemes = config.grid.files, resolve_all(config.schemes)
+    notes: dict[str, None] = {}
+    refused: dict[str, str] = {}
+    for file in files:
+        name = f"{printable(Path(file).name)}: " if len(files) > 1 else ""
+        try:
+            record = load_record(config, file)
+            notes |= {f"{name}{note}": None for note in record.notes}
+            if record.lean and len(files) > 1:  # of a single record it stands beside the advice
+                notes[f"{name}{record.lean}"] = None
+            for scheme in schemes:
+                if record.steps * record.step < scheme.least_duration:
+                    notes[
+                        f"{name}{scheme.name} had no time to choose a spectrum, which takes "
+                        f"{scheme.least_duration:g} s"
+                    ] = None
+            if config.replay.noise == "estimate" and (
+                said := estimate_noise(config, file).disagreement
+            ):
+                notes[f"{name}{said}"] = None
+        except InputError as error:
+            refused[file] = str(error)
+    if len(refused) == len(files):
+        first = next(iter(refused.values()))
+        none = f"none of the {len(files)} records can be used; the first: "
+        raise InputError(first if len(files) == 1 else none + first)
+    check_band(config)  # last: what a record says of the band is plainer
+    return Verified(list(notes), refused)
+
+
 def execute(
     config: ReplayConfig,
     *,
@@ -157,17 +202,13 @@ def execute(
 ) -> Outcome:
     """Run the cases that are missing, then write the estimates (`report.write` writes the report).
 
-    Raise `InputError` if no record or not the configuration can be used; nothing has been written
-    then.
-
-    Return what was computed, reused and failed. In `failed` are also the cases of a record that
-    cannot be used, if there are others that can, and estimates that could not be written.
-
     fresh, progress, argv: as for `owtsweep.sweep.run.sweep`.
-    say: Shows the user a line: notes on the records before anything runs, and announcements of slow
-        work.
+    say: shows the user a line: notes on the records, and announcements of slow work.
+    Returns what was computed, reused and failed; records that cannot be used, and estimates that
+        could not be written, count as failed.
+    Raises InputError if no record or not the configuration can be used; nothing is written then.
     """
-    from owtsweep.studies.replay import estimates
+    from owtsweep.studies.replay.estimating import write_estimates
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import sweep
 
@@ -182,7 +223,7 @@ def execute(
             continue
         try:
             with refuse_in_one_line(folder):
-                estimates.write(config, file, folder, say)
+                write_estimates(config, file, folder, say)
         except InputError as error:  # no case is lost: all are stored
             logger.warning("failed: estimates of %s: %s", label, error)
             unwritten.append(Setback(f"estimates of {label}", str(error), 0))
@@ -190,10 +231,7 @@ def execute(
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
-    """Return label of a record -> folder of its estimates.
-
-    That is the run folder, or records/<label> in it if there are several records.
-    """
+    """Return label of a record -> folder of its estimates; of a single record the run folder."""
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
 
@@ -210,22 +248,18 @@ class Replay:
         return self.run.folder
 
     def errors(self) -> pd.DataFrame:
-        """Return the table of errors: means over the replicates with 95 % intervals.
+        """Return the table of errors: means over n replicates with 95 % intervals.
 
-        Columns file, scheme, measure, window, mean, ci_low, ci_high, n. The interval (ci_low,
-        ci_high) is NaN for a single replicate; n is the number of replicates.
+        Columns file, scheme, measure, window, mean, ci_low, ci_high (NaN for n = 1), n.
         """
         return self.run.table("errors")
 
     def advice(self) -> pd.DataFrame:
-        """Return the table of advice: the best scheme and the runner-up for each record.
-
-        A record has up to two rows: by the errors on it, and by the errors expected for it.
-        """
+        """Return the table of advice: by the errors on a record, and by those expected for it."""
         return self.run.table("advice")
 
     def noise(self) -> pd.DataFrame:
-        """Return the table of noise: what recorded sensors show of themselves, and what was stated.
+        """Return what recorded sensors show of themselves, and what was stated.
 
         Columns file, parameter, unit, source, stated, estimate, low, high (95 %), inside.
         """
@@ -236,20 +270,16 @@ class Replay:
         return self.run.table("records")
 
     def refused(self) -> pd.DataFrame:
-        """Return the records that cannot be used: columns file (the label) and reason.
-
-        Raise `InputError` if the replay has a single record: `owtsweep.replay` refuses one that
-        cannot be used.
-        """
+        """Return the records of several that cannot be used: columns file (the label), reason."""
         return self.run.table("refused")
 
     def estimates(self, record: str | None = None) -> pd.DataFrame:
         """Return the estimates of a record in replicate 0, one row per scheme and time.
 
-        Columns time (s), scheme, x, y (m), vx, vy (m/s), and the standard deviations of these four:
-        x_std, y_std, vx_std, vy_std. `record` is the record's label, a value of the column `file`
-        of `records()`. Raise `InputError` if `record` is None although there are several records,
-        or if no record has this label.
+        Columns time (s), scheme, x, y (m), vx, vy (m/s), and their standard deviations x_std, ...
+        `record` is its label in the column `file` of `records()`; it may be left out if there is
+        one record only.
+        Raises InputError if no record has this label.
         """
         import pandas as pd
 

@@ -28,11 +28,9 @@ MOST_BYTES = 10_000_000
 def read_table(path: str) -> pd.DataFrame:
     """Read a CSV table of records: the column `file`, and at least one column of numbers.
 
-    In the CSV file, names in the column `file` are relative to the CSV file's folder. In the
-    result, the names begin with this folder. Raise `InputError` if the table cannot be read, is too
-    large, lacks one of these columns, has no row, or has a row without a file, or if two columns
-    have one name, if a column has the name of a column of records.csv, or if a number is too large
-    for a map.
+    Names in `file` are relative to the table's folder, with which they begin in the result.
+    Raises InputError if the table cannot be read, is too large, lacks a column or a row, or has a
+        name twice, a name of records.csv, or a number too large for a map.
     """
     import pandas as pd
 
@@ -67,7 +65,6 @@ def read_table(path: str) -> pd.DataFrame:
 
 
 def _make_printable(table: pd.DataFrame) -> None:
-    """Replace unprintable characters in names and texts of a table, in place, but not in `file`."""
     table.columns = list(number_repeats([tidy(str(name)) for name in table.columns]))
     for name in table.select_dtypes(exclude="number").columns:
         if name != "file":
@@ -75,7 +72,6 @@ def _make_printable(table: pd.DataFrame) -> None:
 
 
 def _check_columns(table: pd.DataFrame, where: str) -> None:
-    """Raise `InputError` if a column is named like one of records.csv, or a number is too large."""
     require("file.1" not in table.columns, f"{where}: the table has two columns `file`; keep one")
     clash = next((name for name in table.columns if name in FACTS), None)
     require(
@@ -99,10 +95,9 @@ def find_axes(table: pd.DataFrame) -> list[str]:
 
 
 def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """Read the rows of the table `replay.table`, if named, that belong to records of the replay.
+    """Read the rows of `replay.table`, if named, that belong to records; `file` is their label.
 
-    The column `file` of the result holds the labels of the records; each record has at most one
-    row. Raise `InputError` if the table cannot be read, or none of its rows belongs to a record.
+    Raises InputError if the table cannot be read, or none of its rows belongs to a record.
     """
     if config.replay.table is None:
         return None

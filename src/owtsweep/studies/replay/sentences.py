@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,89 +25,75 @@ SOURCES = {
 }
 
 
-class Advice(NamedTuple):
-    """A row of the table of advice: its texts, "" where there is none, and the numbers it has."""
-
-    texts: Mapping[str, str]
-    numbers: Mapping[str, float]
-
-
-def read_advice(row: Mapping[Hashable, object]) -> Advice:
-    """Tell the texts of a row of the table of advice from its numbers; NaN stands for neither."""
-    known = {str(name): value for name, value in row.items() if value == value}
-    texts = {name: value for name, value in known.items() if isinstance(value, str)}
-    numbers = {name: value for name, value in known.items() if isinstance(value, int | float)}
-    return Advice({"same_as": "", "runner_up": "", "baseline": "", **texts}, numbers)
+#: A row of the table of advice without what is missing; names that may be missing are "".
+Row = Mapping[str, Any]
 
 
 def write_sentence(row: Mapping[Hashable, object]) -> str:
     """Write one row of the table of advice as a sentence that begins with what is recommended."""
-    advice = read_advice(row)
-    texts, numbers = advice
-    noise = " with the estimated noise" if texts["noise"] == ESTIMATED else ""
-    text = f"by {SOURCES[texts['source']]}{noise}: {_recommend(advice)}"
-    if texts["source"] != "map":
+    known = {str(name): value for name, value in row.items() if value == value}  # without NaN
+    given: Row = {"same_as": "", "runner_up": "", "baseline": "", **known}
+    noise = " with the estimated noise" if given["noise"] == ESTIMATED else ""
+    text = f"by {SOURCES[given['source']]}{noise}: {_recommend(given)}"
+    if given["source"] != "map":
         return text
-    covered = f"{100.0 * numbers['fit_share']:.0f} % of the variance"
-    if numbers["advises"]:
+    covered = f"{100.0 * given['fit_share']:.0f} % of the variance"
+    if given["advises"]:
         text += f"; the fit of Eq. (1) covers {covered}"
     else:
         text = f"no advice, only for the {covered} that the fit of Eq. (1) covers: {text}"
-    if numbers["contradicts_record"]:
+    if given["contradicts_record"]:
         text += "; this contradicts the record's own errors, which count because they judge all of "
         text += "its motion"
     return text
 
 
-def _recommend(advice: Advice) -> str:
-    texts, numbers = advice
-    chosen, runner_up = texts["recommended"], texts["runner_up"]
-    if chosen in BASELINES and texts["baseline"] == chosen:
-        return _recommend_baseline(advice)
-    value, least = numbers["value_recommended"], numbers["value_best"]
-    size = _describe_size(texts["criterion"], value)
-    same = texts["same_as"].split()
-    best = _name(texts["best"], same)
-    more = f"; {rival}" if (rival := _describe_rival(advice)) else ""
-    ends = _list_ends(advice, "ci_low", "ci_high")
-    if chosen != texts["best"] and chosen not in same:
+def _recommend(row: Row) -> str:
+    chosen, runner_up = row["recommended"], row["runner_up"]
+    if chosen in BASELINES and row["baseline"] == chosen:
+        return _recommend_baseline(row)
+    value, least = row["value_recommended"], row["value_best"]
+    size = _describe_size(row["criterion"], value)
+    same = row["same_as"].split()
+    best = _name(row["best"], same)
+    more = f"; {rival}" if (rival := _describe_rival(row)) else ""
+    ends = _list_ends(row, "ci_low", "ci_high")
+    if chosen != row["best"] and chosen not in same:
         ends = [-end for end in reversed(ends)] if chosen == runner_up else []
         less = f"{best} has {_describe_difference(least - value, value, *ends)}"
         return f"no difference that matters: run {chosen}, the simplest, {size}; {less}{more}"
     if not runner_up:
         return f"{best}, {size}; there is nothing to compare it with{more}"
-    words = _describe_difference(numbers["margin"] * least, least, *ends)
+    words = _describe_difference(row["margin"] * least, least, *ends)
     margin = f"{runner_up} has {words}"
-    if not numbers["matters"]:
+    if not row["matters"]:
         return f"no difference that matters; {best}, {size}; {margin}{more}"
     return f"run {best}, {size}; {margin}{more}"
 
 
-def _recommend_baseline(advice: Advice) -> str:
-    texts, numbers = advice
-    chosen, best = texts["baseline"], _name(texts["best"], texts["same_as"].split())
-    value, difference = numbers["value_baseline"], numbers["baseline_difference"]
-    ends = _list_ends(advice, "baseline_ci_low", "baseline_ci_high")
+def _recommend_baseline(row: Row) -> str:
+    chosen, best = row["baseline"], _name(row["best"], row["same_as"].split())
+    value, difference = row["value_baseline"], row["baseline_difference"]
+    ends = _list_ends(row, "baseline_ci_low", "baseline_ci_high")
     words = _describe_difference(difference, value, *ends)
     better = "no scheme is better"
     if difference < 0.0:
         better += " by a difference that matters"
-    size = _describe_size(texts["criterion"], value)
+    size = _describe_size(row["criterion"], value)
     if best == chosen:  # a baseline that stands among the schemes
         return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}"
     return f"{INSTEAD[chosen]} ({chosen}), {size}: {better}; {best}, the best scheme, has {words}"
 
 
-def _list_ends(advice: Advice, *names: str) -> list[float]:
-    numbers = {} if advice.texts["source"] == "map" else advice.numbers
-    return [numbers[name] for name in names if name in numbers]
+def _list_ends(row: Row, *names: str) -> list[float]:
+    return [row[name] for name in names if name in row and row["source"] != "map"]
 
 
-def _describe_rival(advice: Advice) -> str:
-    baseline, least = advice.texts["baseline"], advice.numbers["value_best"]
-    if baseline in ("", advice.texts["best"]):
+def _describe_rival(row: Row) -> str:
+    baseline, least = row["baseline"], row["value_best"]
+    if baseline in ("", row["best"]):
         return ""
-    words = _describe_difference(advice.numbers["value_baseline"] - least, least)
+    words = _describe_difference(row["value_baseline"] - least, least)
     return f"{baseline}, the best baseline, has {words}"
 
 
@@ -124,11 +110,6 @@ def _describe_size(criterion: str, value: float) -> str:
 
 
 def _describe_difference(difference: float, base: float, *ends: float) -> str:
-    """Say by how much an error differs from another one: in per cent, or as a factor if large.
-
-    `difference` is the error minus `base`, the other one; `ends` are those of its 95 % interval, if
-    any.
-    """
     if not base > 0.0:
         return f"{difference:.3g} more"
     parts = [part / base for part in (difference, *ends)]
@@ -164,10 +145,9 @@ def describe_modes(config: ReplayConfig, record: Mapping[str, float]) -> str:
 
 
 def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
-    """Say in a sentence what the tilt of the IMU costs at a record's period and size.
+    """Say what the tilt of the IMU costs at a record's period and size; "" without a tilt.
 
-    The errors are those expected of the schemes for the fitted spectrum: by filters that know the
-    tilt, and by filters that take the IMU for level. "" if no tilt is stated (`sensors.imu.tilt`).
+    Compared are the errors expected of filters that know the tilt, and of those that do not.
     """
     tilt = config.sensors.imu.tilt
     if isinstance(tilt, str) or tilt == 0.0:

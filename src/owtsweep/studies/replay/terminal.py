@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.hub.public import OTHER_WINDOW
-from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts, summarise_motion
 from owtsweep.studies.replay.identification.words import ESTIMATED, count_doubted, warn_of_noise
 from owtsweep.studies.replay.loading import tell_lean
+from owtsweep.studies.replay.measures import BASELINE_ROWS
 from owtsweep.studies.replay.sentences import describe_modes, describe_tilt, write_sentence
 
 if TYPE_CHECKING:
@@ -37,11 +37,7 @@ MOST_RECORDS = 8
 
 
 def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-    """Make the terminal's output: the advice, and with a single record the table of errors.
-
-    With more than `MOST_RECORDS` records, the advice is one sentence that counts on how many
-    records each scheme is best.
-    """
+    """Make the terminal's output: the advice, and with a single record the table of errors."""
     from rich.console import Group
     from rich.text import Text
 
@@ -68,10 +64,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
 
 
 def list_left_out(refused: pd.DataFrame) -> list[str]:
-    """Return a line per record that was left out, with the reason.
-
-    Of more than `MOST_RECORDS` records, the last line gives the number of those not listed.
-    """
+    """Return a line with the reason per record left out; the last counts those not listed."""
     lines = [f"left out: {row.reason}" for row in refused.head(MOST_RECORDS).itertuples()]
     more = len(refused) - len(lines)
     return [*lines, f"left out: {more} more (refused.csv)"] if more else lines
@@ -123,10 +116,7 @@ def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
 def make_error_cells(
     config: ReplayConfig, errors: pd.DataFrame
 ) -> tuple[list[str], list[list[str]]]:
-    """Return the table of errors of one record: its headings, and its rows of texts.
-
-    A row holds a scheme's errors over the part of the record that `measures.window` names.
-    """
+    """Return headings and texts of a record's errors by scheme, in the part `measures.window`."""
     shown = errors[errors["window"] == config.measures.window]
     names = [name for name in SHOWN if name in set(shown["measure"])]
     rows = []

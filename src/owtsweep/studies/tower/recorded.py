@@ -90,8 +90,7 @@ class RecordedStructure(NamedTuple):
 def read_record(recorded: Recorded) -> RecordedStructure:
     """Read and check a recorded structure: the file of the section `recorded`.
 
-    Raises InputError as `read_signals`, or if no column is a signal, or two are the same quantity
-        at the same place.
+    Raises InputError as `read_signals`, or if no column is a signal, or two are the same quantity.
     """
     path = expand_home(str(recorded.file))
     found = read_signals(path, WANTED, recorded.columns)
@@ -120,10 +119,8 @@ def make_motions(
 
     Heights refer to the ground, the lowest node of `cut`, the beam between the cuts.
 
-    Returns: Direction -> motion, for the directions that the record has. What no column holds is
-        NaN; the wave load is zero.
-    Raises InputError if a column is at a height without a node, or a force or moment is not at a
-        cut.
+    Returns: direction -> motion; what no column holds is NaN, and the wave load is zero.
+    Raises InputError if a column is at a height without a node, or a load is not at a cut.
     """
     steps = len(record.found.time) if steps is None else steps
     shape = (steps, len(cut.mass))
@@ -167,10 +164,10 @@ def load_motions(
     """Read a recorded structure, and put its beginning in the place of a simulated truth.
 
     recorded, cut: the section `recorded`, with a file, and the beam between the cuts.
-    channels: Kinds and nodes of the sensors, for which the file must have columns.
-    steps, step: Number of samples, and sampling interval (s).
-    Raises InputError as `make_motions`, or if the file cannot be used, lacks a sensor's column, is
-        too short or has another step.
+    channels: kinds and nodes of the sensors, for which the file must have columns.
+    steps, step: number of samples, and sampling interval (s).
+    Raises InputError as `make_motions`, or if the file lacks a column, is too short, or has another
+        step.
     """
     record = read_record(recorded)
     record.found.require_record(1.0 / step, steps)
@@ -184,8 +181,8 @@ def measure(
 ) -> dict[str, float]:
     """Compare the estimates of a record, by direction, from the sample `first` on.
 
-    Returns: Channel and direction, e.g. "F_024_fa" -> as `compare`; "displacement", the worst of
-        the recorded displacements; and "base_moment", that of M0 fore-aft where it is recorded.
+    Returns: channel and direction, e.g. "F_024_fa" -> as `compare`; "displacement", the worst of
+    the recorded ones; and "base_moment", that of M0 fore-aft where it is recorded.
     """
     found = {
         f"{name}_{direction}": error
@@ -217,9 +214,8 @@ def require_channels(
 def compare(motion: Motion, estimates: Estimates, cut: PlaneBeam, first: int) -> dict[str, float]:
     """Compare estimates with what a record holds, from the sample `first` on.
 
-    Returns: Channel, e.g. "F_024" or "theta_012" -> standard deviation of the error over that of
-        the recorded signal (`evaluation.signals.scatter`: a mean error does not count). Signals
-        that are NaN or constant are left out.
+    Returns: channel, e.g. "F_024" -> standard deviation of the error over that of the signal
+        (`evaluation.signals.scatter`), without signals that are NaN or constant.
     """
     heights = cut.heights - cut.heights[0]
     ends = zip("FMFM", heights[[0, 0, -1, -1]], strict=True)

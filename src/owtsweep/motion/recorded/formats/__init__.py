@@ -11,8 +11,8 @@ from pathlib import Path
 from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
-from owtsweep.motion.recorded.formats.gtsdf import open_gtsdf
 from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
+from owtsweep.motion.recorded.formats.hdf5 import open_gtsdf
 from owtsweep.motion.recorded.formats.matlab import open_mat
 from owtsweep.motion.recorded.formats.nmea import open_nmea
 from owtsweep.motion.recorded.formats.table import ChannelTable, make_safe, refuse
@@ -38,8 +38,8 @@ READERS = {
 def open_table(path: str | Path) -> ChannelTable:
     """Open a file: read the names and the units of its channels, but not yet their numbers.
 
-    Raises InputError if the path is no file, or the file may not be read, is empty, has an unknown
-        extension, is not what its extension says, or has too many channels.
+    Raises InputError if the path is no file that may be read, is empty, or is not what it should
+        be.
     """
     path = Path(path)
     require_regular(path)

@@ -43,11 +43,10 @@ def open_npz(path: Path) -> ChannelTable:
     """Open a NumPy archive of arrays that all have the same number n of rows.
 
     An array `a` of shape (n,) becomes the channel a; one of shape (n, 1) to (n, 3) the channels
-    a_x, a_y, a_z; one with more columns a_1, a_2, ... Arrays that hold no numbers or have more than
-    two dimensions are left out.
+    a_x, a_y, a_z; one with more columns a_1, a_2, ... What holds no numbers is left out.
 
-    Raises InputError if the archive is damaged, holds pickled objects, no array of numbers or too
-        many numbers, or arrays of different lengths.
+    Raises InputError if the archive is damaged, holds pickled objects, or has no arrays of one
+        length.
     """
     places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
     lengths: set[int] = set()
@@ -94,10 +93,7 @@ def name_columns(path: Path, key: str, count: int) -> list[str]:
 def _find_shape(
     path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo
 ) -> tuple[int, ...] | None:
-    """Return the shape that an array's header announces; None if the array is left out.
-
-    Raises InputError if it holds pickled objects, fewer bytes than announced, or too many numbers.
-    """
+    """Return the shape that an array's header announces; None if the array is left out."""
     with archive.open(member) as stream:
         read_header = HEADERS.get(np.lib.format.read_magic(stream))
         if read_header is None:
@@ -120,8 +116,7 @@ def open_parquet(path: Path) -> ChannelTable:
 
     The unit of a column is the entry `unit` or `units` of its metadata.
 
-    Raises InputError if the file is damaged or has too many columns; when numbers are loaded, if a
-        column holds none.
+    Raises InputError if the file is damaged; when numbers are loaded, if a column holds none.
     """
     import pyarrow as pa
     from pyarrow import parquet
@@ -156,10 +151,7 @@ def open_parquet(path: Path) -> ChannelTable:
 
 
 def _load_column(path: Path, file: parquet.ParquetFile, place: int, rows: int | None) -> Array:
-    """Return the first `rows` numbers of a column (None: the first `MOST_VALUES`).
-
-    It is read in batches, because a page of the file may unpack to far more rows than are wanted.
-    """
+    """Return the first `rows` numbers of a column (None: the first `MOST_VALUES`)."""
     import pyarrow as pa
 
     field = file.schema_arrow.field(place)

@@ -49,10 +49,7 @@ class Header:
 
 
 def open_fast_binary(path: Path) -> ChannelTable:
-    """Open a FAST binary file (.outb): read its header, but not yet its numbers.
-
-    Raises InputError if the file is not a FAST binary file, or is cut short.
-    """
+    """Open a FAST binary file (.outb); raises InputError if it is none, or is cut short."""
     header = _read_header(path)
     load = partial(_load, path, header)
     return ChannelTable(path, "FAST binary", header.names, header.units, load, header.steps)
@@ -127,7 +124,6 @@ def _load(
 
 
 def _decode(raw: bytes) -> str:
-    """Decode UTF-8, else Latin-1: versions of FAST differ in the point of N·m."""
     try:
         return raw.decode("utf-8").strip("\0 ")
     except UnicodeDecodeError:

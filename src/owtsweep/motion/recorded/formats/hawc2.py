@@ -51,8 +51,8 @@ def find_companion(path: Path, suffix: str) -> Path | None:
 def open_hawc2(path: Path) -> ChannelTable:
     """Open HAWC2 output, a .sel and a .dat file, given the path of one of these two files.
 
-    Raises InputError if the other file is missing, the .sel file is not HAWC2's, or the .dat file
-        is empty or cut short.
+    Raises InputError if the other file is missing, one is not HAWC2's, or the .dat file is cut
+        short.
     """
     wanted = ".dat" if path.suffix.lower() == ".sel" else ".sel"
     other = find_companion(path, wanted)
@@ -128,11 +128,7 @@ def _load(
 
 
 def _restore_time(values: Array, name: str, selection: Selection) -> Array:
-    """Return a channel's values, and those of the time channel at full resolution.
-
-    HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file. Uniform times, with a
-    step of duration / scans, replace stored ones that differ only by rounding.
-    """
+    """Return a channel's values; of the first, rounded times are replaced by uniform ones."""
     first = name == selection.names[0] and name.lower().startswith("time")
     if not first or not len(values):
         return values

@@ -1,9 +1,8 @@
-"""Read MATLAB files (.mat) of versions 4 to 7: arrays of real numbers alone.
+"""Read MATLAB files (.mat): arrays of real numbers alone, so nothing in a file can run code.
 
-Structures, cells, objects and functions are never loaded, so nothing in a file can run code. The
-layout is after the MathWorks' "MAT-File Format". SciPy reads these files as well, but a damaged one
-ends the process (1.17: a segmentation fault where numbers are of an unknown type). So what a
-stranger sends is read here, and all that is wrong with it is `Damaged`.
+h5py reads those of version 7.3. SciPy reads those of versions 4 to 7 too, but a damaged one ends
+the process (1.17: a segmentation fault where numbers are of an unknown type). So they are read
+here, after the MathWorks' "MAT-File Format", and all that is wrong with one is `Damaged`.
 """
 
 from __future__ import annotations
@@ -11,14 +10,16 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.arrays import name_columns
+from owtsweep.motion.recorded.formats.hdf5 import list_arrays
 from owtsweep.motion.recorded.formats.table import (
     ChannelTable,
     refuse,
@@ -46,22 +47,17 @@ class Damaged(Exception):
     """A file is not what its format says; the message is what is wrong."""
 
 
-@dataclass(frozen=True)
-class Variable:
-    """A variable of a file."""
+class Variable(NamedTuple):
+    """A variable of a file, whose numbers are read on demand."""
 
     name: str
     shape: tuple[int, ...]
     real: bool  # whether it is an array of real numbers
-    begin: int  # where its element begins in the file; of version 4, where its numbers begin
-    size: int  # bytes there
-    packed: bool
-    order: str  # "<" or ">"
-    kind: str = ""  # type of the numbers of version 4; later ones say it at the numbers
+    load: Callable[[], Array]  # of two dimensions, shaped as it
 
 
 def list_variables(path: Path) -> list[Variable]:
-    """Return the variables of a file; read none of their numbers."""
+    """Return the variables of a file of versions 4 to 7; read none of their numbers."""
     with path.open("rb") as file:
         header = file.read(128)
     order = {b"IM": "<", b"MI": ">"}.get(header[126:])
@@ -83,64 +79,69 @@ def list_variables(path: Path) -> list[Variable]:
                 raw = raw[8:]
             if kind in (MATRIX, COMPRESSED):
                 name, shape, real = _read_head(raw, order)[:3]
+                at = (place + 8, length, kind == COMPRESSED)
                 found.append(
-                    Variable(name, shape, real, place + 8, length, kind == COMPRESSED, order)
+                    Variable(name, shape, real, partial(_load, path, name, shape, order, at))
                 )
             place += 8 + length
     return found
 
 
-def load_variable(path: Path, variable: Variable) -> Array:
-    """Return the numbers of a variable of two dimensions, an array of shape `variable.shape`."""
-    count = math.prod(variable.shape)
+def _load(
+    path: Path, name: str, shape: tuple[int, ...], order: str, at: tuple[int, int, bool]
+) -> Array:
+    begin, length, packed = at
+    raw = _read(path, begin, length)
+    if packed:
+        raw = _inflate(raw, HEAD + 8 * math.prod(shape))[8:]
+    type_, begin, size, _ = _read_tag(raw, _read_head(raw, order)[3], order)
+    if type_ not in TYPES:
+        raise Damaged(f"{name} has numbers of the unknown type {type_}")
+    return _shape(name, shape, order + TYPES[type_], raw[begin : begin + size])
+
+
+def _shape(name: str, shape: tuple[int, ...], kind: str, raw: bytes) -> Array:
+    if len(raw) != math.prod(shape) * np.dtype(kind).itemsize:
+        raise Damaged(f"{name} does not hold {math.prod(shape)} numbers")
+    return np.frombuffer(raw, kind).astype(float).reshape(shape, order="F")
+
+
+def _read(path: Path, begin: int, length: int) -> bytes:
     with path.open("rb") as file:
-        file.seek(variable.begin)
-        raw = file.read(variable.size)
-    kind = variable.order + variable.kind
-    if not variable.kind:
-        if variable.packed:
-            raw = _inflate(raw, HEAD + 8 * count)[8:]
-        begin = _read_head(raw, variable.order)[3]
-        type_, begin, size, _ = _read_tag(raw, begin, variable.order)
-        if type_ not in TYPES:
-            raise Damaged(f"{variable.name} has numbers of the unknown type {type_}")
-        kind = variable.order + TYPES[type_]
-        raw = raw[begin : begin + size]
-    if len(raw) != count * np.dtype(kind).itemsize:
-        raise Damaged(f"{variable.name} does not hold {count} numbers")
-    return np.frombuffer(raw, kind).astype(float).reshape(variable.shape, order="F")
+        file.seek(begin)
+        return file.read(length)
 
 
 def _list_old(path: Path) -> list[Variable]:
     size, place = path.stat().st_size, 0
     found = []
-    with path.open("rb") as file:
-        while place < size:
-            file.seek(place)
-            head = file.read(20)
-            order = "<" if 0 <= _unpack("<i", head[:4])[0] <= 9999 else ">"
-            code, rows, columns, imaginary, letters = _unpack(order + "5i", head)
-            machine, precision, kind = code // 1000, code // 10 % 10, code % 10
-            if (
-                machine != (order == ">") or code // 100 % 10 or precision not in OLD or kind > 2
-                or min(rows, columns) < 0 or imaginary not in (0, 1) or not 1 < letters <= HEAD
-            ):  # fmt: skip
-                raise Damaged("its header is none of MATLAB's")
-            name = file.read(letters).rstrip(b"\0").decode("latin-1")
-            length = rows * columns * np.dtype(OLD[precision]).itemsize
-            begin = place + 20 + letters
-            place = begin + length * (1 + imaginary)
-            if place > size:
-                raise Damaged("it ends inside a variable")
-            real = kind == 0 and not imaginary
-            found.append(
-                Variable(name, (rows, columns), real, begin, length, False, order, OLD[precision])
-            )
+    while place < size:
+        head = _read(path, place, 20 + HEAD)
+        order = "<" if 0 <= _unpack("<i", head[:4])[0] <= 9999 else ">"
+        code, rows, columns, imaginary, letters = _unpack(order + "5i", head[:20])
+        machine, precision, kind = code // 1000, code // 10 % 10, code % 10
+        if (
+            machine != (order == ">") or code // 100 % 10 or precision not in OLD or kind > 2
+            or min(rows, columns) < 0 or imaginary not in (0, 1) or not 1 < letters <= HEAD
+        ):  # fmt: skip
+            raise Damaged("its header is none of MATLAB's")
+        name = head[20 : 20 + letters].rstrip(b"\0").decode("latin-1")
+        length = rows * columns * np.dtype(OLD[precision]).itemsize
+        begin = place + 20 + letters
+        place = begin + length * (1 + imaginary)
+        if place > size:
+            raise Damaged("it ends inside a variable")
+        numbers = partial(_load_old, path, name, (rows, columns), order + OLD[precision], begin)
+        found.append(Variable(name, (rows, columns), kind == 0 and not imaginary, numbers))
     return found
 
 
+def _load_old(path: Path, name: str, shape: tuple[int, ...], kind: str, begin: int) -> Array:
+    length = math.prod(shape) * np.dtype(kind).itemsize
+    return _shape(name, shape, kind, _read(path, begin, length))
+
+
 def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]:
-    """Return name, shape, whether it holds real numbers, and where these begin, of an array."""
     _, begin, size, place = _read_tag(raw, 0, order)
     flags = _unpack(order + "I", raw[begin : begin + 4])[0]
     real = (flags & 0xFF) in NUMBERS and not flags & COMPLEX
@@ -155,7 +156,6 @@ def _read_head(raw: bytes, order: str) -> tuple[str, tuple[int, ...], bool, int]
 
 
 def _read_tag(raw: bytes, place: int, order: str) -> tuple[int, int, int, int]:
-    """Return type, first byte and size in bytes of an element, and where the next one begins."""
     first, size = _unpack(order + "II", raw[place : place + 8])
     if first >> 16:  # a short element: type, size and up to four bytes of data in eight
         return first & 0xFFFF, place + 4, min(first >> 16, 4), place + 8
@@ -179,26 +179,29 @@ def _unpack(layout: str, raw: bytes) -> tuple[int, ...]:
 def open_mat(path: Path) -> ChannelTable:
     """Open a MATLAB file.
 
-    A vector `a` becomes the channel a, whether it lies or stands. The longer side of a matrix is
-    taken for its rows in time; its columns become channels as in `arrays.open_npz`. Variables that
-    are loaded together must be equally long. What is no array of real numbers, or stands alone, is
-    left out.
+    A vector `a` becomes the channel a. The longer side of a matrix is time; its columns become
+    channels as in `arrays.open_npz`. What is no array of real numbers, or stands alone, is left
+    out.
 
-    Raises InputError if the file is damaged, of version 7.3, or has no array of numbers; when
-        numbers are loaded, if channels differ in length.
+    Raises InputError if the file is damaged or has no array of numbers; when numbers are loaded, if
+        channels differ in length.
     """
-    _refuse_hdf5(path)
+    with path.open("rb") as file:
+        begin = file.read(HEADER + len(HDF5))
     places: dict[str, tuple[Variable, int]] = {}  # channel -> variable, column
     left_out = []
     with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
-        variables = list_variables(path)
+        if begin.startswith((b"MATLAB 7.3", HDF5)) or begin[HEADER:] == HDF5:
+            variables = [Variable(*found) for found in list_arrays(path)]
+        else:
+            variables = list_variables(path)
     for variable in variables:
-        shape = variable.shape
+        name, shape = variable.name, variable.shape
         if not variable.real or len(shape) != 2 or min(shape) < 1 or max(shape) < 2:
-            left_out.append(variable.name)
+            left_out.append(name)
             continue
         require_room(path, max(shape), min(shape), max(shape))
-        name, columns = variable.name, min(shape)
+        columns = min(shape)
         channels = [name] if columns == 1 else name_columns(path, name, columns)
         places.update({each: (variable, column) for column, each in enumerate(channels)})
     listed = f"no arrays of real numbers, left out: {', '.join(left_out)}" if left_out else ""
@@ -215,24 +218,13 @@ def open_mat(path: Path) -> ChannelTable:
         result: dict[str, Array] = {}
         for variable in dict.fromkeys(places[name][0] for name in names):
             with refuse_damaged(path, "is not a whole MATLAB file", Damaged):
-                array = load_variable(path, variable)
+                array = variable.load()
             table = array if array.shape[0] >= array.shape[1] else array.T
             for name in names:
-                if places[name][0] == variable:
+                if places[name][0] is variable:
                     result[name] = np.array(table[:rows, places[name][1]])
         return result
 
     longest = max(max(variable.shape) for variable, _ in places.values())
     units, notes = ("",) * len(places), [listed] if listed else []
     return ChannelTable(path, "MATLAB", tuple(places), units, load, longest, notes)
-
-
-def _refuse_hdf5(path: Path) -> None:
-    with path.open("rb") as file:
-        begin = file.read(HEADER + len(HDF5))
-    if begin.startswith((b"MATLAB 7.3", HDF5)) or begin[HEADER:] == HDF5:
-        raise refuse(
-            path,
-            "is of MATLAB's version 7.3 (HDF5), which is not read: save it again with "
-            "save('NAME.mat', 'time', 'x', ..., '-v7'), or convert it to CSV",
-        )

@@ -29,8 +29,8 @@ def open_nmea(path: Path) -> ChannelTable:
 
     Times are seconds of the first day.
 
-    Raises InputError if the package pynmeagps is missing, no sentence has a fix, a sentence cannot
-        be read or lacks a number, or some state a geoid separation and others do not.
+    Raises InputError without the package pynmeagps, if no sentence has a fix, a sentence cannot be
+        read or lacks a number, or some state a geoid separation and others do not.
     """
     rows, separated = _read_sentences(path)
     require(bool(rows), f"{path}: no GGA sentence has a fix")
@@ -52,7 +52,6 @@ def open_nmea(path: Path) -> ChannelTable:
 
 
 def _read_sentences(path: Path) -> tuple[list[tuple[float, ...]], set[bool]]:
-    """Return the values of `CHANNELS` in each sentence, and whether a geoid separation is there."""
     try:
         from pynmeagps import ERR_RAISE, NMEAReader
         from pynmeagps.exceptions import (

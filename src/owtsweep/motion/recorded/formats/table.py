@@ -51,10 +51,7 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def make_safe(table: ChannelTable) -> ChannelTable:
-    """Return a copy with printable names and units, at most `MOST_CHANNELS`.
-
-    Its `load` raises `InputError` for more than `MOST_VALUES` numbers.
-    """
+    """Return a copy with printable names and units, which loads at most `MOST_VALUES` numbers."""
     require_channels(table.path, len(table.names))
     names = number_repeats([tidy(name) for name in table.names])
     raw = dict(zip(names, table.names, strict=True))
@@ -79,10 +76,7 @@ def require_channels(path: Path, count: int) -> None:
 
 
 def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
-    """Raise `InputError` if rows times channels are more than `MOST_VALUES` numbers.
-
-    `whole` is the number of all rows of the file, if known.
-    """
+    """Raise `InputError` for more than `MOST_VALUES` numbers; `whole`: all rows, if known."""
     if rows * channels <= MOST_VALUES:
         return
     many = f"{rows - 1} rows or more" if whole is None else f"{whole} rows"

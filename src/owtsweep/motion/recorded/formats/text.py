@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import io
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,14 +11,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
-from owtsweep.motion.recorded.formats.iso_times import IsoTimes
-from owtsweep.motion.recorded.formats.streams import TextStream, read_rows
+from owtsweep.errors import printable
+from owtsweep.motion.recorded.formats.streams import TextStream, read_blocks
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse, shorten
 from owtsweep.motion.recorded.formats.text_layout import (
+    ISO_PATTERN,
     MISSING,
+    ZONE,
     Layout,
     find_layout,
+    is_iso_time,
     is_value,
     split_fields,
 )
@@ -32,13 +33,17 @@ if TYPE_CHECKING:
 
 #: The layout is found from this many bytes at the start of the file.
 HEAD = 1 << 18
+#: Most lines of text below a table. More are not left out, so the file is refused.
+MOST_LINES = 20
+#: If this many lines before the last one have one length, a shorter last line was cut off.
+ALIKE = 20
 
 
 def open_text(path: Path) -> ChannelTable:
     """Open a text table.
 
-    Raises InputError if the file is empty, is not text in UTF-8 or Latin-1, has no table of
-        numbers, or has commas of unclear meaning (decimal commas or separators).
+    Raises InputError if the file is no text in UTF-8 or Latin-1, has no table of numbers, or has
+        commas of unclear meaning.
     """
     layout = find_layout(path, _read_head(path))
     notes: list[str] = []
@@ -51,7 +56,6 @@ def open_text(path: Path) -> ChannelTable:
 
 
 def _read_head(path: Path) -> list[str]:
-    """Return the first lines, of at most `HEAD` bytes; a line that this cuts is left out."""
     with TextStream(path) as stream:
         raw = stream.read(HEAD)
     if not raw.strip():
@@ -73,14 +77,14 @@ def load_columns(
 ) -> Mapping[str, Array]:
     """Load the first `rows` values of columns, block by block; `notes` gets what is left out."""
     times = {n: IsoTimes(path, n, layout.times[n]) for n in names if n in layout.times}
-    parse = _parse_blanks if layout.delimiter == " " else _parse_delimited
     columns: dict[str, Array] = {name: np.empty(0) for name in names}
     count, skipped = 0, layout.first
-    split = partial(split_fields, delimiter=layout.delimiter)
-    for block in read_rows(path, len(layout.names), split, is_value, notes):
+    for block, is_last in read_blocks(path):
+        if is_last:
+            block = _without_ending(block, layout, notes)
         if not block.strip():
             continue
-        parsed = parse(path, layout, block, skipped, names)
+        parsed = _parse(path, layout, block, skipped, names)
         skipped = 0
         stop = count + len(parsed[names[0]]) if names else count
         for name in names:
@@ -97,16 +101,51 @@ def load_columns(
     return {name: column[:stop] for name, column in columns.items()}
 
 
-def _parse_delimited(
-    path: Path, layout: Layout, block: bytes, skipped: int, names: Sequence[str]
-) -> Parsed:
-    """Parse a block with pyarrow, without its first `skipped` lines.
+def _without_ending(block: bytes, layout: Layout, notes: list[str]) -> bytes:
+    lines = block.splitlines(keepends=True)
+    texts = [line.decode("utf-8", "replace").rstrip("\r\n") for line in lines]
+    if lines and not lines[-1].endswith((b"\n", b"\r")) and _is_cut(texts, layout):
+        notes.append(f"the last line was cut off and is left out: {_quote(texts[-1])}")
+        del lines[-1], texts[-1]
+    place = len(texts)
+    while place and not _is_row(texts[place - 1], layout):
+        place -= 1
+    below = [text for text in texts[place:] if text.strip()]
+    if 0 < len(below) <= MOST_LINES:
+        notes.append(
+            f"{len(below)} line(s) below the table are left out, the first is {_quote(below[0])}"
+        )
+        del lines[place:]
+    return b"".join(lines)
 
-    pyarrow's own streaming reader is not used, because its thread may outlive an error.
-    """
+
+def _is_row(text: str, layout: Layout) -> bool:
+    # as many fields as columns, one with a value; or values alone, whose wrong number is refused
+    values = [is_value(each) for each in split_fields(text, layout.delimiter) if text.strip()]
+    return any(values) if len(values) == len(layout.names) else bool(values) and all(values)
+
+
+def _is_cut(texts: Sequence[str], layout: Layout) -> bool:
+    fields, count = split_fields(texts[-1], layout.delimiter), len(layout.names)
+    if not fields or len(fields) > count or not is_value(fields[0]):
+        return False
+    before = {len(text) for text in texts[-1 - ALIKE : -1]}
+    shorter = len(texts) > ALIKE and len(before) == 1 and len(texts[-1]) < min(before)
+    return len(fields) < count or not is_value(fields[-1]) or shorter
+
+
+def _quote(text: str) -> str:
+    return f"'{printable(text.strip()[:40])}'"
+
+
+def _parse(path: Path, layout: Layout, block: bytes, skipped: int, names: Sequence[str]) -> Parsed:
+    # pyarrow's own streaming reader is not used: its thread may outlive an error
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 
+    if layout.delimiter == " ":  # pyarrow cannot split a line at runs of blanks
+        lines = block.splitlines()[skipped:]
+        block, skipped = b"\n".join(b" ".join(line.split()) for line in lines), 0
     convert = arrow_csv.ConvertOptions(
         include_columns=list(names),
         column_types={n: pa.string() if n in layout.times else pa.float64() for n in names},
@@ -119,44 +158,66 @@ def _parse_delimited(
     try:
         table = arrow_csv.read_csv(pa.BufferReader(block), how, parse, convert)
     except pa.ArrowException as error:
-        raise _not_numbers(path, error) from None
+        reason = f"cannot be read as a table of numbers ({shorten(error, 160)})"
+        raise refuse(path, reason) from None
     return {
         n: table.column(n).combine_chunks() if n in layout.times else table.column(n).to_numpy()
         for n in names
     }
 
 
-def _parse_blanks(
-    path: Path, layout: Layout, block: bytes, skipped: int, names: Sequence[str]
-) -> Parsed:
-    """Parse a block with pandas, because pyarrow cannot split a line at runs of blanks."""
-    import pandas as pd
-    import pyarrow as pa
+class IsoTimes:
+    """Converts a column of times in ISO 8601, piece by piece, to seconds from the first time.
 
-    if skipped:
-        block = b"".join(block.splitlines(keepends=True)[skipped:])
-    types = {name: "str" if name in layout.times else "float64" for name in names}
-    try:
-        frame = pd.read_csv(
-            io.BytesIO(block), sep=r"\s+", header=None, names=layout.names,
-            usecols=list(names), dtype=types, na_values=list(MISSING), decimal=layout.decimal,
-            encoding_errors="replace",
-        )  # fmt: skip
-    except (ValueError, pd.errors.ParserError) as error:
-        raise _not_numbers(path, error) from None
-    columns = len(layout.names)
-    if len(block.split()) != columns * len(frame):  # pandas takes a short row as missing values
-        for line in block.decode("utf-8", "replace").splitlines():
-            fields = split_fields(line, " ")
-            if len(fields) not in (0, columns):
-                raise refuse(path, f"{len(fields)} fields, not {columns}, are in {line[:60]!r}")
-    return {
-        n: pa.array(frame[n], pa.string(), from_pandas=True)
-        if n in layout.times
-        else frame[n].to_numpy(dtype=float)
-        for n in names
-    }
+    `example` is the first field of the column `name`; InputError is raised if its form is another.
+    """
 
+    def __init__(self, path: Path, name: str, example: str) -> None:
+        self._path, self._name = path, name
+        self._first: int | None = None
+        self._zoned: bool | None = None
+        if not is_iso_time(example):
+            raise refuse(
+                path,
+                f"column {name} holds times like {example}: write date and time in ISO 8601, e.g. "
+                "2024-05-01T12:00:00.000Z, or seconds",
+            )
 
-def _not_numbers(path: Path, error: Exception) -> InputError:
-    return refuse(path, f"cannot be read as a table of numbers ({shorten(error, 160)})")
+    def convert(self, texts: pa.StringArray) -> Array:
+        """Return the next times in s from the column's first; NaN where a text is missing.
+
+        Raises InputError if a text is not in ISO 8601, or only some times have an offset from UTC.
+        """
+        import pandas as pd
+        import pyarrow.compute as pc
+
+        there = pc.is_valid(texts).to_numpy(zero_copy_only=False)
+        good = pc.match_substring_regex(texts, "^" + ISO_PATTERN).fill_null(True)
+        if not pc.all(good).as_py():
+            wrong = texts.filter(pc.invert(good))[0].as_py()
+            raise refuse(
+                self._path,
+                f"column {self._name} holds times in ISO 8601, but also {wrong[:40]!r}",
+            )
+        zoned = pc.match_substring_regex(texts, ZONE + "$").drop_null().unique().to_pylist()
+        if self._zoned is None and zoned:
+            self._zoned = zoned[0]
+        if any(each != self._zoned for each in zoned):
+            raise refuse(
+                self._path,
+                f"column {self._name}: some times state Z or an offset from UTC, others do not; "
+                "write them in one way",
+            )
+        series = pc.replace_substring(texts, ",", ".").to_pandas()
+        try:
+            moments = pd.to_datetime(series, format="ISO8601", utc=True).dt.tz_localize(None)
+        except (ValueError, OverflowError) as error:
+            raise refuse(
+                self._path, f"column {self._name}: no such time ({shorten(error)})"
+            ) from None
+        numbers = moments.to_numpy(dtype="datetime64[ns]").view(np.int64)
+        if self._first is None and there.any():
+            self._first = int(numbers[there][0])
+        result = np.full(len(numbers), np.nan)
+        result[there] = (numbers[there] - (self._first or 0)) * 1e-9
+        return result

@@ -14,9 +14,37 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from owtsweep.motion.recorded.formats.iso_times import ISO_TIME, is_date_or_clock, is_split_time
 from owtsweep.motion.recorded.formats.table import LONGEST_NAME, number_repeats, refuse
 from owtsweep.motion.recorded.units import find_dimension
+
+#: The unit of a column of such times, in place of one that the file states.
+ISO_TIME = "ISO 8601"
+
+ZONE = r"(Z|[+-]\d\d(:?\d\d)?)"
+#: Date, T or a blank, time of day, perhaps Z or the offset from UTC.
+ISO_PATTERN = r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d([.,]\d{1,9})?)?" + ZONE + "?$"
+_ISO = re.compile(ISO_PATTERN)
+#: Other dates and times of day, whose meaning would be a guess: 01/05/2024 12:00, 1.5.24, 12:00:00.
+_UNCLEAR = re.compile(
+    r"(\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}([T ].{0,40})?|\d{1,2}:\d\d(:\d\d([.,]\d*)?)?.{0,6})$"
+)
+_DATE, _CLOCK = re.compile(r"\d{4}-\d\d-\d\d$"), re.compile(r"\d\d:\d\d")
+
+
+def is_iso_time(field: str) -> bool:
+    """Return whether a field is a date with a time of day in ISO 8601."""
+    return _ISO.match(field) is not None
+
+
+def is_date_or_clock(field: str) -> bool:
+    """Return whether a field is a date or a time of day, in ISO 8601 or not."""
+    return is_iso_time(field) or _UNCLEAR.match(field) is not None
+
+
+def is_split_time(fields: list[str]) -> bool:
+    """Return whether a row begins with a date and a time of day as two fields."""
+    return len(fields) > 1 and bool(_DATE.match(fields[0])) and bool(_CLOCK.match(fields[1]))
+
 
 MISSING = (
     *("", "nan", "NaN", "NAN", "-nan", "-NaN", "1.#QNAN", "-1.#IND", "#N/A", "NA", "N/A", "n/a"),
@@ -58,8 +86,7 @@ def split_fields(line: str, delimiter: str) -> list[str]:
 def find_layout(path: Path, lines: list[str]) -> Layout:
     """Find the layout of a text table from the first lines of the file.
 
-    Raises InputError if the lines hold no table of numbers, or commas of unclear meaning (decimal
-        commas or separators).
+    Raises InputError if the lines hold no table of numbers, or commas of unclear meaning.
     """
     written = [(number, line) for number, line in enumerate(lines) if line.strip()]
     for place, (first, line) in enumerate(written):
@@ -92,11 +119,7 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
 
 
 def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
-    """Return "." or ",", the decimal character of the fields of some lines of data.
-
-    Commas below the first line, in a file with points, are taken for text. `first` is the number of
-    the first of these lines, from 0.
-    """
+    """Return "." or ",", the decimal character of the fields of some lines of data."""
     commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
     if not commas:
         return "."
@@ -115,10 +138,7 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
 
 
 def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: str) -> None:
-    """Refuse commas between columns that may also be decimal commas, as in `0,05,1,25`.
-
-    All fields are integers then, and fewer names, one of them a time, stand above.
-    """
+    """Refuse commas between columns that may also be decimal commas, as in `0,05,1,25`."""
     names = split_fields(header.lstrip("#!%").strip(), ",")
     parts = len(fields)
     whole = all(_INTEGER.match(field) for field in fields)
@@ -155,7 +175,6 @@ def is_value(field: str) -> bool:
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Return names (1, 2, ... without any) and units from the lines above the data."""
     rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
     units = [""] * count
     if rows and len(rows[-1]) == count and _holds_units(rows):
@@ -174,11 +193,7 @@ def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[st
 
 
 def _holds_units(rows: list[list[str]]) -> bool:
-    """Return whether the last row holds units.
-
-    All its fields are in brackets, or are known units below a row of equally many fields. Fields
-    that are empty or "-" are not looked at.
-    """
+    """Return whether the last row holds units."""
     last = [field for field in rows[-1] if field not in ("", "-")]
     if all(_BRACKETED.match(field) for field in last):
         return True

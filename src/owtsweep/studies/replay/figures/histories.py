@@ -17,8 +17,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.traces import Traces, collect_traces
 from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.measures import QUANTILE
-from owtsweep.studies.replay.session import Session
-from owtsweep.studies.replay.states import FilterStates
+from owtsweep.studies.replay.session import FilterStates, Session
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,14 +38,12 @@ def draw(
 ) -> Figure:
     """Draw a quantity over time: a panel for x, a panel for y, and a panel for the errors of x.
 
-    If the true quantity is unknown, there is no panel of errors. For the position, a panel of the
-    innovations of x takes its place. Raise `InputError` if no scheme estimates the quantity.
+    If the truth is unknown, a panel of innovations stands for that of position errors.
 
-    states: Returns the filters' acceleration and bias. It is called only if `quantity` is
-        "acceleration" or "bias", and not "position" or "velocity".
+    states: returns the filters' acceleration and bias; called for these two quantities only.
     zoom: whether to show only some seconds around the largest motion after settling.
-    advised: the scheme that the advice recommends: its lines are drawn on top, and its ±1.96
-        standard deviations as a band.
+    advised: the recommended scheme: it is drawn on top, its ±1.96 standard deviations as a band.
+    Raises InputError if no scheme estimates the quantity.
     """
     shown = collect_traces(session, states, quantity, zoom=zoom)
     if not shown.lines:
@@ -70,7 +67,6 @@ def draw(
 
 
 def _name_part(session: Session, shown: Traces, *, zoom: bool) -> str:
-    """Describe, for a title, the part of the record that a figure shows; "" for all of it."""
     length = session.record.steps * session.record.step
     part = shown.view[1] - shown.view[0]
     if part >= 0.99 * length:
@@ -89,7 +85,6 @@ def _format_duration(seconds: float) -> str:
 def _make_values_panel(
     session: Session, quantity: str, axis: int, shown: Traces, advised: str | None
 ) -> Panel:
-    """Make the panel of a quantity's x (axis 0) or y (axis 1): truth, measured, estimates."""
     marks: list[Curve] = []
     if shown.imu is not None:
         marks.append(time_histories.show_measurement(shown.imu[axis]))
@@ -105,12 +100,14 @@ def _make_values_panel(
         label = "fixes\n(as they arrive)"
         marks.append(time_histories.show_fixes(time, fixes[:, axis], label=label, size=6))
     limits: tuple[float | None, float | None] = (None, None)
-    if shown.limits is not None:  # the large values at the start would hide the rest
-        limits = _widen(*shown.limits[axis])
+    if quantity == "bias":  # the large values at the start would hide the rest
+        limits = _find_limits(shown, axis)
     return Panel(f"{'xy'[axis]} {quantity} ({UNITS[quantity]})", marks, shown.view, limits)
 
 
-def _widen(low: float, high: float) -> tuple[float, float]:
+def _find_limits(shown: Traces, axis: int) -> tuple[float, float]:
+    pairs = [*shown.lines.values(), *([shown.truth] if shown.truth else [])]
+    low, high = shown.find_range(pair[axis] for pair in pairs)
     margin = 0.3 * (high - low)
     return low - margin, high + margin
 
@@ -118,7 +115,6 @@ def _widen(low: float, high: float) -> tuple[float, float]:
 def _make_errors_panel(
     session: Session, quantity: str, shown: Traces, advised: str | None
 ) -> Panel:
-    """Make the panel of errors of x, with ±1.96 standard deviations of the advised scheme."""
     marks: list[Band | Curve | Level] = []
     note = ""
     if advised is not None and advised in shown.deviations:
@@ -132,7 +128,7 @@ def _make_errors_panel(
         zorder = time_histories.ON_TOP if name == advised else 2.5
         look: Look = {"linewidth": 1.1, "zorder": zorder}
         marks.append(time_histories.show_scheme(name, session.names, line, look))
-    reach = 1.2 * shown.bound
+    reach = 1.2 * max(map(abs, shown.find_range(shown.errors.values())))
     notes = [note] if note else []
     if any(leaves(line, -reach, reach) for line in shown.errors.values()):
         notes.append(f"not shown: errors beyond ±{reach:.2g} {UNITS[quantity]} at the start")
@@ -141,7 +137,6 @@ def _make_errors_panel(
 
 
 def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
-    """Make the panel of the innovations of x, divided by their stated standard deviations."""
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
         scheme = style_of(name, session.names)
@@ -184,8 +179,8 @@ def _explain(session: Session, quantity: str, shown: Traces, advised: str | None
     if quantity == "bias" and session.record.steps > POINTS:
         every = 2.0 * session.record.steps / POINTS * session.record.step
         sentences.append(f"Drawn are the least and the greatest value of every {every:.3g} s.")
-    if shown.limits is not None and any(
-        leaves(pair[axis], *_widen(*shown.limits[axis]))
+    if quantity == "bias" and any(
+        leaves(pair[axis], *_find_limits(shown, axis))
         for pair in shown.lines.values()
         for axis in range(2)
     ):

@@ -27,12 +27,7 @@ def overview(config: ReplayConfig) -> str:
 def drawings(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], metadata: Mapping[str, str]
 ) -> dict[str, Drawing]:
-    """Return the figures of a run: name -> function that draws and saves the figure.
-
-    With a single record, the figures are quantities over time, the spectrum, and the record's place
-    in the map of expected errors. With several records, there is one figure: a map of the best
-    schemes. The texts of `metadata`, by name, are stored in the files.
-    """
+    """Return the figures of a run, name -> function that draws and saves it."""
     if len(config.grid.files) == 1:
         figures = _figures_of_one(config, tables)
     else:
@@ -49,8 +44,7 @@ def _figures_of_one(
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.facts import pick_facts
     from owtsweep.studies.replay.figures import histories, place, spectrum
-    from owtsweep.studies.replay.session import run_session
-    from owtsweep.studies.replay.states import collect_filter_states
+    from owtsweep.studies.replay.session import collect_filter_states, run_session
 
     recorded = cache(lambda: run_session(config, config.grid.files[0]))
     states = cache(lambda: collect_filter_states(config, recorded()))

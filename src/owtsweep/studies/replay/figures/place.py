@@ -38,9 +38,7 @@ UPWARDS = Condition("amplitude", "amplitude: largest displacement", "m", scale="
 def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
-    The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
-    `record` holds the facts about the only record. Raise `InputError` if the record has no fitted
-    spectrum with a peak inside the band, or if no errors can be computed for one of the schemes.
+    Raises InputError if the record has no place there, or no errors can be computed for a scheme.
     """
     from owtsweep.figures import smooth_map
 
@@ -93,10 +91,6 @@ def _describe_coverage(record: Mapping[str, float]) -> str:
 def _make_field(
     config: ReplayConfig, record: Mapping[str, float], place: tuple[float, float]
 ) -> tuple[list[str], list[str], Field]:
-    """Make the names of the schemes, those of the baselines, and the data of the map.
-
-    `place` is natural period (s) and amplitude (m) of the record.
-    """
     from owtsweep.figures.smooth_map import Field
 
     (period, amplitude), band, grid = place, config.fit_band, config.grid
@@ -135,11 +129,6 @@ def _make_field(
 
 
 def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> None:
-    """Mark the record's place, natural period (s) and amplitude (m), by a star with bars.
-
-    `ends` is half the bar of the period (s), and half that of the logarithm of the amplitude, or
-    NaN.
-    """
     period, amplitude = place
     across = np.full((2, 1), ends[0])
     upwards = [[amplitude - amplitude / np.exp(ends[1])], [amplitude * np.expm1(ends[1])]]

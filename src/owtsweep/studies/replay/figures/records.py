@@ -29,12 +29,9 @@ MOST_TICKS = 12
 def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
     """Draw one mark per record, which names the best scheme, the runner-up and the margin.
 
-    The margin tells by how much the runner-up's error is larger. A mark is hatched if the margin
-    does not matter. The axes are the first two columns of numbers in `replay.table`. If the table
-    has only one column of numbers, the vertical axis is the largest displacement (m). Without a
-    table, the axes are the fitted natural period (s) and the largest displacement. `records` and
-    `advised` are the tables records.csv and advice.csv. Raise `InputError` if no record has values
-    on both axes.
+    A mark is hatched if the margin does not matter. Axes are the first two columns of numbers in
+    `replay.table`; the largest displacement (m) and the fitted period (s) stand for missing ones.
+    Raises InputError if no record has values on both axes.
     """
     from matplotlib.patches import Patch
 
@@ -123,11 +120,7 @@ def _choose_coordinates(
 
 
 def _measure_cell(values: pd.Series[float]) -> float:
-    """Return the width of the marks along one axis of the map, for the records' values on it.
-
-    The width is the least distance between different values, but at least a twelfth of the range of
-    the values. If all values are equal, it is a fifth of their magnitude, but at least 0.001.
-    """
+    """Return the width of the marks along one axis of the map, for the records' values on it."""
     coordinates = sorted({float(value) for value in values})
     if len(coordinates) < 2:
         return max(abs(coordinates[0]) * 0.2, 1e-3)
@@ -136,7 +129,6 @@ def _measure_cell(values: pd.Series[float]) -> float:
 
 
 def _name_schemes(best: str, runner_up: str, margin: float, recommended: str) -> str:
-    """Name the best scheme, the runner-up and the margin; before them a baseline that is better."""
     text = best if np.isnan(margin) else f"{best}\n{runner_up} +{100.0 * margin:.0f} %"
     return f"{recommended}!\n{text}" if recommended in BASELINES and recommended != best else text
 

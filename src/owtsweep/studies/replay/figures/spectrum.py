@@ -29,9 +29,8 @@ SMOOTHED, SHARE = 7, 500
 def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
     """Draw the periodogram of a record's displacement, its running mean, and a fitted spectrum.
 
-    The fitted spectrum is Eq. (1) of Ren et al. (2019); it is left out if it could not be fitted.
-    `record` holds the facts about the record. Raise `InputError` if the record does not move, or if
-    its periodogram has no frequency in or near the band.
+    Raises InputError if the record does not move, or its periodogram has no frequency near the
+        band.
     """
     summary = summarise_motion(config, config.grid.files[0])
     if not summary.size["peak"] > 0.0:
@@ -84,11 +83,6 @@ def draw(config: ReplayConfig, record: Mapping[str, float]) -> Figure:
 
 
 def _mark_modes(axes: Axes, modes: Modes) -> str:
-    """Mark the peaks of the spectrum by their periods and shares of the variance.
-
-    Peaks beyond the axis are named at its edge. Return a sentence for the footnote, which ends with
-    a space; "" if there is no peak.
-    """
     left, right = axes.get_xlim()
     for number, mode in enumerate(modes.found[:MOST_MODES]):
         inside = left <= mode.frequency <= right

@@ -1,4 +1,4 @@
-"""Fit noise and delay by maximum likelihood, with 95 % intervals from the profile likelihood."""
+"""Fit noise and delay by maximum likelihood, and find a force that contradicts the positions."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from owtsweep.arrays import Array
+from owtsweep.gravity import STANDARD_GRAVITY
 from owtsweep.studies.replay.identification.likelihood import PARAMETERS, REACH, Problem
 
 #: Least and largest IMU sigma (m/s^2), position sigma (m) and bias walk (m/s^2/sqrt(s)) tried.
@@ -22,17 +23,26 @@ DROP = 1.9207
 ALLOWED = 5.414
 #: Steps of the search for the edge of an interval.
 MOST_STEPS = 15
+#: The acceleration is doubted if it misses the positions by this factor more than stated.
+DOUBTED = 2.0
+#: Another reading of the acceleration must raise the log likelihood by this. If the acceleration is
+#: right, any other reading does so with a probability below exp(-10).
+EVIDENCE = 10.0
+#: ... and make the misfit smaller by this factor.
+SMALLER = 2.0
+#: Step between the delays at which readings are compared, s.
+COARSE = 0.1
 
 
 @dataclass(frozen=True)
 class Fit:
     """The most likely parameters and their 95 % intervals.
 
-    values, low, high: Estimate and interval, shape (4,), in the order of `PARAMETERS`. `low` is 0
-        (for a delay minus infinity) and `high` infinity where the record sets no bound.
+    values, low, high: (4,), in the order of `PARAMETERS`; `low` is 0 (a delay: minus infinity) and
+        `high` infinity where the record sets no bound.
     log_likelihood: the largest log likelihood.
-    kurtosis, kurtosis_error: Excess kurtosis of the innovations: 0 for Gaussian noise, larger with
-        outliers; and its standard error for Gaussian noise.
+    kurtosis, kurtosis_error: Excess kurtosis of the innovations, 0 for Gaussian noise, and its
+        standard error for such noise.
     """
 
     values: Array
@@ -47,8 +57,8 @@ def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
     """Fit IMU sigma, position sigma, bias walk and delay by maximum likelihood.
 
     stated: the stated values, at which the search begins, shape (4,).
-    floor: IMU sigma that the IMU's own spectrum shows, m/s^2. It is used if the positions alone do
-        not contradict it: then the IMU's noise is white, and its sigma is known to a few per cent.
+    floor: IMU sigma (m/s^2) of the IMU's own spectrum; used if positions do not contradict it, for
+        then the IMU's noise is white, and known to a few per cent.
     """
     best, value = find_most_likely(problem, stated)
     if np.isfinite(floor) and _allows(problem, best, value, _bounds(stated[3]), np.log(floor)):
@@ -73,8 +83,8 @@ def find_most_likely(
 ) -> tuple[Array, float]:
     """Return the most likely parameters, encoded for the search, and their log likelihood.
 
-    The search begins at the stated values, shape (4,). The acceleration is multiplied by `gain`,
-    shape (2, 2), first.
+    stated: the values at which the search begins, shape (4,).
+    gain: what multiplies the acceleration first, shape (2, 2).
     """
     best: Array = np.empty(0)
     value = -np.inf
@@ -90,9 +100,8 @@ def scan_delays(
 ) -> tuple[list[Array], float]:
     """Return the most likely delays, without any search for the noise, and their log likelihood.
 
-    These are the encoded parameters with the most likely delay for the stated noise, and those for
-    a noise ten times larger: a delay can be recognised only at about the right size of the noise.
-    `step` is the time between delays that are tried.
+    These are encoded parameters for the stated noise, and for ten times as much: a delay can be
+    recognised only at about the right size of the noise. `step` is that between tried delays, s.
     """
     delays = np.arange(-REACH, REACH + 0.5 * step, step) + stated[3]
     residuals = [problem.residual(delay, gain) for delay in delays]
@@ -116,7 +125,6 @@ def decode(parameters: Array) -> Array:
 
 
 def _allows(problem: Problem, best: Array, value: float, bounds: Array, sigma: float) -> bool:
-    """Return whether an IMU sigma, given by its logarithm, is as likely as `ALLOWED` demands."""
     start = best.copy()
     start[0] = sigma
     return _climb(problem, start, bounds, fixed=0)[1] > value - ALLOWED
@@ -135,10 +143,6 @@ def _climb(
     fixed: int | None = None,
     gain: Array | None = None,
 ) -> tuple[Array, float]:
-    """Return the most likely parameters near `start`, and their log likelihood.
-
-    The parameter of index `fixed` keeps its value in `start`.
-    """
     free = np.array([i for i in range(len(start)) if i != fixed])
     whole = start.copy()
     # with the delay fixed, residuals stay
@@ -159,10 +163,7 @@ def _climb(
 def _find_edge(
     problem: Problem, best: Array, value: float, i: int, bounds: Array, sign: float
 ) -> float:
-    """Return where the profile likelihood of parameter i falls by `DROP`, or an infinity.
-
-    `sign` is 1 for the upper edge of the interval and -1 for the lower.
-    """
+    """Return where the profile likelihood of parameter i falls by `DROP`, or an infinity."""
     start = best
 
     def excess(at: float) -> float:
@@ -196,3 +197,68 @@ def _find_edge(
         else:
             inside, at_inside = middle, at_middle
     return float(outside)
+
+
+def list_readings() -> dict[str, Array]:
+    """Return what may be wrong, in words -> the matrix (2, 2) that corrects the acceleration."""
+    unit = np.eye(2)
+    swapped = unit[::-1]
+    readings = {
+        "its sign turned": -unit,
+        "its axes swapped": swapped,
+        "its axes swapped and both signs turned": -swapped,
+        "the sign of x turned": np.diag([-1.0, 1.0]),
+        "the sign of y turned": np.diag([1.0, -1.0]),
+        "the unit g instead of m/s^2": STANDARD_GRAVITY * unit,
+        "the unit m/s^2 instead of g": unit / STANDARD_GRAVITY,
+        "a unit a thousand times smaller": 1e-3 * unit,
+        "a unit a thousand times larger": 1e3 * unit,
+    }
+    for degrees in (45, 90, 135, -135, -90, -45):
+        cos, sin = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+        turned = np.array([[cos, -sin], [sin, cos]])
+        readings[f"sensors.yaw larger by some {degrees} deg"] = turned
+    return readings
+
+
+def describe_disagreement(problem: Problem, stated: Array, fit: Fit, source: str) -> str:
+    """Say why the acceleration cannot belong to the positions; "" if both can be of one motion.
+
+    stated, fit: the stated values, shape (4,), and the fit of the acceleration as it is.
+    source: what the positions are: "fixes" or "reference".
+    """
+    size, expected = _measure_misfit(problem, fit.values), _measure_misfit(problem, stated)
+    if not size > DOUBTED * expected:
+        return ""
+    _, without = find_most_likely(problem, stated, np.zeros((2, 2)))
+    readings = list_readings()
+    likely = {
+        reading: scan_delays(problem, stated, gain, COARSE)[1] for reading, gain in readings.items()
+    }
+    words = max(likely, key=lambda reading: likely[reading])
+    found, value = find_most_likely(problem, stated, readings[words])
+    best = _measure_misfit(problem, decode(found))
+    if value < max(fit.log_likelihood, without) + EVIDENCE or SMALLER * best > size:
+        words = ""
+    start = (
+        f"the specific force contradicts the {source}: its double integral misses them by "
+        f"{size:.2g} m where the stated noise explains {expected:.2g} m"
+    )
+    if words:
+        return f"{start}; with {words} it fits {size / best:.2g} times better"
+    if without > fit.log_likelihood + EVIDENCE:
+        return f"{start}; without the force they are explained better"
+    return ""
+
+
+def _measure_misfit(problem: Problem, values: Array) -> float:
+    """Return how far a position lies from what its neighbours and the IMU say, m.
+
+    It is the rms of the third differences, in units of that of white position noise of 1 m.
+    """
+    parts = problem.differences
+    variance = (
+        problem.integral.step * values[0] ** 2 * parts.of_white[0]
+        + values[1] ** 2 * parts.of_position[0] + values[2] ** 2 * parts.of_walk[0]
+    )  # fmt: skip
+    return float(np.sqrt(np.mean(variance / parts.of_position[0])))

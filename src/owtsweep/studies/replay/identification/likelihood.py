@@ -34,12 +34,11 @@ FLOOR_ERROR = 0.02
 class Differences(NamedTuple):
     """Third differences of a series of positions at given times.
 
-    first, weights: Index of the first of the four positions of each difference, shape (n,), and
-        weights of the four, shape (n, 4).
-    of_position, of_white, of_walk: Covariance of the differences, per axis, for unit noise: for
-        positions with white noise of 1 m; for a white acceleration noise of density 1 (m/s^2)^2/Hz;
-        for an acceleration bias that walks with density 1 (m/s^2)^2/s. Shape (4, n) each: row k
-        holds the covariances of difference j with difference j + k.
+    first, weights: index of the first of the four positions of each difference, (n,), and the four
+        weights, (n, 4).
+    of_position, of_white, of_walk: covariance of the differences for positions with white noise of
+        1 m, for white acceleration noise of density 1 (m/s^2)^2/Hz, and for an acceleration bias
+        that walks with density 1 (m/s^2)^2/s; (4, n), row k being that of difference j with j + k.
     """
 
     first: NDArray[np.int64]
@@ -92,10 +91,9 @@ def take_differences(time: Array) -> Differences:
 
 
 def _noise_of_intervals(length: Array) -> tuple[Array, Array]:
-    """Return the covariance of position, velocity and bias that each of n intervals (s) adds.
+    """Return the covariance of position, velocity and bias, (n, 3, 3), that each interval (s) adds.
 
-    Return that of white acceleration noise and that of a bias walk, of unit density, (n, 3, 3)
-    each.
+    The first is that of white acceleration noise, the second that of a bias walk, of unit density.
     """
     white, walk = np.zeros((2, len(length), 3, 3))
     white[:, 0, 0] = length**3 / 3.0
@@ -114,8 +112,8 @@ def _noise_of_intervals(length: Array) -> tuple[Array, Array]:
 class DoubleIntegral:
     """The double integral of an acceleration, zero with zero slope at time 0.
 
-    `step` is in s; `position` and `velocity` are the double and the single integral at the samples,
-    shape (n, 2), in m and m/s.
+    `position` and `velocity` are the double and the single integral every `step` s, (n, 2), m and
+    m/s.
     """
 
     step: float
@@ -128,10 +126,7 @@ class DoubleIntegral:
         return self.step * (len(self.position) - 1)
 
     def at(self, time: Array) -> Array:
-        """Return the double integral at times in s, shape (m, 2) in m, by cubic interpolation.
-
-        Times before the first or after the last sample are extrapolated.
-        """
+        """Return the double integral, (m, 2) in m, at times in s, by cubic interpolation."""
         index = np.clip((time / self.step).astype(int), 0, len(self.position) - 2)
         part = (time / self.step - index)[:, None]
         p0, p1 = self.position[index], self.position[index + 1]
@@ -144,15 +139,14 @@ class DoubleIntegral:
 def integrate_twice(acceleration: Array, step: float) -> DoubleIntegral:
     """Integrate an acceleration twice, shape (n, 2) in m/s^2, sampled every `step` seconds.
 
-    The mean is subtracted first, so that the integral stays small. Whoever uses the integral must
-    therefore not depend on a constant acceleration.
+    The mean is subtracted first: whoever uses the integral must not depend on a constant
+    acceleration.
     """
     velocity = _integrate(acceleration - acceleration.mean(axis=0), step)
     return DoubleIntegral(step, _integrate(velocity, step), velocity)
 
 
 def _integrate(values: Array, step: float) -> Array:
-    """Return the integral from the first sample to each sample; its error is of fourth order."""
     area = 0.5 * (values[:-1] + values[1:])
     # the cubic through four samples, instead of the line through two
     area[1:-1] -= (values[:-3] - values[1:-2] - values[2:-1] + values[3:]) / 24.0
@@ -167,9 +161,8 @@ class Problem:
     """Positions, and the acceleration that an IMU measured; both axes share all parameters.
 
     integral: the double integral of the acceleration, in NED.
-    time: Times of the positions on the clock of the IMU, shape (n,), s.
-    differences, measured: the third differences of series at these times, and those of the measured
-        positions, shape (m, 2).
+    time: of the positions on the clock of the IMU, shape (n,), s.
+    differences, measured: third differences at these times, and those of the positions, (m, 2).
     floor: IMU sigma that the IMU's own spectrum shows (m/s^2, `measure_floor`); NaN: not used.
     """
 
@@ -182,20 +175,17 @@ class Problem:
     def residual(self, delay: float, gain: Array | None = None) -> Array:
         """Return the differences of positions minus double integral, shape (m, 2).
 
-        Positions were true `delay` seconds ago. The acceleration is multiplied by `gain`, shape (2,
-        2), first.
+        Positions were true `delay` seconds ago; `gain`, (2, 2), multiplies the acceleration first.
         """
         moved = self.differences.apply(self.integral.at(self.time - delay))
         return self.measured - (moved if gain is None else moved @ gain.T)
 
     def whiten(self, noise: Array, residual: Array) -> tuple[Array, float]:
-        """Return residuals divided by their stated deviation, and their log likelihood.
+        """Return innovations, (m, 2), of variance 1 if the noise is right, and the log likelihood.
 
-        `noise`: standard deviation of an IMU sample (m/s^2) and of a position (m), and the bias
-        walk (m/s^2/sqrt(s)), shape (3,). `residual`: what `residual` returns.
-
-        Return the innovations, shape (m, 2), independent with variance 1 if the noise is right; and
-        the logarithm of their likelihood, minus infinity where it cannot be computed.
+        noise: of an IMU sample (m/s^2), of a position (m), and the bias walk (m/s^2/sqrt(s)), shape
+            (3,).
+        residual: what `residual` returns.
         """
         parts, density = self.differences, self.integral.step * noise[0] ** 2
         covariance = (
@@ -217,11 +207,9 @@ class Problem:
 def pose(integral: DoubleIntegral, time: Array, positions: Array, delay: float) -> Problem | None:
     """Make the problem of positions at given times; None if fewer than 8 can be used.
 
-    integral: the double integral of the measured acceleration, in NED; time 0 is its first sample.
-    time, positions: when positions came (s, shape (n,)) and what they said (m, shape (n, 2)); NaN:
-        none came.
-    delay: the stated delay, s. Positions for whose time, at any delay within `REACH`, there is no
-        acceleration are left out.
+    integral: of the measured acceleration, in NED; time 0 is its first sample.
+    time, positions: when positions came (s, (n,)) and what they said (m, (n, 2)); NaN: none came.
+    delay: the stated one, s. Positions without acceleration at a delay within `REACH` are left out.
     """
     known = np.all(np.isfinite(positions), axis=1)
     known &= (time - delay - REACH >= 0.0) & (time - delay + REACH <= integral.duration)

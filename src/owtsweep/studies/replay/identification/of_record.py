@@ -19,8 +19,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, follow_sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import hash_file
-from owtsweep.studies.replay.identification.disagreement import describe_disagreement
-from owtsweep.studies.replay.identification.fit import Fit, fit_noise
+from owtsweep.studies.replay.identification.fit import Fit, describe_disagreement, fit_noise
 from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import ReplayRecord
@@ -54,8 +53,8 @@ class Estimated:
 
     parameter, source: a name of `UNITS`, and what the IMU was compared with: "fixes" or
         "reference".
-    stated, estimate, low, high: the stated value (NaN if nothing is stated), the estimate and its
-        95 % interval. `low` is 0 (NaN for a time) and `high` NaN where the record sets no bound.
+    stated, estimate, low, high: what is stated (NaN: nothing), the estimate and its 95 % interval;
+        `low` is 0 (NaN for a time) and `high` NaN where the record sets no bound.
     """
 
     parameter: str
@@ -81,10 +80,9 @@ class Estimated:
 class Noise:
     """What a record says about its sensors.
 
-    `parameters`: the estimated parameters; empty if nothing was recorded or the record is too
-    short. `heavy_tails`: excess kurtosis of the innovations if it is more than Gaussian noise
-    explains, else 0. `disagreement`: why the specific force and the positions contradict each
-    other; "" if they do not.
+    parameters: the estimated ones; empty if nothing was recorded or the record is too short.
+    heavy_tails: excess kurtosis of the innovations if more than Gaussian noise explains, else 0.
+    disagreement: why the specific force and the positions contradict each other; "" if they do not.
     """
 
     parameters: tuple[Estimated, ...] = ()
@@ -105,9 +103,9 @@ _LOCK = Lock()
 def estimate_noise(config: ReplayConfig, file: str) -> Noise:
     """Estimate the noise of the sensors recorded in a file; the last results stay in memory.
 
-    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions. Raise
-    `InputError` if the file cannot be read; or if specific force and positions contradict each
-    other, unless `replay.disagreement` is "accept".
+    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions.
+    Raises InputError if the file cannot be read, or force and positions contradict each other,
+        unless `replay.disagreement` is "accept".
     """
     replay = changed(config.replay, disagreement="accept", noise="estimate")
     settings = (config.columns, config.units, config.gaps, replay, config.sensors)
@@ -160,39 +158,36 @@ def _estimate(config: ReplayConfig, record: ReplayRecord) -> Noise:
 
 
 def _state(sensors: Sensors, source: str) -> Array:
-    """Return IMU sigma, position sigma, bias walk and delay at which the search begins."""
     of_positions = (sensors.position_sigma, sensors.delay * sensors.step)
     sigma, delay = of_positions if source == "fixes" else (0.2 * sensors.position_sigma, 0.0)
     return np.array([sensors.force_sigma, sigma, max(sensors.bias_walk, LEAST_WALK), delay])
 
 
 def _name(fit: Fit, sensors: Sensors, source: str) -> list[Estimated]:
-    stated: dict[str, float] = {"sensors.imu.sigma": sensors.force_sigma}
-    if source == "fixes":
-        stated["sensors.gnss.sigma"] = sensors.position_sigma
-    else:
-        stated["reference.sigma"] = np.nan
-    stated["sensors.imu.bias_walk"] = sensors.bias_walk
-    if source == "fixes":
-        stated["sensors.gnss.delay"] = sensors.delay * sensors.step
-    else:
-        stated["clock_offset"] = 0.0
-    bounds = zip(fit.values, fit.low, fit.high, strict=True)
+    fixes = source == "fixes"
+    stated = {
+        "sensors.imu.sigma": sensors.force_sigma,
+        "sensors.gnss.sigma" if fixes else "reference.sigma": (
+            sensors.position_sigma if fixes else np.nan
+        ),
+        "sensors.imu.bias_walk": sensors.bias_walk,
+        "sensors.gnss.delay" if fixes else "clock_offset": (
+            sensors.delay * sensors.step if fixes else 0.0
+        ),
+    }
+    bounds = np.stack([fit.values, fit.low, fit.high], axis=1)
+    bounds[~np.isfinite(bounds)] = np.nan
     return [
-        Estimated(
-            name, source, value, float(found),
-            float(low) if np.isfinite(low) else np.nan,
-            float(high) if np.isfinite(high) else np.nan,
-        )
-        for (name, value), (found, low, high) in zip(stated.items(), bounds, strict=True)
-    ]  # fmt: skip
+        Estimated(name, source, value, *map(float, row))
+        for (name, value), row in zip(stated.items(), bounds, strict=True)
+    ]
 
 
 def measure_floor(force: Array) -> float:
     """Return the deviation (m/s^2) of white noise with the level of the upper half spectrum.
 
-    `force` are samples of the specific force, shape (n, 2), in m/s^2. NaN if they are few, or the
-    spectrum is not flat there: then it holds more than white noise.
+    `force` are samples (n, 2). NaN if they are few, or the spectrum is not flat there: then it
+    holds more than white noise.
     """
     if len(force) < LEAST_SPECTRA * SAMPLES:
         return np.nan
@@ -209,9 +204,9 @@ def measure_floor(force: Array) -> float:
 def use_estimates(config: ReplayConfig, noise: Noise) -> ReplayConfig:
     """Return the configuration with the estimated sensors.
 
-    A parameter that the record bounds from both sides gets its estimate. Another keeps its stated
-    value if this lies in the interval, and else gets the interval's nearest end. Numbers that
-    `tuning=matched` computes from the sensors are computed again; all others of a tuning stay.
+    A parameter bounded from both sides gets its estimate; another keeps a stated value in the
+    interval, or gets the nearest end. What `tuning=matched` computes from the sensors is computed
+    again.
     """
     chosen = {one.parameter: _choose(one) for one in noise.parameters if not one.inside}
     gnss, imu = config.sensors.gnss, config.sensors.imu
@@ -234,5 +229,4 @@ def _choose(one: Estimated) -> float:
 
 
 def _round(value: float) -> float:
-    """Return a value with three digits: no more are known, and other machines find the same."""
     return float(np.format_float_scientific(value, precision=2, unique=False))

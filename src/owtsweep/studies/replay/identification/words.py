@@ -37,10 +37,7 @@ def name_second_run(scheme: str) -> str:
 
 
 def list_values(noise: Noise) -> Iterator[tuple[str, str, float, int]]:
-    """Yield the numbers of a record's noise as ("source: parameter", window, value, 1).
-
-    The window is "stated", "estimate", "low" or "high". Numbers that do not exist are left out.
-    """
+    """Yield the numbers of a record's noise as ("source: parameter", window, value, 1)."""
     for one in noise.parameters:
         numbers = asdict(one)
         for window in _NUMBERS:
@@ -81,10 +78,7 @@ def pick_second_run(rows: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
 
 
 def warn_of_noise(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
-    """Say where the stated noise does not fit the records: NIS first, then each parameter.
-
-    With several records each sentence begins with the name of its record.
-    """
+    """Say where the stated noise does not fit the records: NIS first, then each parameter."""
     lines = []
     errors, advised, noise = tables["errors"], tables["advice"], tables.get("noise")
     for file in dict.fromkeys(advised["file"]):

@@ -1,4 +1,4 @@
-"""Read HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
+"""Read HDF5: arrays of MATLAB 7.3, and gtsdf (General Time Series Data Format) of HAWC2.
 
 Each of the groups block0000, block0001, ... holds the table `data`, with one row per time step and
 one column per channel, and the HDF5 attributes `time_step` and `time_start`. A group may also hold
@@ -12,9 +12,11 @@ format.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -44,14 +46,10 @@ LONGEST_WORD = 1024
 def open_gtsdf(path: Path) -> ChannelTable:
     """Open a gtsdf file (HDF5 as HAWC2 writes it) with the package h5py.
 
-    Raises InputError if h5py is not installed, or the file is not HDF5, is not gtsdf, has too many
-        channels, or holds links where data should be.
+    Raises InputError without h5py, or if the file is not gtsdf, or holds links where data should
+        be.
     """
-    try:
-        import h5py
-    except ImportError:
-        raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
-    with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
+    with _open(path) as file:
         blocks = sorted(name for name in file if name.startswith("block"))
         shapes = [_open_data(path, file, block).shape for block in blocks]
         if not blocks:
@@ -66,11 +64,47 @@ def open_gtsdf(path: Path) -> ChannelTable:
     units = ["s", *("" if unit == "-" else unit for unit in units)]
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
+        with _open(path) as file:
             return _load(path, file, blocks, {name: names.index(name) for name in wanted}, rows)
 
     rows = sum(shape[0] for shape in shapes)
     return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load, rows)
+
+
+#: Name, shape, whether it holds real numbers, and what reads these: `matlab.Variable`.
+Listed = tuple[str, tuple[int, ...], bool, Callable[[], Array]]
+
+
+def list_arrays(path: Path) -> list[Listed]:
+    """Return the variables of a file of MATLAB's version 7.3; read none of their numbers."""
+
+    def load(name: str) -> Array:
+        with _open(path) as file:
+            return np.asarray(file[name][()], dtype=float).T  # MATLAB goes down the columns
+
+    found: list[Listed] = []
+    with _open(path) as file:
+        require_channels(path, len(file))
+        for name in file:
+            if name.startswith("#"):  # what cells and objects refer to
+                continue
+            data: Any = _follow(path, file, name)
+            real = hasattr(data, "dtype") and data.dtype.kind in "fiu"
+            if real:
+                kind = data.attrs.get("MATLAB_class")
+                real = kind not in (b"char", "char") and "MATLAB_empty" not in data.attrs
+            found.append((name, data.shape[::-1] if real else (), real, partial(load, name)))
+    return found
+
+
+@contextmanager
+def _open(path: Path) -> Iterator[h5py.File]:
+    try:
+        import h5py
+    except ImportError:
+        raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
+    with refuse_damaged(path, *DAMAGED), h5py.File(path, "r") as file:
+        yield file
 
 
 def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
@@ -84,10 +118,7 @@ def _open_data(path: Path, file: h5py.File, block: str) -> h5py.Dataset:
 
 
 def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
-    """Return a member of a group, None if there is none.
-
-    A link, data in another file and a chunk that needs too much memory are refused.
-    """
+    """Return a member of a group, None if there is none; refuse links and too large chunks."""
     import h5py
 
     if name not in group:
@@ -109,7 +140,6 @@ def _follow(path: Path, group: h5py.Group, name: str) -> h5py.Group | h5py.Datas
 
 
 def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
-    """Return names or units of channels; "" each without `count` texts of little length."""
     words = _follow(path, file, key)
     if words is None or words.shape != (count,) or words.dtype.itemsize > LONGEST_WORD:
         return [""] * count
@@ -118,7 +148,6 @@ def _read_words(path: Path, file: h5py.File, key: str, count: int) -> list[str]:
 
 
 def _read_vector(path: Path, group: h5py.Group, name: str, count: int) -> Array | None:
-    """Return the first `count` numbers of a vector; None if there is no such member."""
     vector = _follow(path, group, name)
     if vector is None:
         return None
