@@ -37,8 +37,8 @@ def tell_answer(
     ratio = ratio[np.isfinite(ratio)]
     if len(ratio):
         sentences.append(
-            f"Error of the runner-up: {ratio.min():.3g} to {ratio.max():.3g} times as large, "
-            f"median {ratio.median():.3g}."
+            f"Error of the runner-up: {ratio.min():.4g} to {ratio.max():.4g} times as large, "
+            f"median {ratio.median():.4g}."
         )
     if "error_baseline" in cells and cells["error_baseline"].notna().any():
         sentences.append(
@@ -71,7 +71,7 @@ def tell_cell(row: Row, criterion: Criterion) -> list[str]:
         ratio = row["error_runner_up"] / row["error_best"]
         sentences.append(
             f"Runner-up: {row['runner_up']}, {criterion.show(row['error_runner_up'])}, "
-            f"{ratio:.3g} times as much."
+            f"{ratio:.4g} times as much."
         )
     if row.get("baseline") and row["baseline"] != row["best"]:
         error = criterion.show(row["error_baseline"])
