@@ -48,7 +48,7 @@ def test_shares_of_chances() -> None:
     chances = compare_chances(true, told)
     assert chances == pytest.approx((3 / 8, 2 / 8, 3 / 8, 2 / 3, 1 / 2))
     never = compare_chances(np.zeros(4, bool), np.zeros(4, bool))
-    assert (never.true, never.told, never.wrong) == (0.0, 0.0, 0.0)
+    assert (never.true, never.estimated, never.wrong) == (0.0, 0.0, 0.0)
     assert np.isnan(never.missed)
     assert np.isnan(never.false)
 
