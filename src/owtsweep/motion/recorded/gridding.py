@@ -117,10 +117,10 @@ class Gridded:
     """Channels resampled to one grid."""
 
     grid: TimeGrid
-    #: role -> values, shape (steps,). References are NaN in long gaps.
+    #: role -> values, shape (steps,). Fixes are NaN at steps without one, references in long gaps.
     channels: Mapping[str, Array]
-    #: quantity -> values, shape (steps, 2), which share memory with `channels`; an axis that was
-    #: not requested is zero.
+    #: quantity (but fixes) -> values, shape (steps, 2), which share memory with `channels`; an axis
+    #: that was not requested is zero.
     pairs: Mapping[str, Array]
     cutoff: float | None  # Hz, up to which the motion is kept; None if none was derived
     notes: tuple[str, ...]
@@ -160,19 +160,25 @@ def to_grid(
 
     Frequencies up to 0.4 of the lower rate (of channel and grid) are kept in full, those above half
     of it removed; samples on the grid are not changed. Irregular times and missing samples are
-    first interpolated (`fill`).
+    first interpolated (`fill`). Fixes move to the nearest step; of two at one step the later is
+    kept.
 
     recording, roles: a checked recording, and the roles to resample, e.g. "position_x".
     rate: of the grid, Hz; not used if `grid` is given.
-    grid: by default it covers the time that the channels have in common, without references if
-        there are others.
+    grid: by default it covers the time that the channels have in common, without fixes and
+        references if there are others.
     """
     if grid is None:
-        dense = [role for role in roles if not role.startswith("reference")]
+        dense = [role for role in roles if not role.startswith(("fix", "reference"))]
         grid = find_common_grid(recording, dense or roles, rate)
     channels: dict[str, Array] = {}
     pairs: dict[str, Array] = {}
+    notes: list[str] = []
     for role in roles:
+        if role.startswith("fix"):
+            channels[role], said = _place_fixes(recording, role, grid)
+            notes += said
+            continue
         source, step, holes = make_uniform(recording, role)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
         values = _take_if_on_grid(source, step, grid)
@@ -183,7 +189,7 @@ def to_grid(
         channels[role][:] = values
         if role.startswith("ref"):
             mark_gaps(channels[role], grid, holes)
-    return Gridded(grid, channels, pairs, None, ())
+    return Gridded(grid, channels, pairs, None, tuple(dict.fromkeys(notes)))
 
 
 def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
@@ -245,3 +251,20 @@ def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -
     """Set the values inside gaps, each (start, end) in s, to NaN, in place."""
     if holes:
         values[_mark_inside(grid.time, holes)] = np.nan
+
+
+def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
+    time, values = recording.series(role)
+    exact = (time - grid.start) * grid.rate
+    place = np.rint(exact).astype(np.int64)
+    kept = (place >= 0) & (place < grid.steps)
+    result = np.full(grid.steps, np.nan)
+    result[place[kept]] = values[kept]
+    moved = float(np.max(np.abs(exact - place)[kept], initial=0.0)) / grid.rate
+    notes = []
+    if moved > 1e-6:
+        notes.append(f"fixes moved to the nearest step, by {moved:.3g} s at most")
+    lost = int(kept.sum()) - len(np.unique(place[kept]))
+    if lost:
+        notes.append(f"{role}: {lost} fixes dropped: a later fix fell on the same IMU step")
+    return result, notes

@@ -75,6 +75,7 @@ def make_record_of_sensors(
     gridded = to_grid(recording, forces, rate, grid=grid)
     force = gridded.pairs["specific_force"]
     recording.let_go("specific_force")
+    notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
         position, velocity, more = _derive_reference(config, recording, whole)
