@@ -71,14 +71,14 @@ OWN = {
         "COMPLEMENTARY,LOWPASS]",
     ],
     "blade": [
-        "grid.sigma=[0.003,0.05]", "grid.outage=[0,20]", "grid.replicates=128",
+        "grid.sigma=[0.003,0.05]", "grid.outage=[20]", "grid.replicates=64",
         "schemes=[HOLD,GNSS_WAHBA,COMPLEMENTARY,UKF,MEKF,INVARIANT_EKF,MEKF_HEADING,MEKF_OFFSET,"
         "MEKF_LEVER,PENDULUM]",
     ],
-    "mating": ["grid.sigma=[0.003,0.03]", "grid.outage=[0,20]", "grid.replicates=128"],
+    "mating": ["grid.sigma=[0.003,0.03]", "grid.outage=[20]", "grid.replicates=32"],
     "tower": [
         "grid.noise=[0.3,3]", "grid.soil_factor=[1]", "record.duration=150", "record.settling=50",
-        "grid.replicates=32",
+        "grid.replicates=24",
         "schemes=[AKF,AKF_MATERN12,AKF_MATERN32,GDF,AKF_WHOLE,KF_WHOLE,THRUST_LEVER,QUASI_STATIC]",
     ],
 }  # fmt: skip
