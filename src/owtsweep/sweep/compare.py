@@ -74,6 +74,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
         "compare runs of one study",
     )  # fmt: skip
     loaded = _with_results(runs, notes)
+    notes = list(dict.fromkeys(notes))
     if len(loaded) < 2:
         number = "no run" if not loaded else "only one run"
         why = f" ({notes[0]})" if notes else ""
