@@ -25,13 +25,13 @@ PAGE = (ROOT / "docs/quickstart.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(console|python|text)\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
 RECORDS = ["grid.natural_period=[4.0]", "record.duration=60"]
 SMALL = {
-    "sweep": [*RECORDS, "grid.amplitude=[0.01,0.5]", "grid.replicates=3",
+    "sweep": [*RECORDS, "grid.amplitude=[0.01,0.5]", "grid.most=8",
               "compute.backend=threading", "compute.workers=1"],
     "tune": [*RECORDS, "tune.trials=1", "tune.replicates=2", "schemes=[MKF,HME1]"],
     "vary": ["record.duration=60", "schemes=[MKF,HME1]"],
 }  # fmt: skip
 #: What differs with the size of a run: numbers, names of schemes, marks, and folders' names.
-VARYING = re.compile(r"(?:paper|comparison|vary)-\w+|\b(?:EKF|MKF|HME[12]|NONE)\b|[^A-Za-z²√]+")
+VARYING = re.compile(r"(?:default|comparison|vary)-\w+|\b(?:EKF|MKF|HME[12]|NONE)\b|[^A-Za-z²√]+")
 
 
 class Terminal(io.StringIO):
@@ -91,7 +91,7 @@ def test_every_command_of_the_page_says_what_the_page_quotes(walk):
             assert words[:2] == ["$", "owtsweep"]
             words = [folders.get(word, word) for word in words[2:]]
             printed = run_command([*words, *SMALL.get(words[0], [])])
-            names = [re.findall(r"results/paper-\w+", text)[-1:] for text in (quoted, printed)]
+            names = [re.findall(r"results/default-\w+", text)[-1:] for text in (quoted, printed)]
             folders |= dict(zip(*names, strict=False))
         else:
             quoted = block
@@ -99,11 +99,11 @@ def test_every_command_of_the_page_says_what_the_page_quotes(walk):
         for fragment in list_fragments(quoted):
             assert fragment in said, f"{fragment!r} is quoted, printed is:\n{printed}"
     named = re.findall(r"`(?:figures/)?(\w+\.(?:png|csv|yaml|py))`", PAGE)
-    assert {"best_scheme_maps.png", "best_scheme.csv", "scheme_changes.csv"} <= set(named)
+    assert {"figure_18_best_scheme.png", "best_scheme.csv", "scheme_changes.csv"} <= set(named)
     for name in named:
         assert list(walk.rglob(name)), name
 
 
 def test_the_first_folder_is_the_default_studys(walk):
-    told = re.findall(r"results/paper-\w+", PAGE)[0]
+    told = re.findall(r"results/default-\w+", PAGE)[0]
     assert f"folder  {told}/" in run_command(["sweep", "--dry-run"])
