@@ -47,11 +47,11 @@ from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.statistics.deciding import (
     ENOUGH,
     LEVEL,
+    LOOKS,
     Rule,
     _find_factors,
     find_level,
     is_below,
-    list_looks,
 )
 from owtsweep.studies import get_study
 from owtsweep.sweep.runs import Run
@@ -97,6 +97,10 @@ class Cell(NamedTuple):
 
 #: Draws a cell with some records.
 Draw = Callable[[np.random.Generator, int], Cell]
+
+
+def _list_looks(most: int) -> list[int]:
+    return [records for records in LOOKS if records <= most]
 
 
 def draw_errors(random: np.random.Generator) -> Array:
@@ -207,7 +211,7 @@ def decide_all(values: Array, rule: Rule, cells: int) -> Decided:
     runs = np.zeros(count, dtype=np.int64)
     found = Decided(np.full(count, "open"), np.zeros_like(runs), np.zeros_like(runs), runs)
     going, before = np.arange(count), 0
-    for number, records in enumerate(list_looks(rule.most), start=1):
+    for number, records in enumerate(_list_looks(rule.most), start=1):
         runs[going] += left[going].sum(axis=1) * (records - before)
         level, before = find_level(number) / cells / (contenders - 1), records
         seen = values[going, :, :records]
@@ -306,7 +310,7 @@ def examine_printed(values: Array, means: Array, found: Decided, rule: Rule) -> 
     later ones shows what the decision changes.
     """
     rows = []
-    beyond = {n: t.ppf(0.975, n - 1) / np.sqrt(n) for n in list_looks(rule.most)}
+    beyond = {n: t.ppf(0.975, n - 1) / np.sqrt(n) for n in _list_looks(rule.most)}
     for i in np.flatnonzero(found.verdict != "open"):
         n, of_best, truth = found.stop[i], values[i, found.best[i]], means[i, found.best[i]]
         row = {}

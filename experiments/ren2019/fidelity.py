@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import cast
@@ -65,11 +64,12 @@ def judge_along_x(scores: Sequence[ScoreTable]) -> list[JudgedStatement]:
 def take_x(statement: Statement) -> Statement:
     """Return a statement with the MSE of x in place of the position MSE."""
     in_x = {"measure": ("x",)}
-    claims = tuple(
-        replace(claim, parts=tuple(replace(p, select=p.select | in_x) for p in claim.parts))
-        for claim in statement.claims
-    )
-    return replace(statement, name=f"{statement.name}{X_ALONE}", claims=claims)
+    claims = []
+    for claim in statement.claims:
+        parts = [part.model_copy(update={"select": part.select | in_x}) for part in claim.parts]
+        claims.append(claim.model_copy(update={"parts": tuple(parts)}))
+    name = f"{statement.name}{X_ALONE}"
+    return statement.model_copy(update={"name": name, "claims": tuple(claims)})
 
 
 def write_report(run: Run, folder: Path) -> list[Path]:
@@ -118,7 +118,7 @@ def _write_report_of_plant(run: Run, folder: Path, histories: pd.DataFrame | Non
     about = TEXTS["plant"].format(run=describe_in_a_line(config), motion=motion, records=records)
     return report.write_verdicts(
         folder,
-        replace(CLAIMS, statements=OF_HISTORIES),
+        CLAIMS.model_copy(update={"statements": OF_HISTORIES}),
         [ScoreTable(histories)],
         title=f"What run {name} says about the time histories of Ren et al. (2019)",
         about=about,

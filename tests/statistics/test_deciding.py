@@ -140,7 +140,7 @@ def test_maps_are_seldom_wrong() -> None:
         assert np.reshape(faults, (40, 12)).any(axis=1).sum() <= allowed
 
 
-@pytest.mark.parametrize("rule", [RULE, Rule(squared=False, floor=0.1, ties_from=16, most=100)])
+@pytest.mark.parametrize("rule", [RULE, Rule(squared=False, floor=0.1, ties_from=16, most=128)])
 def test_the_experiment_decides_many_cells_as_the_rule_decides_each(rule: Rule) -> None:
     random = np.random.default_rng(7)
     draws = [*[lambda sd=sd: draw_lognormal(random, 256, sd) for sd in (0.05, 0.15, 0.4)]]

@@ -142,7 +142,7 @@ def _compare(first: Array, second: Array, weights: Array) -> Array:
 
 
 def divide(numerator: Array, denominator: Array) -> Array:
-    """Divide arrays; NaN where the denominator is zero."""
+    """Divide arrays of any shapes that fit together; NaN where the denominator is zero."""
     quotient = np.full(np.broadcast_shapes(np.shape(numerator), np.shape(denominator)), np.nan)
     np.divide(numerator, denominator, out=quotient, where=np.asarray(denominator) != 0.0)
     return quotient
