@@ -73,7 +73,7 @@ def test_interrupt_does_not_wait_for_a_long_block(tmp_path, backend, request):
     scheduler = [request.getfixturevalue("two_workers")] if backend == "dask" else []
     process = child(results, backend, 8, 2, *scheduler)
     log = wait_for(lambda: next(results.glob("*/run.log"), None))
-    wait_for(lambda: "sweep of 8 cases" in log.read_text())
+    wait_for(lambda: "8 cases, " in log.read_text())
     time.sleep(2.0)  # all are at their first block by now
     assert "0 of 8 cases are stored" in interrupt(process, False)
 
