@@ -84,6 +84,10 @@ def machine() -> dict[str, str]:
     with contextlib.suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
         processor = next((x.split(":")[1].strip() for x in lines if "model name" in x), processor)
+        # a name such as "AMD EPYC" stands for processors of which BLAS takes different kernels
+        for what in ("cpu family", "model\t", "stepping"):
+            found = next((x.split(":")[1].strip() for x in lines if x.startswith(what)), "")
+            processor += f" {found}"
     libraries = ("numpy", "scipy", "numba", "pandas", "casadi", "optuna", "llvmlite")
     return {
         "processor": f"{platform.machine()} {processor}",
