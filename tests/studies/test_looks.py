@@ -114,6 +114,8 @@ def test_a_forecast_tells_the_first_look_and_the_most(capsys: pytest.CaptureFixt
         ("grid.most=4", "grid.most: 4 is not the number of records of a look; use one of 8, 16"),
         ("grid.most=100", "grid.most: 100 is not the number of records of a look"),
         ("grid.replicates=some", "grid.replicates: 'some' is neither a whole number nor auto"),
+        ("grid.replicates=inf", "grid.replicates: inf is neither a whole number nor auto"),
+        ("grid.replicates=nan", "grid.replicates: nan is neither a whole number nor auto"),
         ("grid.replicates=0", "grid.replicates: 0 must be at least 1"),
         ("grid.budget=0", "grid.budget: 0 s must be a finite number above zero"),
     ],

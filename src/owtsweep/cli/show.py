@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.cli.program import DONE
+from owtsweep.config.records import CONTEST_KEYS
 from owtsweep.errors import InputError, printable
 
 if TYPE_CHECKING:
@@ -113,10 +114,6 @@ def _describe_question(opened: Run, question: Question) -> str:
     return ", ".join(parts)[:LONGEST_LINE]
 
 
-#: Keys of `grid` that say how a contest goes on, not what it is over.
-ASKED_BESIDE = ("margin", "most", "budget")
-
-
 def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, object]]:
     """Yield name and values of each axis of a question's grid, then the grid's further numbers.
 
@@ -131,7 +128,7 @@ def _list_grid(opened: Run, question: Question) -> Iterator[tuple[str, object]]:
             yield name, values[name]
     grid = question.config.get("grid")
     for name, values in grid.items() if isinstance(grid, Mapping) else ():
-        if name in ASKED_BESIDE:
+        if name in CONTEST_KEYS:
             continue
         if name in conditions or not isinstance(values, list | None):
             yield name, values

@@ -4,30 +4,37 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator
+from pydantic import AfterValidator, BeforeValidator
 
 from owtsweep.config.section import Positive, Section, key
-from owtsweep.errors import require
 from owtsweep.statistics.deciding import FIRST, LOOKS, MARGIN, MOST
 
 #: Most records of a cell in a fixed design.
 MOST_RECORDS = 1_000_000
+_FIRST_LOOKS = f"{', '.join(map(str, LOOKS[:7]))}, ..."
 
 
 def _read_count(value: object) -> object:
     if value == "auto":
         return value
+    whole = int(value) if isinstance(value, float) and value.is_integer() else value
     try:
-        count = int(str(value)) if not isinstance(value, float) else value
+        count = int(str(whole))
     except ValueError:
         raise ValueError(f"{value!r} is neither a whole number nor auto") from None
-    if count != int(count):
-        raise ValueError(f"{value!r} is neither a whole number nor auto")
     if count < 1:
         raise ValueError(f"{value} must be at least 1")
     if count > MOST_RECORDS:
         raise ValueError(f"{value} is more than {MOST_RECORDS}; lower it")
-    return int(count)
+    return count
+
+
+def _require_look(most: int) -> int:
+    if most not in LOOKS:
+        raise ValueError(
+            f"{most} is not the number of records of a look; use one of {_FIRST_LOOKS}"
+        )
+    return most
 
 
 class Records(Section):
@@ -41,9 +48,8 @@ class Records(Section):
         default=MARGIN,
         le=1,
     )
-    most: int = key(
-        f"with auto: most records per cell, one of {', '.join(map(str, LOOKS[:7]))}, ...",
-        default=MOST,
+    most: Annotated[int, AfterValidator(_require_look)] = key(
+        f"with auto: most records per cell, one of {_FIRST_LOOKS}", default=MOST
     )
     budget: Positive | None = key(
         "with auto: after this time no further look begins; the same command goes on", unit="s",
@@ -65,14 +71,6 @@ class Records(Section):
         """Most records that a cell may get."""
         return self.most if self.replicates == "auto" else self.replicates
 
-    def check_records(self) -> None:
-        """Raise `InputError` unless `most` is the number of records of a look."""
-        require(
-            self.most in LOOKS,
-            f"grid.most: {self.most} is not the number of records of a look; use one of "
-            f"{', '.join(map(str, LOOKS[:7]))}, ...",
-        )
-
     def count_records(self) -> str:
         """Return in words how many records a cell has, e.g. "20" or "8 to 256"."""
         return f"{FIRST} to {self.most}" if self.replicates == "auto" else str(self.replicates)
@@ -81,3 +79,7 @@ class Records(Section):
         """Return in words that a cell has so many records."""
         until = ", until it is decided" * self.decides
         return f"{self.count_records()} record{'s' * (self.replicates != 1)} per cell{until}"
+
+
+#: Keys of `grid` that say how a contest goes on, not what it is over.
+CONTEST_KEYS = frozenset(Records.model_fields) - {"replicates"}

@@ -21,7 +21,7 @@ from owtsweep.results.conditions import Value, sort_lines
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
 from owtsweep.results.status import UNABLE, tell_in_best_scheme
-from owtsweep.statistics.contest import agree
+from owtsweep.statistics.contest import Flags, agree
 from owtsweep.statistics.deciding import (
     ENOUGH,
     LOOKS,
@@ -87,12 +87,12 @@ class Cell(NamedTuple):
     run: NDArray[np.bool_]
 
 
-def list_cells(cube: Cube, rows: pd.DataFrame, asked: Asked, name: str) -> Iterator[Cell]:
+def list_cells(cube: Cube, run: NDArray[np.bool_], asked: Asked, name: str) -> Iterator[Cell]:
     """Yield the cells in which a contender was run, with their values by the criterion `name`.
 
-    cube, rows: the rows of a run, and the cube made of them.
+    cube, run: the values of a run, and what `_find_run` returns.
     """
-    criterion, run = asked.criteria[name], _find_run(cube, rows)
+    criterion = asked.criteria[name]
     if cube.empty or name not in cube.measures or asked.window not in cube.windows:
         return
     measure, window = cube.measures.index(name), cube.windows.index(asked.window)
@@ -138,18 +138,19 @@ def _find_run(cube: Cube, rows: pd.DataFrame) -> NDArray[np.bool_]:
     at.append(lines["replicate"].to_numpy(int))
     everywhere = lines[names[-1]].isna().to_numpy()
     known = np.all([index >= 0 for index in at[:-2]], axis=0)
-    for unable in (False, True):  # the latter last: it takes back what other records say
-        of_kind = known & ((lines["status"] == UNABLE).to_numpy() == unable)
-        one = of_kind & (at[-2] >= 0)
-        every = of_kind & everywhere
-        if unable:
-            run[tuple(index[one] for index in at[:-1])] = False
-            run[tuple(index[every] for index in at[:-2])] = False
-        else:
-            run[tuple(index[one] for index in at)] = True
-            *outer, _, record = (index[every] for index in at)
-            run[(*outer, slice(None), record)] = True
+    unable = (lines["status"] == UNABLE).to_numpy()
+    one, every = known & (at[-2] >= 0), known & everywhere
+    run[_pick(at, one & ~unable)] = True
+    record = at[-1][every & ~unable]
+    run[(*_pick(at[:-2], every & ~unable), slice(None), record)] = True
+    # last, because it takes back what other records say
+    run[_pick(at[:-1], one & unable)] = False
+    run[_pick(at[:-2], every & unable)] = False
     return run
+
+
+def _pick(at: Sequence[NDArray[np.intp]], chosen: Flags) -> tuple[NDArray[np.intp], ...]:
+    return tuple(index[chosen] for index in at)
 
 
 def _is_text(levels: Sequence[Value]) -> bool:
@@ -164,7 +165,7 @@ def find_open(cube: Cube, rows: pd.DataFrame, asked: Asked) -> tuple[int, list[C
     """
     name, criterion = next(iter(asked.criteria.items()))
     rule, going = asked.make_rule(criterion), []
-    for cell in list_cells(cube, rows, asked, name):
+    for cell in list_cells(cube, _find_run(cube, rows), asked, name):
         decision = decide(cell.values, rule, asked.cells, cell.run)
         if decision.verdict == "open" and decision.records < asked.most and decision.look > 0:
             left = list(decision.left)
@@ -191,10 +192,10 @@ def make_table(cube: Cube, rows: pd.DataFrame, asked: Asked) -> pd.DataFrame:
     import pandas as pd
 
     columns = [*cube.names, *COLUMNS, *(BASELINE_COLUMNS if asked.baselines else ())]
-    lines = []
+    lines, run = [], _find_run(cube, rows)
     for name, criterion in asked.criteria.items():
         rule = asked.make_rule(criterion)
-        for cell in list_cells(cube, rows, asked, name):
+        for cell in list_cells(cube, run, asked, name):
             decision = decide(cell.values, rule, asked.cells, cell.run)
             if decision.look == 0 or decision.best < 0:
                 continue

@@ -21,6 +21,7 @@ from pydantic.fields import FieldInfo
 from rich.console import Console
 
 from owtsweep.config import Config, Plain, Section, as_mapping, with_values
+from owtsweep.config.records import CONTEST_KEYS
 from owtsweep.config.section import bare_type
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
@@ -240,7 +241,8 @@ def one_case(config: Config) -> Config:
     plain = as_mapping(config)
     values: Plain = {"name": "one-case"}
     for name, item in plain["grid"].items():
-        if item is not None:  # an axis that may be left out, and is
+        # None: an axis that may be left out, and is
+        if item is not None and name not in CONTEST_KEYS:
             values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
     if "schemes" in plain:
         values["schemes"] = plain["schemes"][:1]

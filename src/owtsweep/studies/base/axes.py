@@ -87,7 +87,6 @@ def check_axes(chosen: Sequence[str], grid: Records, all_axes: Sequence[str], sc
     names = ", ".join(all_axes)
     for axis in chosen:
         require(axis in all_axes, f"axes: there is no axis {axis!r}; use two of {names}")
-    grid.check_records()
     across, upwards = chosen
     require(across != upwards, f"axes: {across} stands there twice; use two of {names}")
     for axis in all_axes:

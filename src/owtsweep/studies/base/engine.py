@@ -46,11 +46,11 @@ class ContestEngine(Engine, Generic[C]):
         """Return the next look; None if all cells are decided or have most records."""
         if not config.grid.decides:
             return None
+        rows = tables.spread_all(self.contest, config, rows)
         cube = tables.make_cube(self.contest, config, rows, tables.list_competing(config, rows))
         asked = tables.ask(self.contest, config, self.rank(config))
-        spread = tables.spread_all(self.contest, config, rows)
         cells = self.contest.list_cells(config)
-        return plan_look(partial(self.plan, config), cells, cube, spread, asked)
+        return plan_look(partial(self.plan, config), cells, cube, rows, asked)
 
     def tables(self, config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         return tables.make_tables(self.contest, config, rows, self.rank(config))

@@ -25,11 +25,11 @@ def make_tables(
 
     contenders: Names of schemes, the simplest first.
     """
+    rows = spread_all(contest, config, rows)  # once, for all that follows
     summary = summarise(make_cube(contest, config, rows, list_names(config.schemes)))
-    competing = list_competing(config, rows)
-    cube = make_cube(contest, config, rows, competing)
+    cube = make_cube(contest, config, rows, list_competing(config, rows))
     if config.grid.decides:
-        best = make_table(cube, spread_all(contest, config, rows), ask(contest, config, contenders))
+        best = make_table(cube, rows, ask(contest, config, contenders))
     else:
         measured = {name: each for name, each in contest.criteria.items() if name in cube.measures}
         best = find_best_schemes(cube, WINDOW, measured)

@@ -180,7 +180,6 @@ VALUES, NUMBER = 20, 8
 def check_grid(config: HubConfig) -> None:
     """Raise InputError if the grid needs more than `MOST_BLOCKS` blocks or `MOST_BYTES` bytes."""
     grid, schemes = config.grid, len(list_entries(config))
-    grid.check_records()
     periods, amplitudes = _count_conditions(config)
     world = find_world(config)
     key, words = world.section, world.words

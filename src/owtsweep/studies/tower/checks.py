@@ -32,7 +32,6 @@ def check(config: TowerConfig) -> None:
     _check_loads(config)
     grid = config.grid
     cells = len(grid.noise) * len(grid.soil_factor) * grid.first
-    grid.check_records()
     check_blocks(cells * len(config.schemes))
     require(
         min(config.grid.noise) > 0.0,
