@@ -111,6 +111,13 @@ def test_a_contender_that_fails_leaves_and_one_that_is_unable_never_took_part() 
     table = decide(rows)
     assert table["best"].tolist() == ["MKF", "HME1"]
     assert table["status"].tolist() == [UNABLE, OK]
+    rows = make_rows(LATER)  # in one record is enough
+    once = (rows["scheme"] == "HME1") & (rows["amplitude"] == 0.1) & (rows["replicate"] == 3)
+    rows.loc[once, ["status", "value", "measure", "window"]] = [UNABLE, np.nan, "", ""]
+    table = decide(rows)
+    assert table["best"].tolist() == ["MKF", "HME1"]
+    assert table["left"].tolist() == ["MKF", "HME1"]
+    assert ask_more(rows) == (0, [])
 
 
 def test_a_look_with_a_missing_record_is_no_look() -> None:
