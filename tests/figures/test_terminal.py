@@ -85,8 +85,23 @@ def test_a_long_name_leaves_the_short_ones():
     schemes = ["A", "MKF", "my_scheme_of_the_last_fix", "HME2"]
     text = show(make_best(schemes), schemes, width=80, color_system=None)
     body, legend = text.split("cells:")
-    assert set(re.findall(r"[A-Z]\w*", body.split("\n", 1)[1])) == {"A", "MKF", "B", "HME2"}
+    assert set(re.findall(r"[A-Z]\w*", body.split("\n", 2)[2])) == {"A", "MKF", "B", "HME2"}
     assert "B = my_scheme_of_the_last_fix 4" in legend
+
+
+def test_a_name_of_two_words_has_two_lines_in_its_cells():
+    schemes = ["AKF", "AKF_MATERN32", "MEKF_HEADING", "KF_CONSISTENT"]
+    text = show(make_best(schemes), schemes, width=80, color_system=None)
+    body, legend = text.split("cells:")
+    for words in (["AKF_", "MATERN32"], ["MEKF_", "HEADING"], ["KF_", "CONSISTENT"]):
+        counts = {len(re.findall(rf" {word} ", body)) for word in words}
+        assert counts == {int(re.findall(rf"{''.join(words)} (\d+)", legend)[0])}
+
+
+def test_the_axes_are_named():
+    text = show(make_best(), width=80, color_system=None)
+    across, upwards = (condition.label for condition in CONDITIONS[:2])
+    assert f"Across: {across}; upwards: {upwards}\n" in text
 
 
 def test_a_long_name_that_wins_nowhere_widens_no_cell():

@@ -87,6 +87,17 @@ def test_a_users_scheme_runs_beside_ours_and_its_errors_are_its_own() -> None:
     assert position["HELD"].max() < position["LOWPASS"].max()
 
 
+def test_a_users_scheme_that_is_best_nowhere_has_its_line(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["sweep", *TINY, "name=mine", f"schemes=[KF,LOWPASS,{own('Held')}]"]) == 0
+    best = load("results/mine").best_scheme()
+    text = " ".join(capsys.readouterr().out.split())
+    criterion = best[best["criterion"] == "velocity"]
+    assert ("HELD" in set(criterion["best"])) != ("HELD is best in no cell: its error is" in text)
+    assert "LOWPASS is best in no cell" not in text
+
+
 def test_a_users_scheme_of_the_tower_fails_alone() -> None:
     words = ["study=tower", *SHORT["tower"], "grid.noise=[1]", "grid.soil_factor=[1]"]
     entries = f"schemes=[QUASI_STATIC,{own('Falls')}]"

@@ -20,10 +20,11 @@ MOST_VALUES = 4
 def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame) -> pd.DataFrame:
     """Make the table of a comparison for the terminal: one row per run, with texts as entries.
 
-    The columns are: for each scheme, the number of cells in which it is best; the range of the
-    boundary between two schemes, if the study has one; and the number of cells with another best
-    scheme than in the first run. `changed` is the table changed_cells.csv: for each pair of runs,
-    one row per cell in which the best scheme differs.
+    The columns are: for each scheme, the number of cells in which it is best; in how many cells the
+    best scheme is surely better than the next one; the range of the boundary between two schemes,
+    if the study has one; and the number of cells with another best scheme than in the first run.
+    `changed` is the table changed_cells.csv: for each pair of runs, one row per cell in which the
+    best scheme differs.
     """
     import pandas as pd
 
@@ -31,6 +32,7 @@ def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame
     for index, judged in enumerate(runs):
         wins = judged.best["best"]
         row = {f"cells {name}": str(int((wins == name).sum())) for name in shared.schemes}
+        row["won"] = f"{int(judged.best['distinguishable'].sum())} of {len(wins)}"
         if shared.boundary is not None:
             row["boundary"] = _tell_range(judged.boundaries, shared)
         ends = changed["from_run"] == runs[0].run.label, changed["to_run"] == judged.run.label
@@ -80,10 +82,11 @@ def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
         [
             "## What the columns say",
             f"Compared are {shared.size} cells by {shared.criterion} {shared.score}: "
-            "how many a scheme is best in, and in how many the best scheme is another one than in "
-            "the first run. A change is *established* if the old best scheme beats the new one in "
-            "the first run, and loses to it in the second, both told from zero (the larger "
-            "p-value, Holm's correction over all cells).",
+            "how many a scheme is best in, how many are *won* (the records that all schemes have "
+            "tell the best one from the next, Holm's correction over the cells), and in how many "
+            "the best scheme is another one than in the first run. A change is *established* if "
+            "the old best scheme beats the new one in the first run, and loses to it in the "
+            "second, both told from zero (the larger p-value, Holm's correction over all cells).",
             "## Cells that change their best scheme",
             _tell_changes(tables["changed_cells"]),
             *boundary,

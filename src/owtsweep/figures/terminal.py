@@ -1,6 +1,6 @@
 """Make the map of best schemes that the command `sweep` prints in the terminal at its end.
 
-The map is understood without colours: a name or a letter stands in each cell, and a sign after it
+The map is understood without colours: a name or a letter stands in each cell, and a mark after it
 marks what the data do not distinguish.
 """
 
@@ -34,8 +34,8 @@ MEANINGS = {
     "open": "~ open: the data do not tell the best and the next best apart",
 }
 NO_RESULT = "-"
-#: If a scheme's name is longer, a letter stands for it in the cells.
-LONGEST_NAME = 10
+#: A longer name is broken after an underscore. If that does not do, a letter stands for it.
+LONGEST_LINE = 10
 #: What `Console.color_system` says of a terminal -> whether the map shows the margin by shades.
 #: With 256 colours, pale shades of two schemes become one colour, so there all cells are full. The
 #: 8 or 16 colours of other terminals are those of the user's theme, on which text may be
@@ -71,6 +71,8 @@ def grid(
     parts: list[RenderableType] = [
         Text(f"Best scheme by {quantity or criterion}, {window} record{below}", style="bold")
     ]
+    axes = zip(("Across", "upwards"), conditions[:2], strict=False)
+    parts.append(Text("; ".join(f"{where}: {condition.label}" for where, condition in axes)))
     winners = set(shown["best"])
     signs = _choose_signs([name for name in schemes if name in winners])
     further = conditions[2:]
@@ -90,11 +92,20 @@ def grid(
     return Group(*parts)
 
 
-def _choose_signs(schemes: Sequence[str]) -> dict[str, str]:
-    """Return scheme -> what stands for it in a cell: its name, or a letter if the name is long."""
+def _choose_signs(schemes: Sequence[str]) -> dict[str, list[str]]:
+    """Return scheme -> lines that stand for it in a cell: its name, or a letter if it is long."""
     every = (f"{ascii_uppercase[n % 26]}{n // 26 or ''}" for n in count())
     letters = (letter for letter in every if letter not in schemes)
-    return {name: name if cell_len(name) <= LONGEST_NAME else next(letters) for name in schemes}
+    return {name: _break_name(name) or [next(letters)] for name in schemes}
+
+
+def _break_name(name: str) -> list[str]:
+    """Return a name as one or two short lines; empty if it is too long for that."""
+    if cell_len(name) <= LONGEST_LINE:
+        return [name]
+    ends = [end for end, letter in enumerate(name, start=1) if letter == "_"]
+    pairs = [[name[:end], name[end:]] for end in ends]
+    return next((pair for pair in pairs if max(map(cell_len, pair)) <= LONGEST_LINE), [])
 
 
 @dataclass(frozen=True)
@@ -102,12 +113,12 @@ class _Map:
     """The cells of one map; the width and the colours are chosen when it is printed.
 
     `rows`: (column, line) of a cell -> its row of best_scheme.csv. `signs`: scheme that is best in
-    some cell -> what stands for it there.
+    some cell -> the lines that stand for it there.
     """
 
     rows: Mapping[tuple[int, int], Row]
     schemes: Sequence[str]
-    signs: Mapping[str, str]
+    signs: Mapping[str, list[str]]
     plane: Plane
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
@@ -131,8 +142,10 @@ class _Map:
         return max(map(cell_len, [self._heading(), *self._labels()])) + 2
 
     def _column_widths(self) -> list[int]:
-        longest = max(map(cell_len, self.signs.values())) + 3
-        return [max(cell_len(shown), longest) for shown in self._headers()]
+        return [max(cell_len(shown), self._sign_width() + 3) for shown in self._headers()]
+
+    def _sign_width(self) -> int:
+        return max(cell_len(line) for lines in self.signs.values() for line in lines)
 
     def _break_columns(self, width: int) -> Iterator[list[int]]:
         room = 0
@@ -171,10 +184,14 @@ class _Map:
 
     def _make_cell(self, row: Row, shaded: bool | None, wide: int) -> Text:
         """Make the text of a cell; `shaded` is None for a cell without colour."""
-        width = max(map(cell_len, self.signs.values()))
-        text = f" {self.signs[row['best']]:^{width}} {MARKS[row['verdict']]}".center(wide)
+        width, height = self._sign_width(), max(map(len, self.signs.values()))
+        sign = self.signs[row["best"]]
+        lines = [f" {line:^{width}}  " for line in sign]
+        lines[0] = lines[0][:-1] + MARKS[row["verdict"]]
         if "error_best" in row:
-            text += f"\n{show_error(row['error_best']):^{wide}}"
+            lines.append(show_error(row["error_best"]))
+        lines += [""] * (height - len(sign))  # a cell is filled to its end
+        text = "\n".join(line.center(wide) for line in lines)
         if shaded is None:
             return Text(text)
         look = style_of(row["best"], self.schemes)
@@ -191,11 +208,12 @@ class _Explanation:
 
 
 def _make_legend(
-    best: pd.DataFrame, schemes: Sequence[str], signs: Mapping[str, str], *, holes: bool
+    best: pd.DataFrame, schemes: Sequence[str], signs: Mapping[str, list[str]], *, holes: bool
 ) -> Text:
     names = best["best"].to_list()
     counts = ", ".join(
-        f"{name if signs[name] == name else f'{signs[name]} = {name}'} {names.count(name)}"
+        f"{name if ''.join(signs[name]) == name else f'{signs[name][0]} = {name}'} "
+        f"{names.count(name)}"
         for name in schemes
         if name in names
     )

@@ -94,7 +94,8 @@ def tell_scheme(name: str, cells: pd.DataFrame, summary: pd.DataFrame, criterion
     both = cells[[*keys, "error_best"]].merge(own[[*keys, "mean"]], on=keys)
     if both.empty:
         return f"{name} is best in no cell: it has no result."
-    error = np.sqrt(both["mean"]) if criterion.values == "square" else both["mean"]
+    squares = criterion.values == "square"  # a root is averaged as it is in summary.csv
+    error = both["mean"].clip(lower=0.0) ** 0.5 if squares else both["mean"]
     ratio = error / both["error_best"]
     return (
         f"{name} is best in no cell: its error is {_tell_range(error, criterion)}, "

@@ -19,6 +19,7 @@ from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.figures import best_scheme_map
 from owtsweep.studies.hub import batch, cache, describe, estimates
+from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.expected import drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
@@ -278,6 +279,15 @@ def test_a_scheme_of_a_user_that_is_best_nowhere_gets_a_line(tmp_path: Path) -> 
     assert told in shown
     assert "A = " not in shown
     assert re.search(r"cells: .*NONE 1", shown)
+
+
+def test_the_settled_answer_has_the_bound_of_no_knowledge(tmp_path: Path) -> None:
+    run, tables = crowned(tmp_path)
+    settled = configure("schemes=[MKF,HME1]", "measures.window=settled", tuning="matched")
+    bound = kalman_bounds(settled)["position"] ** 0.5
+    said = "Bound: an estimator that assumes nothing of the motion cannot have less than"
+    assert f"{said} {bound:.3g} m." in " ".join(render(run, tables, settled).split())
+    assert said not in " ".join(render(run, tables).split())  # the bound is that of settled records
 
 
 def render(run, tables, config=None) -> str:

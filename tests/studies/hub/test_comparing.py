@@ -109,6 +109,7 @@ def test_changed_cells_are_those_whose_best_scheme_differs(folder, compared):
     for i, own in enumerate(best):
         for scheme in ("MKF", "HME1", "HME2"):
             assert int(overview[f"cells {scheme}"][i]) == (own.best == scheme).sum()
+        assert overview["won"][i] == f"{own.distinguishable.sum()} of {len(own)}"
 
 
 def test_boundaries_are_those_of_each_run(folder, compared):

@@ -135,7 +135,7 @@ class Recorded(World):
 
     def describe(self, motion: Motion) -> str:
         """Return the file."""
-        return f"motion of {motion.file}"
+        return f"this motion of {motion.file} alone, to which records add noise"
 
     def find_frequencies(self, motion: Motion, truth: Truth) -> Array:
         """Return those of zero crossings."""

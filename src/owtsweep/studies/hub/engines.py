@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from owtsweep.config import AnyConfig
+from owtsweep.errors import InputError
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.answer import tell_answer, tell_scheme
 from owtsweep.results.best_scheme import find_best_schemes
@@ -92,7 +93,7 @@ class _Engine(Engine):
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
         lines = tell_answer(table, judged, conditions) if len(table) else []
-        lines += _tell_beaten(config, table, tables["summary"])
+        lines += _tell_beaten(config, table, tables["summary"]) + _tell_bound(config)
         if "SKFA" not in scheme_names(config) and self.world.has_spectrum:
             lines.append(NOT_ASKED)
         sentences = [Text(line) for line in [*lines, OTHER_WINDOW[window]]]
@@ -216,6 +217,24 @@ def _tell_beaten(config: HubConfig, cells: pd.DataFrame, summary: pd.DataFrame) 
         tell_scheme(name, cells, summary, JUDGED[config.measures.criterion])
         for name in scheme_names(config)
         if name not in named and len(cells)
+    ]
+
+
+def _tell_bound(config: HubConfig) -> list[str]:
+    """Return a sentence on the least error without knowledge of the motion, if it is known."""
+    from owtsweep.studies.hub.bounds.kalman import kalman_bound
+
+    if config.measures.window != "settled" or config.sensors.imu.high_pass is not None:
+        return []
+    try:
+        bound = kalman_bound(config)
+    except InputError:  # numbers too far apart to compute with
+        return []
+    judged = JUDGED[config.measures.criterion]
+    return [
+        "Bound: an estimator that assumes nothing of the motion cannot have less than "
+        f"{judged.show(float(judged.express(bound)))}. Less is reached only where a scheme assumes "
+        "that the motion is small, or knows its spectrum (measures.efficiency=true)."
     ]
 
 
