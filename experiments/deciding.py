@@ -43,6 +43,7 @@ import owtsweep
 from experiments.command import show, write
 from owtsweep.arrays import Array
 from owtsweep.results.cube import Cube
+from owtsweep.results.verdicts import Asked
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.statistics.deciding import (
     ENOUGH,
@@ -136,19 +137,21 @@ def make_records(study: str, folder: Path) -> Run:
     return owtsweep.run([*words, *OWN[study]])
 
 
-def read_cells(run: Run) -> list[Array]:
-    """Return the values of each cell of a run by its criterion, the simplest contender first.
+def read_cells(run: Run) -> tuple[list[Array], Rule]:
+    """Return what is judged in each cell of a run by its criterion, and the rule of its study.
 
-    Of contenders that coincide, the simplest alone is there.
+    The simplest contender is first. Of contenders that coincide, the simplest alone is there.
     """
-    cube, criterion, window = make_cube(run)
-    measure, window_at = cube.measures.index(criterion), cube.windows.index(window)
+    cube, asked = read_map(run)
+    name, criterion = next(iter(asked.criteria.items()))
+    measure, window_at = cube.measures.index(name), cube.windows.index(asked.window)
     study = get_study(run.config.study)
     ranks = study.scheme_table().rank(run.config)  # type: ignore[attr-defined]
     order = [cube.schemes.index(name) for name in ranks if name in cube.schemes]
     cells = []
     for place in cube.outer_places():
         each = np.stack([cube.values(i, place, [measure])[:, 0, window_at] for i in order])
+        each = criterion.judge(each)
         for values in each.swapaxes(0, 1):
             values = values[np.isfinite(values).all(axis=1)]
             groups = group_coinciding(
@@ -159,24 +162,22 @@ def read_cells(run: Run) -> list[Array]:
             values = values[[i for i in range(len(values)) if i not in hidden]]
             if len(values) > 1:
                 cells.append(values)
-    return cells
+    return cells, asked.make_rule(criterion)
 
 
-def make_cube(run: Run) -> tuple[Cube, str, str]:
-    """Return the values of a run's contenders, baselines included, its criterion and its window."""
+def read_map(run: Run) -> tuple[Cube, Asked]:
+    """Return the values of a run's contenders, baselines included, and what its map asks."""
     config = run.config
     if config.study == "hub":
-        from owtsweep.studies.hub.describe import make_cube
+        from owtsweep.studies.hub.describe import ask, make_cube
 
-        measures = config.measures
-        cube = make_cube(config, run.cases(), baselines=True)
-        return cube, measures.criterion, measures.window
+        return make_cube(config, run.cases(), baselines=True), ask(config)
     from owtsweep.studies.base import tables
-    from owtsweep.studies.base.contest import WINDOW
 
-    study = get_study(config.study)
+    contest = get_study(config.study).contest()  # type: ignore[attr-defined]
     names = tables.list_competing(config, run.cases())
-    return tables.make_cube(study.contest(), config, run.cases(), names), config.criterion, WINDOW
+    asked = tables.ask(contest, config, names)
+    return tables.make_cube(contest, config, run.cases(), names), asked
 
 
 def resample(values: Array) -> Draw:
@@ -292,7 +293,8 @@ SHARES = {"won": "won", "tied": "tie", "open": "open"}
 def find_faults(verdict: str, means: Array, best: int, rule: Rule) -> set[str]:
     """Return in what ways a decision is wrong."""
     errors = np.sqrt(means) if rule.squared else means
-    is_worse = bool(errors[best] > (1.0 + rule.margin) * errors.min() * (1.0 + 1e-9))
+    allowed = max(rule.margin * errors.min(), rule.floor)
+    is_worse = bool(errors[best] > (errors.min() + allowed) * (1.0 + 1e-9))
     faults = set()
     if verdict == "won" and means[best] > means.min() * (1.0 + 1e-9):
         faults.add("false_wins")
@@ -351,14 +353,14 @@ def find_fixed_designs(
 
 def list_kinds(
     studies: Sequence[str], folder: Path
-) -> Iterator[tuple[str, float, Sequence[Draw], bool]]:
-    """Yield each kind of records: its name, its scatter, how it is drawn, and if it is squared."""
+) -> Iterator[tuple[str, float, Sequence[Draw], Rule]]:
+    """Yield each kind of records: its name, its scatter, how it is drawn, and the rule."""
     for study in studies:
-        cells = read_cells(make_records(study, folder))
-        yield f"own: {study}", float("nan"), [resample(cell) for cell in cells], study == "hub"
+        cells, rule = read_cells(make_records(study, folder))
+        yield f"own: {study}", float("nan"), [resample(cell) for cell in cells], rule
     for sd in SCATTERS:
-        yield "lognormal", sd, [lambda random, n, sd=sd: draw_lognormal(random, n, sd)], True
-    yield "skewed", float("nan"), [draw_skewed], True
+        yield "lognormal", sd, [lambda random, n, sd=sd: draw_lognormal(random, n, sd)], Rule()
+    yield "skewed", float("nan"), [draw_skewed], Rule()
 
 
 def main() -> None:
@@ -366,8 +368,8 @@ def main() -> None:
     words = sys.argv[1:]
     folder, maps = Path(words[0] if words else "results/deciding"), int((words[1:] or ["2000"])[0])
     rows = []
-    for kind, sd, draws, squared in list_kinds(words[2:] or [*OWN], folder / "records"):
-        rows.append({"kind": kind, "sd": sd, **simulate(draws, Rule(squared=squared), maps)})
+    for kind, sd, draws, rule in list_kinds(words[2:] or [*OWN], folder / "records"):
+        rows.append({"kind": kind, "sd": sd, **simulate(draws, rule, maps)})
         print(kind, sd, flush=True)
     table = pd.DataFrame(rows)
     write(folder, {"deciding": table})
