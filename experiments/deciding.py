@@ -43,7 +43,7 @@ import owtsweep
 from experiments.command import show, write
 from owtsweep.arrays import Array
 from owtsweep.results.cube import Cube
-from owtsweep.results.verdicts import Asked
+from owtsweep.results.verdicts import Asked, _find_run, list_cells
 from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.statistics.deciding import (
     ENOUGH,
@@ -54,7 +54,6 @@ from owtsweep.statistics.deciding import (
     find_level,
     is_below,
 )
-from owtsweep.studies import get_study
 from owtsweep.sweep.runs import Run
 
 CELLS, CONTENDERS, MOST = 60, 4, 256
@@ -142,42 +141,35 @@ def read_cells(run: Run) -> tuple[list[Array], Rule]:
 
     The simplest contender is first. Of contenders that coincide, the simplest alone is there.
     """
-    cube, asked = read_map(run)
+    cube, rows, asked = read_map(run)
     name, criterion = next(iter(asked.criteria.items()))
-    measure, window_at = cube.measures.index(name), cube.windows.index(asked.window)
-    study = get_study(run.config.study)
-    ranks = study.scheme_table().rank(run.config)  # type: ignore[attr-defined]
-    order = [cube.schemes.index(name) for name in ranks if name in cube.schemes]
     cells = []
-    for place in cube.outer_places():
-        each = np.stack([cube.values(i, place, [measure])[:, 0, window_at] for i in order])
-        each = criterion.judge(each)
-        for values in each.swapaxes(0, 1):
-            values = values[np.isfinite(values).all(axis=1)]
-            groups = group_coinciding(
-                [str(i) for i in range(len(values))],
-                lambda i, j, values=values: bool(agree(values[i], values[j]).all()),
-            )
-            hidden = {int(name) for group in groups for name in group[1:]}
-            values = values[[i for i in range(len(values)) if i not in hidden]]
-            if len(values) > 1:
-                cells.append(values)
+    for cell in list_cells(cube, _find_run(cube, rows), asked, name):
+        values = cell.values[np.isfinite(cell.values).all(axis=1)]
+        groups = group_coinciding(
+            [str(i) for i in range(len(values))],
+            lambda i, j, values=values: bool(agree(values[i], values[j]).all()),
+        )
+        hidden = {int(name) for group in groups for name in group[1:]}
+        values = values[[i for i in range(len(values)) if i not in hidden]]
+        if len(values) > 1:
+            cells.append(values)
     return cells, asked.make_rule(criterion)
 
 
-def read_map(run: Run) -> tuple[Cube, Asked]:
-    """Return the values of a run's contenders, baselines included, and what its map asks."""
-    config = run.config
+def read_map(run: Run) -> tuple[Cube, pd.DataFrame, Asked]:
+    """Return a run's contenders, baselines included: their values, rows, and what the map asks."""
+    config, rows = run.config, run.cases()
     if config.study == "hub":
         from owtsweep.studies.hub.describe import ask, make_cube
 
-        return make_cube(config, run.cases(), baselines=True), ask(config)
+        return make_cube(config, rows, baselines=True), rows, ask(config)
     from owtsweep.studies.base import tables
 
-    contest = get_study(config.study).contest()  # type: ignore[attr-defined]
-    names = tables.list_competing(config, run.cases())
-    asked = tables.ask(contest, config, names)
-    return tables.make_cube(contest, config, run.cases(), names), asked
+    contest, ranks = run.engine.contest, run.engine.rank(config)
+    rows = tables.spread_all(contest, config, rows)
+    cube = tables.make_cube(contest, config, rows, tables.list_competing(config, rows))
+    return cube, rows, tables.ask(contest, config, ranks)
 
 
 def resample(values: Array) -> Draw:

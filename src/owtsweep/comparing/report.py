@@ -82,11 +82,11 @@ def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
         [
             "## What the columns say",
             f"Compared are {shared.size} cells by {shared.criterion} {shared.score}: "
-            "how many a scheme is best in, how many are *won* (the records that all schemes have "
-            "tell the best one from the next, Holm's correction over the cells), and in how many "
-            "the best scheme is another one than in the first run. A change is *established* if "
-            "the old best scheme beats the new one in the first run, and loses to it in the "
-            "second, both told from zero (the larger p-value, Holm's correction over all cells).",
+            "how many a scheme is best in, how many are *won* (the best one is told from the next, "
+            "as `distinguishable` in best_schemes.csv says), and in how many the best scheme is "
+            "another one than in the first run. A change is *established* if the old best scheme "
+            "beats the new one in the first run, and loses to it in the second, both told from "
+            "zero (the larger p-value, Holm's correction over all cells).",
             "## Cells that change their best scheme",
             _tell_changes(tables["changed_cells"]),
             *boundary,

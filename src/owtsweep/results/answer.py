@@ -83,6 +83,14 @@ def tell_cell(row: Row, criterion: Criterion) -> list[str]:
     return sentences
 
 
+def tell_beaten(
+    names: Sequence[str], cells: pd.DataFrame, summary: pd.DataFrame, criterion: Criterion
+) -> list[str]:
+    """Return a sentence on each of some schemes that is best in no cell; else as `tell_scheme`."""
+    best = {*cells["best"]}
+    return [tell_scheme(name, cells, summary, criterion) for name in names if name not in best]
+
+
 def tell_scheme(name: str, cells: pd.DataFrame, summary: pd.DataFrame, criterion: Criterion) -> str:
     """Return in one sentence what error a scheme has that is best in no cell.
 
@@ -94,8 +102,7 @@ def tell_scheme(name: str, cells: pd.DataFrame, summary: pd.DataFrame, criterion
     both = cells[[*keys, "error_best"]].merge(own[[*keys, "mean"]], on=keys)
     if both.empty:
         return f"{name} is best in no cell: it has no result."
-    squares = criterion.values == "square"  # a root is averaged as it is in summary.csv
-    error = both["mean"].clip(lower=0.0) ** 0.5 if squares else both["mean"]
+    error = np.sqrt(both["mean"]) if criterion.values == "square" else both["mean"]
     ratio = error / both["error_best"]
     return (
         f"{name} is best in no cell: its error is {_tell_range(error, criterion)}, "

@@ -285,7 +285,7 @@ def test_the_settled_answer_has_the_bound_of_no_knowledge(tmp_path: Path) -> Non
     run, tables = crowned(tmp_path)
     settled = configure("schemes=[MKF,HME1]", "measures.window=settled", tuning="matched")
     bound = kalman_bounds(settled)["position"] ** 0.5
-    said = "Bound: an estimator that assumes nothing of the motion cannot have less than"
+    said = "Bound: an estimator that assumes nothing of the motion has on average at least"
     assert f"{said} {bound:.3g} m." in " ".join(render(run, tables, settled).split())
     assert said not in " ".join(render(run, tables).split())  # the bound is that of settled records
 

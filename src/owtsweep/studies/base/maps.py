@@ -8,7 +8,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
-from owtsweep.results.answer import tell_answer, tell_counts, tell_scheme
+from owtsweep.results.answer import tell_answer, tell_beaten, tell_counts
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.base.contest import (
@@ -97,9 +97,8 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
             continue
         if name == config.criterion and not lines:
             lines += tell_answer(cells, chosen, conditions)
-            told = {*list_schemes(config.study), *cells["best"]}
-            own = [name for name in schemes if name not in told]  # a user's, best nowhere
-            lines += [tell_scheme(name, cells, summary, chosen) for name in own]
+            own = [scheme for scheme in schemes if scheme not in list_schemes(config.study)]
+            lines += tell_beaten(own, cells, summary, chosen)
         elif name != config.criterion:
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if len(schemes) < len(names):

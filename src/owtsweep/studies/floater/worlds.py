@@ -134,7 +134,7 @@ class Recorded(World):
         read_motion(config.motion, None, Span(record.steps, 1.0 / record.rate))
 
     def describe(self, motion: Motion) -> str:
-        """Return the file."""
+        """Return the file, and that all records have its motion."""
         return f"this motion of {motion.file} alone, to which records add noise"
 
     def find_frequencies(self, motion: Motion, truth: Truth) -> Array:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures.drawings import save_figure
-from owtsweep.results.answer import tell_answer, tell_scheme
+from owtsweep.results.answer import tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import make_table
@@ -92,8 +92,12 @@ class _Engine(Engine):
             table, names, conditions, criterion, window,
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
-        lines = tell_answer(table, judged, conditions) if len(table) else []
-        lines += _tell_beaten(config, table, tables["summary"]) + _tell_bound(config)
+        lines = []
+        if len(table):
+            lines += tell_answer(table, judged, conditions)
+            further = [name for name in scheme_names(config) if name not in REGISTERED]
+            lines += tell_beaten(further, table, tables["summary"], judged)
+        lines += _tell_bound(config)
         if "SKFA" not in scheme_names(config) and self.world.has_spectrum:
             lines.append(NOT_ASKED)
         sentences = [Text(line) for line in [*lines, OTHER_WINDOW[window]]]
@@ -210,16 +214,6 @@ NOT_ASKED = (
 )
 
 
-def _tell_beaten(config: HubConfig, cells: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
-    """Return a sentence on each scheme that is best nowhere and is not one of the paper's."""
-    named = {*REGISTERED, *cells["best"]}
-    return [
-        tell_scheme(name, cells, summary, JUDGED[config.measures.criterion])
-        for name in scheme_names(config)
-        if name not in named and len(cells)
-    ]
-
-
 def _tell_bound(config: HubConfig) -> list[str]:
     """Return a sentence on the least error without knowledge of the motion, if it is known."""
     from owtsweep.studies.hub.bounds.kalman import kalman_bound
@@ -232,9 +226,10 @@ def _tell_bound(config: HubConfig) -> list[str]:
         return []
     judged = JUDGED[config.measures.criterion]
     return [
-        "Bound: an estimator that assumes nothing of the motion cannot have less than "
-        f"{judged.show(float(judged.express(bound)))}. Less is reached only where a scheme assumes "
-        "that the motion is small, or knows its spectrum (measures.efficiency=true)."
+        "Bound: an estimator that assumes nothing of the motion has on average at least "
+        f"{judged.show(float(judged.express(bound)))}. Less comes by chance of few records, or "
+        "where a scheme assumes that the motion is small, or knows its spectrum "
+        "(measures.efficiency=true)."
     ]
 
 
