@@ -29,6 +29,7 @@ from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
 from owtsweep.studies.registry import Located
 from owtsweep.sweep.keys import hash_text, run_folder
+from owtsweep.sweep.manifest import read_manifest
 from owtsweep.sweep.multirun_record import (
     OUTCOMES,
     JobOutcome,
@@ -37,7 +38,6 @@ from owtsweep.sweep.multirun_record import (
     write_outcome,
     write_record,
 )
-from owtsweep.sweep.provenance import read_manifest
 from owtsweep.sweep.worker import end_with_parent
 
 logger = logging.getLogger(__name__)

@@ -111,6 +111,12 @@ def _add_figures(parser: Parser) -> None:
     parser.add_argument("--envelope", metavar="STRUCTURE", help=text)
 
 
+def _add_report(parser: Parser) -> None:
+    _add_run(parser)
+    text = "the file to write; default: report.html in the run's folder"
+    parser.add_argument("--output", metavar="FILE", help=text)
+
+
 def _add_runs(parser: Parser) -> None:
     parser.add_argument(
         "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
@@ -155,6 +161,11 @@ COMMANDS = {
         "Draw all figures and tables of a run into its folder figures/.",
         "figures results/study-0a1b2c3d4e",
         _add_figures,
+    ),
+    "report": (
+        "Write report.html, one page of a run to send: it opens offline, in any browser.",
+        "report results/study-0a1b2c3d4e",
+        _add_report,
     ),
     "fidelity": (
         "Judge the claims of a study's paper, or yours, by a run; writes RUN/fidelity/.",

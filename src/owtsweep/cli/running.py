@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +13,7 @@ from owtsweep.cli.program import DONE, FAILED, same_command
 from owtsweep.config import Config
 from owtsweep.errors import InputError, printable, require
 from owtsweep.freed_memory import keep_freed_memory
+from owtsweep.sweep.page import PAGE
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -105,27 +106,33 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     keep_freed_memory()
     study = get_study(config.study)
     outcome = sweep(study, config, fresh=fresh, progress=make_progress(), argv=argv)
-    shown = _draw_overview(outcome) if outcome.results else True
-    if outcome.results:
-        shown &= print_answer(outcome.run, outcome.results)
-    code = tell_end(outcome, argv, f"{outcome.run.place}/")
+    run, results = outcome.run, outcome.results
+    shown = True
+    if results:
+        shown &= _write("map", lambda: run.draw(results=results, overview=True), run)
+        shown &= write_report(run, results)
+        shown &= print_answer(run, results)
+    code = tell_end(outcome, argv, f"{run.place}/")
     return code if shown else FAILED
 
 
-def _draw_overview(outcome: Outcome) -> bool:
-    """Draw the overview figure of a run; return whether the figure could be drawn.
+def write_report(run: Run, results: Mapping[str, Results]) -> bool:
+    """Write the page of a run; return whether it could be written, and print the reason if not."""
+    return _write("page", lambda: run.write_report(results=results), run)
 
-    If the figure could not be drawn, the reason is printed to stderr. The run's stored cases and
-    tables are kept.
+
+def _write(name: str, write: Callable[[], object], run: Run) -> bool:
+    """Write what is made of a run's results; return whether it could be written.
+
+    If it could not, the reason is printed to stderr. The run's cases and tables are kept.
     """
     from owtsweep.io.files import refuse_in_one_line
 
-    run = outcome.run
     try:
-        with refuse_in_one_line(run.place / "figures"):
-            run.draw(results=outcome.results, overview=True)
+        with refuse_in_one_line(run.place):
+            write()
     except InputError as error:
-        print(f"failed: the map could not be drawn: {error}", file=sys.stderr)
+        print(f"failed: the {name} could not be made: {error}", file=sys.stderr)
         return False
     return True
 
@@ -176,6 +183,8 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
         print(f"  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
     print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {place}")
+    if (outcome.run.place / PAGE).is_file():
+        print(f"page to send: {printable(str(outcome.run.place / PAGE))}")
     return FAILED if outcome.failed else DONE
 
 

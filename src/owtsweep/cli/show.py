@@ -31,7 +31,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if the folder holds no run, or the manifest cannot be read.
     """
     from owtsweep.api import load
-    from owtsweep.sweep.provenance import read_manifest
+    from owtsweep.sweep.manifest import read_manifest
 
     opened = load(options.run)
     manifest = read_manifest(opened.folder)
@@ -95,7 +95,7 @@ def _describe_question(opened: Run, question: Question) -> str:
     Whatever the stored configuration holds there is taken as text.
     """
     from owtsweep.sweep.asked import question_folder
-    from owtsweep.sweep.provenance import read_manifest
+    from owtsweep.sweep.manifest import read_manifest
 
     if question.trouble:
         return question.trouble

@@ -26,7 +26,15 @@ FOLDER = "asked"
 LATEST = "latest"
 CONFIG = "config.yaml"
 #: What is made of a question's cases and lies in the root of the run folder, besides the tables.
-MADE = ("figures", "fidelity", "report.md", "estimates.parquet", "estimates", "records")
+MADE = (
+    "figures",
+    "fidelity",
+    "report.md",
+    "report.html",
+    "estimates.parquet",
+    "estimates",
+    "records",
+)
 #: Most bytes of a configuration.
 MOST_BYTES = 10_000_000
 _HASH = re.compile(r"[0-9a-f]{10}")

@@ -13,8 +13,8 @@ from owtsweep.io.files import check_writable, remove_stale, unwritable
 from owtsweep.io.reading import refuse_links
 from owtsweep.sweep import asked
 from owtsweep.sweep.keys import question_hash, run_folder, run_hash
+from owtsweep.sweep.manifest import read_mean_seconds
 from owtsweep.sweep.plan import PLAN_FILE, Plan, count_cases, is_of_other_version, make_plan
-from owtsweep.sweep.provenance import read_mean_seconds
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import Study, blame
 

@@ -1,4 +1,4 @@
-"""Makes and reads manifest.json: how a run was made, without names of users and machines."""
+"""Makes manifest.json: how a run was made, without names of users and machines."""
 
 from __future__ import annotations
 
@@ -9,16 +9,13 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from math import isfinite
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
 from owtsweep._version import __version__
-from owtsweep.config import Config, Plain, as_mapping, require
-from owtsweep.errors import InputError
-from owtsweep.io.reading import read_json
 from owtsweep.sweep.keys import list_versions
+from owtsweep.sweep.manifest import without_places
 from owtsweep.sweep.plan import digest
 
 if TYPE_CHECKING:
@@ -32,9 +29,6 @@ CLUSTER_PACKAGES = ("dask", "distributed")
 #: Up to this number of blocks, the manifest lists each block's seconds; above, a summary only.
 MOST_BLOCKS = 1000
 SLOWEST = 10
-MANIFEST = "manifest.json"
-#: Most bytes of a manifest: far more than a configuration and the seconds of `MOST_BLOCKS` take.
-MOST_BYTES = 50_000_000
 
 
 def start_manifest(
@@ -65,7 +59,7 @@ def start_manifest(
         **list_versions(run.study),
         "config_hash": run.hash,
         "config_digest": digest(text),
-        "config": _without_places(run.config),
+        "config": without_places(run.config),
         "seed": run.config.seed,
         "argv": None if argv is None else list(argv),
         "backend": backend,
@@ -121,57 +115,6 @@ def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, object]:
     }
 
 
-def read_earlier_seconds(folder: Path) -> dict[str, float]:
-    """Read from a run's manifest how long each block (unit of work) took in earlier sweeps.
-
-    Return label of the block -> computing time in s. The result is empty if there is no manifest,
-    or the manifest lists no valid times.
-    """
-    try:
-        each = read_manifest(folder)["blocks"]["each"].items()
-        read = {str(label): float(seconds) for label, seconds in each}
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
-        return {}
-    return {label: seconds for label, seconds in read.items() if isfinite(seconds)}
-
-
-def read_mean_seconds(folder: Path) -> float | None:
-    """Read the mean computing time of a block, s, from the manifest of earlier sweeps.
-
-    Return None if there is no manifest, or the manifest holds no valid times.
-    """
-    try:
-        blocks = read_manifest(folder)["blocks"]
-        mean = float(blocks["seconds"]) / int(blocks["count"])
-    except (ValueError, KeyError, TypeError, OverflowError, ZeroDivisionError):
-        return None
-    return mean if isfinite(mean) and mean >= 0.0 else None
-
-
-def was_running(folder: Path) -> bool:
-    """Return whether a sweep of the run in `folder` is under way, or was killed.
-
-    The manifest's state is then "running". Return False if there is no readable manifest.
-    """
-    try:
-        return bool(read_manifest(folder).get("state") == "running")
-    except InputError:
-        return False
-
-
-def read_manifest(folder: Path) -> Plain:
-    """Read manifest.json in a run folder; the values in the manifest are not checked.
-
-    Raises InputError if there is no manifest, or the file cannot be read or holds no mapping.
-    """
-    path = folder / MANIFEST
-    require(os.path.lexists(path), f"{folder}: the folder has no {MANIFEST}; run its sweep")
-    manifest = read_json(path, MOST_BYTES)
-    if not isinstance(manifest, dict):
-        raise InputError(f"{path}: this is no manifest; run its sweep again")
-    return manifest
-
-
 def git_state(package: Path) -> dict[str, str | bool] | None:
     """Return the git commit of the package's sources, and whether the sources have been changed.
 
@@ -197,18 +140,6 @@ def _find_version(package: str) -> str | None:
         return version(package)
     except PackageNotFoundError:
         return None
-
-
-def _without_places(config: Config) -> Plain:
-    """Return the configuration as a mapping without the keys `results` and `compute.scheduler`.
-
-    A run may be published. So the run's manifest names no results folder and no scheduler's
-    address.
-    """
-    whole = as_mapping(config)
-    del whole["results"]
-    whole["compute"] = {k: v for k, v in whole["compute"].items() if k != "scheduler"}
-    return whole
 
 
 def _git(folder: Path, *arguments: str) -> str | None:

@@ -18,6 +18,7 @@ from owtsweep.sweep.execute import BACKENDS, Executor
 from owtsweep.sweep.gather import Results, join_tables
 from owtsweep.sweep.keys import question_hash, run_folder
 from owtsweep.sweep.log import repeat, run_log
+from owtsweep.sweep.manifest import MANIFEST, read_earlier_seconds, was_running
 from owtsweep.sweep.plan import (
     PLAN_FILE,
     Plan,
@@ -29,13 +30,7 @@ from owtsweep.sweep.plan import (
 )
 from owtsweep.sweep.prepare import prepare_folder
 from owtsweep.sweep.progress import Progress
-from owtsweep.sweep.provenance import (
-    MANIFEST,
-    finish_manifest,
-    read_earlier_seconds,
-    start_manifest,
-    was_running,
-)
+from owtsweep.sweep.provenance import finish_manifest, start_manifest
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import UNABLE, Study, blame

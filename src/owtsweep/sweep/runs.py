@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import Drawing, draw_each
+from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import read_table
 from owtsweep.sweep import asked
 from owtsweep.sweep.gather import Results, join_rows, sort_rows
@@ -241,12 +242,7 @@ class Run:
         Raises OSError if the file system refuses a file; figures drawn earlier stay whole.
         """
         folder = self._own / "figures"
-        if results is None:
-            results = self.make_results(self._finished())  # not of the tables' files
-        require(
-            len(results) > 0,
-            f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
-        )
+        results = self._find_results(results)  # not of the tables' files
         with blame(self.study):
             drawings = list_drawings(self.engine, results, self.metadata())
             only = name_overview(self.engine, results) if overview else only
@@ -258,6 +254,35 @@ class Run:
         else:
             files = [file for name in chosen for file in draw_each(drawings, folder, name, guard)]
         return asked.show_figures(self.folder, self.question, files)
+
+    def write_report(
+        self, output: Path | None = None, results: Mapping[str, Results] | None = None
+    ) -> Path:
+        """Write report.html, one page to send, and return its path.
+
+        output: the file to write; None: report.html beside the run's tables.
+        results: the results by tuning, if they are in memory. If None, the shards are read.
+        Raises InputError if no case has succeeded, or the study comes from another package and does
+            not work.
+        Raises OSError if the file system refuses the file.
+        """
+        from owtsweep.sweep.page import PAGE, make_page
+
+        found = self._find_results(results)
+        text = make_page(self.study, self.config, found, self.folder, self.place)
+        if output is not None:
+            write_atomically(output, text)
+            return output
+        asked.write_both(self.folder, self.question, {PAGE: text})
+        return self.place / PAGE
+
+    def _find_results(self, results: Mapping[str, Results] | None) -> Mapping[str, Results]:
+        found = self.make_results(self._finished()) if results is None else results
+        require(
+            len(found) > 0,
+            f"{self.folder}: no case has succeeded, so there is nothing to show; see its run.log",
+        )
+        return found
 
     def metadata(self) -> dict[str, str]:
         """Return texts to store in the figures' files: the run's hash and the folder's name."""

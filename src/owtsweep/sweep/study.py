@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition, Value
+    from owtsweep.results.contents import Contents
     from owtsweep.sweep.gather import Results
 
     C = TypeVar("C", bound=Config)
@@ -151,6 +152,15 @@ class Engine(ABC):
 
         `tables` are the tables by name, as `tables` returns them.
         """
+
+    def contents(
+        self, config: AnyConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
+    ) -> Contents | None:
+        """Return what the page of a run shows besides its tables; None without a map.
+
+        `tables` are what the method `tables` makes of `rows`, the stored rows of the plan.
+        """
+        return None
 
     @abstractmethod
     def drawings(

@@ -7,11 +7,13 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Generic
 
+from owtsweep.results.contents import Contents
 from owtsweep.studies.base import maps, tables
 from owtsweep.studies.base.blocks import DeclaredBlocks, PlanPart
-from owtsweep.studies.base.contest import AnyContest, C, Contest, ContestConfig
+from owtsweep.studies.base.contest import WINDOW, AnyContest, C, Contest, ContestConfig
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.studies.base.looks import plan_look
+from owtsweep.studies.base.tables import list_competing, make_cube
 from owtsweep.sweep.study import Block, Engine, Look
 
 if TYPE_CHECKING:
@@ -69,6 +71,23 @@ class ContestEngine(Engine, Generic[C]):
     def terminal(self, config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map by the key `criterion`, and who wins by each one."""
         return maps.show(self.contest, config, tables)
+
+    def contents(
+        self, config: C, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
+    ) -> Contents:
+        names = list_competing(config, rows)
+        criterion, every = config.criterion, self.contest.criteria
+        measured = {name: each for name, each in every.items() if name in {*rows["measure"]}}
+        return Contents(
+            maps.list_origin_lines(self.contest, config),
+            maps.tell(self.contest, config, tables),
+            self.contest.find_conditions(config),
+            {name: every[name] for name in (criterion, *measured)},
+            WINDOW,
+            [name for name in self.rank(config) if name in names],
+            (),
+            make_cube(self.contest, config, rows, names),
+        )
 
     def backend(self, config: C) -> str:
         return "loky"

@@ -77,19 +77,29 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
 
     from owtsweep.figures.terminal import grid
 
-    best, summary = tables["best_scheme"], tables["summary"]
-    origin = [
+    chosen = contest.criteria[config.criterion]
+    schemes, _ = _split_waiting(config, tables["summary"])
+    shown = grid(
+        tables["best_scheme"], schemes, contest.find_conditions(config), config.criterion, WINDOW,
+        quantity=chosen.title, unit=chosen.unit,
+    )  # fmt: skip
+    origin = [Text(line, style="bold") for line in list_origin_lines(contest, config)]
+    return Group(*origin, shown, *map(Text, tell(contest, config, tables)))
+
+
+def list_origin_lines(contest: Contest[C], config: C) -> list[str]:
+    """Return lines on the tuning, the truth, the sensors, the records and their seed."""
+    return [
         f"Tuning {config.tuning_name}, {contest.describe_truth(config)}",
         f"Sensors: {contest.describe_sensors(config)}; {describe_draws(config)}",
     ]
-    waiting = summary.loc[summary["measure"] == WAIT, "scheme"].unique()
-    names = list_names(config.schemes)
-    schemes = [name for name in names if name not in waiting] or names
+
+
+def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Return sentences: who is best by the key `criterion`, who wins by each other one."""
+    best, summary = tables["best_scheme"], tables["summary"]
+    schemes, waiting = _split_waiting(config, summary)
     conditions, chosen = contest.find_conditions(config), contest.criteria[config.criterion]
-    shown = grid(
-        best, schemes, conditions, config.criterion, WINDOW,
-        quantity=chosen.title, unit=chosen.unit,
-    )  # fmt: skip
     lines: list[str] = []
     for name in [config.criterion, *contest.criteria]:
         cells = best[best["criterion"] == name]
@@ -101,12 +111,19 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
             lines += tell_beaten(own, cells, summary, chosen)
         elif name != config.criterion:
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
-    if len(schemes) < len(names):
+    if waiting:
         lines.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
-    lines += contest.tell_more(config, tables)
-    return Group(
-        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in lines)
-    )
+    return lines + contest.tell_more(config, tables)
+
+
+def _split_waiting(config: ContestConfig, summary: pd.DataFrame) -> tuple[list[str], list[str]]:
+    """Return the schemes in the contest, and those that are not because their estimates wait."""
+    waiting = set(summary.loc[summary["measure"] == WAIT, "scheme"])
+    names = list_names(config.schemes)
+    competing = [name for name in names if name not in waiting]
+    if not competing:
+        return names, []
+    return competing, [name for name in names if name in waiting]
 
 
 def tell_unable(unable: pd.DataFrame) -> list[str]:

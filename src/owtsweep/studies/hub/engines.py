@@ -12,6 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.answer import tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.contents import Contents
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
@@ -92,19 +93,42 @@ class _Engine(Engine):
             table, names, conditions, criterion, window,
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
-        lines = []
+        origin = [Text(line, style="bold") for line in self._list_origin(config)]
+        return Group(*origin, shown, *map(Text, self._tell(config, table, tables["summary"])))
+
+    def contents(
+        self, config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
+    ) -> Contents:
+        asked = ask(config)
+        best = tables["best_scheme"]
+        table, _, notes = find_winners(config, best, config.measures.criterion, asked.window)
+        return Contents(
+            self._list_origin(config),
+            [*self._tell(config, table, tables["summary"]), *notes],
+            get_map_conditions(config),
+            asked.criteria,
+            asked.window,
+            asked.contenders,
+            asked.baselines,
+            make_cube(config, rows, baselines=True),
+        )
+
+    def _list_origin(self, config: HubConfig) -> list[str]:
+        world = [] if self.world.has_spectrum else [self.world.describe(config)]
+        truth, draws = describe_truth(config), describe_draws(config)
+        return [f"Tuning {config.tuning_name}", *world, truth, draws]
+
+    def _tell(self, config: HubConfig, table: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
+        """Return the answer in sentences; `table` has the cells of the map."""
+        judged, lines = JUDGED[config.measures.criterion], []
         if len(table):
-            lines += tell_answer(table, judged, conditions)
+            lines += tell_answer(table, judged, get_map_conditions(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
-            lines += tell_beaten(further, table, tables["summary"], judged)
+            lines += tell_beaten(further, table, summary, judged)
         lines += _tell_bound(config)
         if "SKFA" not in scheme_names(config) and self.world.has_spectrum:
             lines.append(NOT_ASKED)
-        sentences = [Text(line) for line in [*lines, OTHER_WINDOW[window]]]
-        origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
-        if not self.world.has_spectrum:
-            origin.insert(1, self.world.describe(config))
-        return Group(*(Text(line, style="bold") for line in origin), shown, *sentences)
+        return [*lines, OTHER_WINDOW[config.measures.window]]
 
     def overview(self, config: HubConfig) -> str:
         """Return the name of the map, figure 18 of Ren et al. (2019)."""

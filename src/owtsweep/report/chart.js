@@ -1,0 +1,126 @@
+// Draws curves over one axis as SVG: lines with bands, labels at their right ends, marks.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** Make an element of a drawing. */
+function draw(name, attributes, text) {
+  const element = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  if (text !== undefined) element.textContent = text;
+  return element;
+}
+
+/** Return a function from values to pixels, and its ticks. */
+function makeScale(low, high, from, to, logarithmic) {
+  const f = logarithmic ? Math.log10 : (value) => value;
+  const span = f(high) - f(low) || 1;
+  const place = (value) => from + ((f(value) - f(low)) / span) * (to - from);
+  const ticks = [];
+  if (logarithmic) {
+    const decades = f(high) - f(low);
+    const steps = decades > 4 ? [1] : decades > 1.2 ? [1, 3] : [1, 1.5, 2, 3, 5, 7];
+    for (let e = Math.floor(f(low)); e <= Math.ceil(f(high)); e += 1) {
+      for (const step of steps) ticks.push(step * 10 ** e);
+    }
+  } else {
+    const raw = span / 5;
+    const unit = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((n) => n * unit).find((each) => each >= raw);
+    for (let n = Math.ceil(low / step); n * step <= high * (1 + 1e-9); n += 1) ticks.push(n * step);
+  }
+  const inside = ticks.filter((value) => value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9));
+  return {place, ticks: inside};
+}
+
+/** Move labels apart, so that none lies on another. */
+function spread(labels, least, bottom) {
+  labels.sort((a, b) => a.y - b.y);
+  for (let i = 1; i < labels.length; i += 1) {
+    labels[i].y = Math.max(labels[i].y, labels[i - 1].y + least);
+  }
+  let limit = bottom;
+  for (let i = labels.length - 1; i >= 0; i -= 1) {
+    labels[i].y = Math.min(labels[i].y, limit);
+    limit = labels[i].y - least;
+  }
+}
+
+/**
+ * Return a chart. `curves`: name, colour, dash, and points [x, y, low, high]; NaN for a gap or no
+ * band. `at`: x of a vertical line, or null. `label`: of the whole, for those who do not see it.
+ */
+function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
+  const [width, height, left, right, top, bottom] = [620, 300, 60, 110, 26, 42];
+  const points = curves.flatMap((curve) => curve.points);
+  const usable = (value) => Number.isFinite(value) && (!yLog || value > 0);
+  const xs = points.map((p) => p[0]);
+  let ys = points.map((p) => p[1]).filter(usable);
+  if (!ys.length) return null;
+  const ends = points.flatMap((p) => [p[2], p[3]]).filter(usable);
+  let [yLow, yHigh] = [Math.min(...ys), Math.max(...ys)];
+  const factor = yLog ? 3 : Infinity;  // a band that nearly reaches 0 is cut, not the curves
+  yLow = Math.max(Math.min(yLow, ...ends), yLow / factor);
+  yHigh = Math.min(Math.max(yHigh, ...ends), yLog ? yHigh * factor : Infinity);
+  if (yLow === yHigh) [yLow, yHigh] = yLog ? [yLow / 2, yHigh * 2] : [yLow - 1, yHigh + 1];
+  const x = makeScale(Math.min(...xs), Math.max(...xs), left, width - right, xLog);
+  const y = makeScale(yLow, yHigh, height - bottom, top, yLog);
+  const svg = draw("svg", {
+    class: "chart", viewBox: `0 0 ${width} ${height}`, width, height, role: "img",
+    "aria-label": label,
+  });
+  for (const value of y.ticks) {
+    const place = y.place(value);
+    svg.append(draw("line", {class: "rule", x1: left, x2: width - right, y1: place, y2: place}));
+    const text = {class: "tick", x: left - 6, y: place + 4, "text-anchor": "end"};
+    svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
+  }
+  let before = -Infinity;
+  for (const value of ticks || x.ticks) {
+    const place = x.place(value);
+    if (place - before < 34) continue;
+    before = place;
+    const text = {class: "tick", x: place, y: height - bottom + 16, "text-anchor": "middle"};
+    svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
+  }
+  const middle = (left + width - right) / 2;
+  svg.append(draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel));
+  svg.append(draw("text", {class: "axis", x: 4, y: 14}, yLabel));
+  if (at !== null && Number.isFinite(x.place(at))) {
+    const place = x.place(at);
+    svg.append(draw("line", {class: "here", x1: place, x2: place, y1: top, y2: height - bottom}));
+  }
+  const clip = (value) => Math.min(Math.max(value, top), height - bottom);
+  const labels = [];
+  for (const curve of curves) {
+    const shown = curve.points.filter((p) => usable(p[1]));
+    if (!shown.length) continue;
+    const banded = shown.filter((p) => Number.isFinite(p[2]) && Number.isFinite(p[3]));
+    if (banded.length > 1) {
+      const low = (p) => (yLog && p[2] <= 0 ? height - bottom : clip(y.place(p[2])));
+      const upper = banded.map((p) => `${x.place(p[0])},${clip(y.place(p[3]))}`);
+      const lower = banded.map((p) => `${x.place(p[0])},${low(p)}`).reverse();
+      const all = [...upper, ...lower].join(" ");
+      svg.append(draw("polygon", {points: all, fill: curve.color, "fill-opacity": 0.18}));
+    }
+    const line = shown.map((p) => `${x.place(p[0])},${y.place(p[1])}`).join(" ");
+    svg.append(draw("polyline", {
+      points: line, fill: "none", stroke: curve.color, "stroke-width": curve.bold ? 3 : 1.8,
+      "stroke-dasharray": curve.dash,
+    }));
+    for (const p of curve.dots ? shown : shown.length === 1 ? shown : []) {
+      svg.append(draw("circle", {cx: x.place(p[0]), cy: y.place(p[1]), r: 2.6, fill: curve.color}));
+    }
+    labels.push({name: curve.name, color: curve.color, end: y.place(shown.at(-1)[1]),
+      y: y.place(shown.at(-1)[1]), x: x.place(shown.at(-1)[0])});
+  }
+  spread(labels, 13, height - bottom);
+  for (const each of labels) {
+    const from = width - right + 4;
+    svg.append(draw("line", {
+      x1: each.x, x2: from + 8, y1: each.end, y2: each.y, stroke: each.color, "stroke-width": 1,
+    }));
+    const text = each.name.length > 14 ? `${each.name.slice(0, 13)}…` : each.name;
+    svg.append(draw("text", {class: "tick", x: from + 12, y: each.y + 4}, text));
+  }
+  return svg;
+}

@@ -1,0 +1,151 @@
+"""Makes the data of a page, as JSON: verdicts of all cells, and the statistics they rest on."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.figures.palette import SchemeStyle, style_of
+from owtsweep.report.static_map import choose_axes, get_grid
+from owtsweep.report.statistics import Look, is_superposed, list_looks
+from owtsweep.results.contents import Contents
+from owtsweep.statistics.inference import t_quantile
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: In maps of more cells, a page has the means alone, without intervals.
+MOST_CELLS = 1000
+#: Columns of best_scheme.csv that a page has, besides conditions and criterion.
+COLUMNS = (
+    "verdict", "best", "runner_up", "baseline", "left", "error_best", "error_low", "error_high",
+    "error_runner_up", "error_baseline", "look", "n", "more",
+)  # fmt: skip
+
+
+class _Floats:
+    """Numbers of 32 bits, one after the other."""
+
+    def __init__(self) -> None:
+        self._parts: list[Array] = []
+        self._count = 0
+
+    def add(self, *arrays: Array) -> int:
+        """Add the numbers of arrays; return the place of the first one."""
+        place = self._count
+        for array in arrays:
+            self._parts.append(array.ravel())
+            self._count += array.size
+        return place
+
+    def encode(self) -> str:
+        whole = np.concatenate([*self._parts, np.empty(0)]).astype("<f4")
+        return base64.b64encode(whole.tobytes()).decode()
+
+
+def make_part(
+    tuning: str, contents: Contents, best: pd.DataFrame, *, exact: bool
+) -> dict[str, object]:
+    """Return the data of one tuning: plain lists, texts and numbers.
+
+    best: the rows of this tuning in best_scheme.csv.
+    exact: whether the values are expected ones, and no samples of records.
+    """
+    cube, floats, grid = contents.cube, _Floats(), get_grid(contents)
+    names = [name for name in contents.criteria if name in cube.measures]
+    means_only = exact or math.prod(len(levels) for levels in cube.levels) > MOST_CELLS
+    looks = {
+        name: {
+            window: [
+                [_pack(look, floats) for look in of_cell]
+                for of_cell in list_looks(
+                    cube, name, contents.criteria[name], window, means_only=means_only
+                )
+            ]
+            for window in cube.windows
+        }
+        for name in names
+    }
+    counts = {
+        look[0]
+        for by_window in looks.values()
+        for cells in by_window.values()
+        for of_cell in cells
+        for look in of_cell
+    }
+    layout = choose_axes(contents.conditions, grid)
+    return {
+        "tuning": tuning,
+        "schemes": [
+            {
+                "name": name,
+                "baseline": name in contents.baselines,
+                **_draw_as(style_of(name, cube.schemes)),
+            }
+            for name in cube.schemes
+        ],
+        "criteria": [
+            {
+                "name": name,
+                "title": contents.criteria[name].title,
+                "unit": contents.criteria[name].unit,
+                "squared": contents.criteria[name].squared,
+            }
+            for name in names
+        ],
+        "windows": list(cube.windows),
+        "window": contents.window,
+        "conditions": [
+            {
+                "name": condition.name,
+                "label": condition.label,
+                "word": condition.word,
+                "unit": condition.unit,
+                "scale": condition.scale,
+                "values": levels,
+            }
+            for condition, levels in zip(cube.conditions, cube.levels, strict=True)
+        ],
+        "across": cube.names.index(layout.across.name),
+        "upwards": cube.names.index(layout.upwards.name) if layout.upwards else -1,
+        "further": [cube.names.index(condition.name) for condition in layout.further],
+        "superposed": is_superposed(cube),
+        "exact": exact,
+        "cells": _list_cells(best, contents),
+        "looks": looks,
+        "floats": floats.encode(),
+        "t": {count: float(t_quantile(count - 1)) for count in sorted(counts) if count > 1},
+    }
+
+
+def _pack(look: Look, floats: _Floats) -> tuple[int, list[int], int, int]:
+    """Return number of records, schemes, place of the numbers, and rows of the factor."""
+    return look.records, look.schemes, floats.add(look.mean, look.factor), len(look.factor)
+
+
+def _draw_as(style: SchemeStyle) -> dict[str, str]:
+    dash = "" if style.line == "-" else " ".join(str(2 * length) for length in style.line[1])
+    return {"color": style.color, "dash": dash}
+
+
+def _list_cells(best: pd.DataFrame, contents: Contents) -> dict[str, list[Any]]:
+    """Return columns of the cells: `at`, indices of the conditions' values, criterion and more."""
+    cube = contents.cube
+    places = [{value: i for i, value in enumerate(levels)} for levels in cube.levels]
+    at = [
+        [place[value] for place, value in zip(places, values, strict=True)]
+        for values in zip(*(best[name] for name in cube.names), strict=True)
+    ]
+    columns = {name: _as_plain(best[name].tolist()) for name in COLUMNS if name in best}
+    return {"at": at, "criterion": best["criterion"].tolist(), **columns}
+
+
+def _as_plain(values: Sequence[object]) -> list[object]:
+    return [
+        None if isinstance(value, float) and not math.isfinite(value) else value for value in values
+    ]

@@ -1,0 +1,217 @@
+"""Makes the page of a run: answer, map, cells, claims, where it comes from, how to repeat it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from string import Template
+from typing import TYPE_CHECKING
+
+from owtsweep.figures.margin import FULL, PALEST
+from owtsweep.report.data import make_part
+from owtsweep.report.document import (
+    clean,
+    make_document,
+    make_picture,
+    make_table,
+    read_asset,
+)
+from owtsweep.report.static_map import draw, list_legend
+from owtsweep.results.conditions import show_value
+from owtsweep.results.contents import Contents
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Most rows of a table that stands there without JavaScript.
+MOST_ROWS = 500
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a run's page shows of one tuning.
+
+    contents, best: what its study shows, and its rows of best_scheme.csv; None without a map.
+    text: the answer as the terminal has it, where there are no contents.
+    """
+
+    contents: Contents | None = None
+    best: pd.DataFrame | None = None
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a run comes from.
+
+    facts: Name -> value: versions, seed, hash, dates.
+    command: the command that makes the run again.
+    config: the text of config.yaml.
+    """
+
+    facts: Mapping[str, str]
+    command: str
+    config: str
+
+
+@dataclass(frozen=True)
+class Extras:
+    """What only some runs have.
+
+    tables: Caption -> a table of its own, e.g. a paper's claims.
+    pictures: Description -> PNG.
+    notes: Sentences below the answer.
+    """
+
+    tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    pictures: Mapping[str, bytes] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+
+def make_run_page(
+    title: str,
+    shown: Mapping[str, Shown],
+    origin: Origin,
+    extras: Extras,
+    *,
+    exact: bool,
+) -> str:
+    """Return the page of a run as HTML.
+
+    shown: Tuning -> what is shown of it; the tuning is "" in a run of one.
+    exact: whether the values are expected ones, and no samples of records.
+    """
+    mapped = {
+        tuning: (part.contents, part.best)
+        for tuning, part in shown.items()
+        if part.contents is not None and part.best is not None and not part.contents.cube.empty
+    }
+    parts = [_write_answer(title, shown, extras.notes)]
+    data = None
+    if mapped:
+        parts.append(_write_map(mapped))
+        data = {
+            "parts": [make_part(tuning, *each, exact=exact) for tuning, each in mapped.items()],
+            "shades": {"full": FULL, "palest": PALEST},
+        }
+    pictures = [make_picture(png, text) for text, png in extras.pictures.items()]
+    if pictures:
+        parts.append(_write_section("Pictures", "".join(pictures)))
+    for caption, table in extras.tables.items():
+        parts.append(_write_section(caption, _scroll(caption, tabulate(caption, table))))
+    parts.append(_write_origin(origin))
+    return make_document(title, "\n".join(parts), data)
+
+
+def _write_answer(title: str, shown: Mapping[str, Shown], notes: Sequence[str]) -> str:
+    parts = [f"<header><h1>{clean(title)}</h1></header>", "<main>"]
+    for tuning, part in shown.items():
+        heading = f"<h2>Tuning {clean(tuning)}</h2>" if len(shown) > 1 else ""
+        parts.append(f'<section class="answer" aria-label="Answer">{heading}')
+        if part.contents is None:
+            parts.append(f"<pre>{clean_lines(part.text)}</pre>")
+        else:
+            parts.append(tell_answer(part.contents))
+        parts.append("</section>")
+    parts += [f'<p class="note">{clean(note)}</p>' for note in notes]
+    return "\n".join(parts)
+
+
+def tell_answer(contents: Contents) -> str:
+    """Return the answer of a study as HTML: sentences, then what they rest on."""
+    lead, *others = [*contents.answer[:2], ""]
+    sentences = [f'<p class="lead">{clean(" ".join([lead, *others]).strip())}</p>']
+    sentences += [f"<p>{clean(sentence)}</p>" for sentence in contents.answer[2:]]
+    return "\n".join([*sentences, f'<p class="origin">{clean("; ".join(contents.origin))}</p>'])
+
+
+def clean_lines(text: str) -> str:
+    """Return a text of several lines as HTML."""
+    return "\n".join(clean(line) for line in text.splitlines())
+
+
+def _write_map(mapped: Mapping[str, tuple[Contents, pd.DataFrame]]) -> str:
+    maps, rows = [], []
+    for tuning, (contents, best) in mapped.items():
+        criterion = next(iter(contents.criteria))
+        named = f", tuning {tuning}" if tuning else ""
+        caption = f"Best scheme by {contents.criteria[criterion].title}{named}"
+        maps.append(
+            f'<figure class="wide"><figcaption>{clean(caption)}</figcaption>'
+            f"{draw(contents, best)}</figure>"
+        )
+        rows.append(_tabulate_cells(caption, contents, best, criterion))
+    contents, best = next(iter(mapped.values()))
+    first = best[best["criterion"] == next(iter(contents.criteria))]
+    legend = [
+        '<li><svg class="swatch" width="14" height="14" aria-hidden="true">'
+        f'<rect width="14" height="14" fill="{color}"/></svg> {clean(name)}</li>'
+        for name, color in list_legend(contents, first).items()
+    ]
+    return Template(read_asset("map.html")).substitute(
+        maps="\n".join(maps), legend="\n".join(legend), rows="\n".join(rows)
+    )
+
+
+def _tabulate_cells(caption: str, contents: Contents, best: pd.DataFrame, criterion: str) -> str:
+    judged = contents.criteria[criterion]
+    unit = f" ({judged.unit})" if judged.unit else ""
+    cells = best[best["criterion"] == criterion]
+    header = [condition.title for condition in contents.conditions]
+    header += [
+        "verdict",
+        "best",
+        f"error{unit}",
+        "95 % from",
+        "to",
+        "next best",
+        f"its error{unit}",
+    ]
+    rows = [
+        [
+            *(show_value(row[condition.name]) for condition in contents.conditions),
+            row["verdict"],
+            row["best"],
+            *(show(row[name]) for name in ("error_best", "error_low", "error_high")),
+            row["runner_up"],
+            show(row["error_runner_up"]),
+        ]
+        for row in cells.head(MOST_ROWS).to_dict("records")
+    ]
+    more = len(cells) - len(rows)
+    note = f'<p class="note">{more} more cells stand in best_scheme.csv.</p>' if more else ""
+    return make_table(caption, header, rows) + note
+
+
+def tabulate(caption: str, table: pd.DataFrame) -> str:
+    """Return a table as HTML, at most `MOST_ROWS` rows of it."""
+    rows = [[show(value) for value in row] for row in table.head(MOST_ROWS).itertuples(index=False)]
+    return make_table(caption, [str(name) for name in table.columns], rows)
+
+
+def show(value: object) -> str:
+    """Return a value of a table as text: three digits that count, and "–" for none."""
+    if isinstance(value, float):
+        return "–" if value != value else f"{value:.3g}"
+    return str(value)
+
+
+def _scroll(name: str, content: str) -> str:
+    return f'<div class="wide" tabindex="0" role="group" aria-label="{clean(name)}">{content}</div>'
+
+
+def _write_section(title: str, content: str) -> str:
+    return f"<section><h2>{clean(title)}</h2>\n{content}</section>"
+
+
+def _write_origin(origin: Origin) -> str:
+    facts = "".join(
+        f"<dt>{clean(name)}</dt><dd>{clean(value)}</dd>" for name, value in origin.facts.items()
+    )
+    return (
+        "<section><h2>Where this comes from</h2>\n"
+        f"<dl>{facts}</dl>\n<h3>The command that makes it again</h3>\n"
+        f"<pre>{clean_lines(origin.command)}</pre>\n"
+        "<details><summary>Configuration</summary>"
+        f"<pre>{clean_lines(origin.config)}</pre></details></section>\n</main>"
+    )

@@ -1,0 +1,178 @@
+"""Draws the map of best schemes as SVG, which stands on a page without JavaScript too.
+
+The scripts of the page fill the same cells with other numbers; they draw no map of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import TYPE_CHECKING, NamedTuple
+
+from owtsweep.errors import printable
+from owtsweep.figures.margin import fill_cell, ratio_of
+from owtsweep.figures.palette import style_of, text_color_on
+from owtsweep.figures.plane import Row, show_error
+from owtsweep.results.conditions import Condition, Grid, Value, show_value
+from owtsweep.results.contents import Contents
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Width and height of a cell, and the rooms left of the map and below it, in pixels.
+CELL, SMALL_CELL = (92, 40), (16, 16)
+BESIDE, BELOW, LINE = 76, 44, 12
+#: A map with more columns or lines than this has small cells without text.
+MOST_COLUMNS, MOST_LINES = 14, 24
+#: Most letters of a name in a cell; and of a label beside the map.
+MOST_LETTERS, MOST_LABEL = 12, 10
+
+
+class Layout(NamedTuple):
+    """Which conditions are the axes of a map: from left to right, and upwards (None: one line).
+
+    further: the conditions off the axes.
+    """
+
+    across: Condition
+    upwards: Condition | None
+    further: list[Condition]
+
+
+def choose_axes(conditions: Sequence[Condition], grid: Grid) -> Layout:
+    """Return the axes: the first two conditions that have several values in `grid`."""
+    varied = [condition for condition in conditions if len(grid[condition.name]) > 1]
+    single = [condition for condition in conditions if condition not in varied]
+    across, *others = [*varied, *single]
+    return Layout(across, others[0] if others else None, others[1:])
+
+
+def get_grid(contents: Contents) -> dict[str, list[Value]]:
+    """Return condition -> its values."""
+    return dict(zip(contents.cube.names, contents.cube.levels, strict=True))
+
+
+def draw(contents: Contents, best: pd.DataFrame) -> str:
+    """Return the map by the first criterion as an SVG element.
+
+    Of more than two conditions with several values, the map has the first value of the others.
+
+    best: the rows of this tuning in best_scheme.csv.
+    """
+    grid = get_grid(contents)
+    layout = choose_axes(contents.conditions, grid)
+    criterion = next(iter(contents.criteria))
+    shown = best[(best["criterion"] == criterion) & (best["window"] == contents.window)]
+    for condition in layout.further:
+        shown = shown[shown[condition.name] == grid[condition.name][0]]
+    columns = grid[layout.across.name]
+    lines: list[Value] = grid[layout.upwards.name] if layout.upwards else [""]
+    names = [layout.across.name, *([layout.upwards.name] if layout.upwards else [])]
+    rows = {tuple(row[name] for name in names): row for row in shown.to_dict("records")}
+    labelled = len(columns) <= MOST_COLUMNS and len(lines) <= MOST_LINES
+    width, height = CELL if labelled else SMALL_CELL
+    right, bottom = BESIDE + width * len(columns), height * len(lines)
+    parts = []
+    for i, column in enumerate(columns):
+        for j, line in enumerate(lines):
+            row = rows.get((column, line) if layout.upwards else (column,))
+            x, y = BESIDE + width * i, bottom - height * (j + 1)
+            where = _name_cell(layout, column, line)
+            parts.append(_draw_cell(row, contents.cube.schemes, (i, j), (x, y), labelled, where))
+    every = 1 if labelled else -(-len(columns) // 8)
+    for i in range(0, len(columns), every):
+        x = BESIDE + width * i + width // 2
+        parts.append(_write(x, bottom + 16, "middle", _shorten(columns[i])))
+    parts.append(_write(BESIDE, bottom + 34, "start", layout.across.title, "axis"))
+    every = 1 if labelled else -(-len(lines) // 12)
+    for j in range(0, len(lines), every):
+        if layout.upwards:
+            y = bottom - height * j - height // 2 + 4
+            parts.append(_write(BESIDE - 6, y, "end", _shorten(lines[j])))
+    if layout.upwards:
+        parts.append(_write(0, -8, "start", layout.upwards.title, "axis"))
+    top, side = 22, max(right, 340)
+    name = f"Best scheme by {contents.criteria[criterion].title}"
+    return (
+        f'<svg class="map" viewBox="0 {-top} {side + 4} {bottom + BELOW + top}" '
+        f'width="{side + 4}" height="{bottom + BELOW + top}" role="group" '
+        f'aria-label="{_clean(name)}">'
+        '<defs><pattern id="hatch" width="6" height="6" patternUnits="userSpaceOnUse" '
+        'patternTransform="rotate(45)"><path d="M0 0V6" stroke="#000000" stroke-opacity=".4" '
+        'stroke-width="1.5"/></pattern></defs>' + "".join(parts) + "</svg>"
+    )
+
+
+def _draw_cell(
+    row: Row | None,
+    schemes: Sequence[str],
+    number: tuple[int, int],
+    corner: tuple[int, int],
+    labelled: bool,
+    where: str,
+) -> str:
+    (i, j), (x, y) = number, corner
+    width, height = CELL if labelled else SMALL_CELL
+    fill = "#d9d9d9"
+    texts, told = ["", "", ""], "no result"
+    if row is not None:
+        fill = fill_cell(style_of(row["best"], schemes), ratio_of(row))
+        texts = list_texts(row)
+        told = f"{row['best']}, {row['verdict']}"
+    box = f'x="{x}" y="{y}" width="{width - 2}" height="{height - 2}"'
+    is_open = row is not None and row["verdict"] == "open"
+    parts = [
+        f'<rect {box} fill="{fill}"/>',
+        f'<rect class="mark" {box} fill="{"url(#hatch)" if is_open else "none"}"/>',
+    ]
+    if labelled:
+        color, middle = text_color_on(fill), x + width // 2 - 1
+        parts += [
+            f'<text class="{name}" x="{middle}" y="{y + LINE * n}" text-anchor="middle" '
+            f'fill="{color}">{_clean(text)}</text>'
+            for n, (name, text) in enumerate(
+                zip(("best", "error", "next"), texts, strict=True), start=1
+            )
+        ]
+    return (
+        f'<g class="cell" id="c{i}-{j}"><title>{_clean(where)}: {_clean(told)}</title>'
+        + "".join(parts)
+        + "</g>"
+    )
+
+
+def list_texts(row: Row) -> list[str]:
+    """Return the three lines of a cell: the best scheme, its error, and the next best one."""
+    mark = " =" if row["verdict"] == "tie" else ""
+    texts = [_shorten(row["best"], MOST_LETTERS) + mark, show_error(row["error_best"]), ""]
+    ratio = ratio_of(row)
+    if row["runner_up"] and ratio == ratio:
+        texts[2] = f"{_shorten(row['runner_up'], MOST_LETTERS)} ×{ratio:.3g}"
+    return texts
+
+
+def _name_cell(layout: Layout, column: Value, line: Value) -> str:
+    named = [f"{layout.across.word} {layout.across.show(column)}"]
+    if layout.upwards:
+        named.append(f"{layout.upwards.word} {layout.upwards.show(line)}")
+    return ", ".join(named)
+
+
+def _write(x: int, y: int, anchor: str, text: str, kind: str = "tick") -> str:
+    return f'<text class="{kind}" x="{x}" y="{y}" text-anchor="{anchor}">{_clean(text)}</text>'
+
+
+def _shorten(value: Value, most: int = MOST_LABEL) -> str:
+    text = show_value(value)
+    return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def _clean(text: str) -> str:
+    return escape(printable(text))
+
+
+def list_legend(contents: Contents, best: pd.DataFrame) -> Mapping[str, str]:
+    """Return scheme -> its colour, of those that are best in some cell."""
+    winners = set(best["best"])
+    names = [name for name in contents.cube.schemes if name in winners]
+    return {name: style_of(name, contents.cube.schemes).color for name in names}

@@ -1,0 +1,110 @@
+"""Gathers what the page of a run shows: results, claims, and where they come from."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from io import StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep.config import Config
+from owtsweep.errors import InputError, printable
+from owtsweep.io.tables import read_table
+from owtsweep.report.run_page import Extras, Origin, Shown, make_run_page
+from owtsweep.sweep import asked
+from owtsweep.sweep.gather import Results
+from owtsweep.sweep.manifest import read_manifest, without_places
+from owtsweep.sweep.study import Engine, Study, blame
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from rich.console import RenderableType
+
+PAGE = "report.html"
+#: The facts of a manifest that a page shows, in this order.
+FACTS = {
+    "owtsweep": "owtsweep", "python": "Python", "study": "study", "config_hash": "hash of the run",
+    "seed": "seed", "started": "started", "ended": "ended", "seconds": "seconds",
+}  # fmt: skip
+
+
+def make_page(
+    study: Study, config: Config, results: Mapping[str, Results], folder: Path, place: Path
+) -> str:
+    """Return the page of a run as HTML.
+
+    results: the results by tuning.
+    folder: the run folder, or the folder of one of its questions.
+    place: the folder of the run's tables and figures.
+    Raises InputError if the study comes from another package and does not work.
+    """
+    with blame(study):
+        engine = study.engine(config)
+        shown = {tuning: _show(engine, result) for tuning, result in results.items()}
+        pictures = {
+            path
+            for tuning, result in results.items()
+            if shown[tuning].contents is None
+            for path in (place / "figures").glob(f"{engine.overview(result.config)}*.png")
+        }
+    name = printable((asked.find_home(folder) or folder).name)
+    tables = _gather_tables(results, shown, place)
+    extras = Extras(tables, {printable(p.stem): p.read_bytes() for p in sorted(pictures)})
+    title = f"Which estimator? Study {study.name}, run {name}"
+    origin = _find_origin(folder, config)
+    return make_run_page(title, shown, origin, extras, exact=not engine.samples)
+
+
+def _show(engine: Engine, result: Results) -> Shown:
+    contents = engine.contents(result.config, result.tables, result.rows)
+    best = result.tables.get("best_scheme")
+    if contents is None or best is None:
+        return Shown(text=_print(engine.terminal(result.config, result.tables)))
+    return Shown(contents, best)
+
+
+def _print(answer: RenderableType) -> str:
+    from rich.console import Console
+
+    printed = StringIO()
+    Console(file=printed, width=80).print(answer)
+    return printed.getvalue()
+
+
+def _gather_tables(
+    results: Mapping[str, Results], shown: Mapping[str, Shown], place: Path
+) -> dict[str, pd.DataFrame]:
+    tables = {}
+    for tuning, part in shown.items():
+        end = f", tuning {tuning}" if tuning else ""
+        claims = place / "fidelity" / tuning
+        if (claims / "fidelity_claims.csv").is_file():
+            tables[f"Claims of the paper{end}"] = read_table(claims, "fidelity_claims")
+        if part.contents is None:
+            of_tuning = results[tuning].tables.items()
+            tables |= {f"Table {name}.csv{end}": table for name, table in of_tuning}
+    return tables
+
+
+def _find_origin(folder: Path, config: Config) -> Origin:
+    import yaml
+
+    try:
+        manifest = read_manifest(folder)
+    except InputError:  # a folder without one is still a run
+        manifest = {}
+    facts = {word: str(manifest[key]) for key, word in FACTS.items() if manifest.get(key)}
+    match manifest.get("git"):
+        case {"commit": commit, "dirty": dirty}:
+            facts["commit"] = f"{commit}{' with changes' if dirty else ''}"
+    match manifest.get("packages"):
+        case dict(packages):
+            facts["packages"] = ", ".join(f"{name} {version}" for name, version in packages.items())
+    match manifest.get("argv"):
+        case list(words):
+            command = f"owtsweep {shlex.join(map(str, words))}"
+        case _:
+            command = "It was started from Python, with the configuration below."
+    text = yaml.safe_dump(without_places(config), sort_keys=False, allow_unicode=True)
+    return Origin(facts, command, text)
