@@ -20,6 +20,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.api import load
     from owtsweep.errors import InputError, printable
     from owtsweep.io.files import check_writable, refuse_in_one_line
+    from owtsweep.io.steps import show_steps
 
     opened = load(options.run)
     output = None if options.output is None else Path(options.output).expanduser()
@@ -28,7 +29,9 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     place = opened.place if output is None else output.parent
     argument = "RUN" if output is None else "--output"
     check_writable(place, argument, "give --output a file in a folder where you may write")
-    with refuse_in_one_line(place):
+    with refuse_in_one_line(place), show_steps():
+        if options.stretches:
+            opened.keep_stretches()
         path = opened.write_report(output)
     print(printable(str(path)))
     return DONE

@@ -49,12 +49,20 @@ class _Floats:
 
 
 def make_part(
-    tuning: str, contents: Contents, best: pd.DataFrame, *, exact: bool
+    tuning: str,
+    contents: Contents,
+    best: pd.DataFrame,
+    *,
+    exact: bool,
+    stretches: object = None,
+    help: str = "",
 ) -> dict[str, object]:
     """Return the data of one tuning: plain lists, texts and numbers.
 
     best: the rows of this tuning in best_scheme.csv.
     exact: whether the values are expected ones, and no samples of records.
+    stretches: what `owtsweep.sweep.stretches` has kept of records, as JSON data.
+    help: how to get stretches, where there are none.
     """
     cube, floats, grid = contents.cube, _Floats(), get_grid(contents)
     names = [name for name in contents.criteria if name in cube.measures]
@@ -119,6 +127,8 @@ def make_part(
         "cells": _list_cells(best, contents),
         "looks": looks,
         "floats": floats.encode(),
+        "stretches": stretches,
+        "help": help,
         "t": {count: float(t_quantile(count - 1)) for count in sorted(counts) if count > 1},
     }
 

@@ -14,6 +14,12 @@ function make(name, attributes = {}, ...children) {
   return element;
 }
 
+/** Return the name of the best in the chosen cell. */
+function judgeName(part, state) {
+  const shown = judgeCell(part, state, state.at);
+  return shown ? shown.best : "";
+}
+
 /** Start the page, if it has a map. */
 function start() {
   const source = document.getElementById("data");
@@ -26,9 +32,6 @@ class Page {
   constructor(data) {
     this.shades = data.shades;
     this.parts = data.parts.map(openPart);
-    this.spectra = data.spectra || [];
-    this.stretches = data.stretches || null;
-    this.help = data.help;
     this.state = this.readLink();
     this.order = {sorted: null, down: false, filter: ""};
     const static_ = document.getElementById("static");
@@ -392,19 +395,33 @@ class Page {
   showStretch() {
     const {part, state} = this;
     const place = document.getElementById("stretch");
-    const stretch = findStretch(this.stretches, part, state);
-    const heading = make("h3", {}, "Truth and estimates, 40 s of record 0");
+    const stretch = findStretch(part, state.at, state.amplitude);
+    const heading = make("h3", {}, "40 s of record 0, from the settling time on");
     if (!stretch) {
-      const text = this.help ? ` ${this.help}` : "";
-      place.replaceChildren(heading, make("p", {class: "note"}, `Not on this page.${text}`));
+      place.replaceChildren(heading, make("p", {class: "note"}, part.help));
       return;
     }
-    const chart = (series, label, name) => drawChart({
-      curves: series, xLabel: "time (s)", yLabel: label, xLog: false, yLog: false, at: null, label: name,
+    const {label} = stretch;
+    const names = stretch.errors.map(({name}) => name);
+    const shown = this.drawn || new Set([judgeName(part, state), ...names.slice(0, 2)]);
+    const boxes = names.map((name) => {
+      const act = () => {
+        this.drawn = new Set(shown);
+        if (!this.drawn.delete(name)) this.drawn.add(name);
+        this.showStretch();
+        document.getElementById(`draw-${names.indexOf(name)}`).focus();
+      };
+      const id = `draw-${names.indexOf(name)}`;
+      return make("label", {}, make("input", {type: "checkbox", id, checked: shown.has(name), on: {change: act}}), ` ${name}`);
     });
-    place.replaceChildren(heading,
-      chart(stretch.values, `${stretch.label}`, `${stretch.label}: truth and estimates over time`),
-      chart(stretch.errors, `its error`, `Error of ${stretch.label} over time`));
+    const chart = (series, yLabel) => drawChart({
+      curves: series.filter(({name}) => name === "truth" || shown.has(name)),
+      xLabel: "time (s)", yLabel, xLog: false, yLog: false, at: null,
+      label: `${yLabel} over time: ${[...shown].join(", ")}`,
+    });
+    place.replaceChildren(heading, make("p", {class: "switches"}, ...boxes),
+      make("div", {class: "columns"}, ...[chart(stretch.values, label), chart(stretch.errors, "error of it")]
+        .filter((each) => each !== null)));
   }
 
   showTable() {

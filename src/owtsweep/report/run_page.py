@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from string import Template
 from typing import TYPE_CHECKING
@@ -33,11 +33,13 @@ class Shown:
 
     contents, best: what its study shows, and its rows of best_scheme.csv; None without a map.
     text: the answer as the terminal has it, where there are no contents.
+    stretches: what is kept of a record over time; None without.
     """
 
     contents: Contents | None = None
     best: pd.DataFrame | None = None
     text: str = ""
+    stretches: object = None
 
 
 @dataclass(frozen=True)
@@ -60,12 +62,12 @@ class Extras:
 
     tables: Caption -> a table of its own, e.g. a paper's claims.
     pictures: Description -> PNG.
-    notes: Sentences below the answer.
+    help: how to get stretches of records, where there are none.
     """
 
     tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     pictures: Mapping[str, bytes] = field(default_factory=dict)
-    notes: Sequence[str] = ()
+    help: str = ""
 
 
 def make_run_page(
@@ -86,12 +88,21 @@ def make_run_page(
         for tuning, part in shown.items()
         if part.contents is not None and part.best is not None and not part.contents.cube.empty
     }
-    parts = [_write_answer(title, shown, extras.notes)]
+    parts = [_write_answer(title, shown)]
     data = None
     if mapped:
         parts.append(_write_map(mapped))
         data = {
-            "parts": [make_part(tuning, *each, exact=exact) for tuning, each in mapped.items()],
+            "parts": [
+                make_part(
+                    tuning,
+                    *each,
+                    exact=exact,
+                    help=extras.help,
+                    stretches=shown[tuning].stretches,
+                )
+                for tuning, each in mapped.items()
+            ],
             "shades": {"full": FULL, "palest": PALEST},
         }
     pictures = [make_picture(png, text) for text, png in extras.pictures.items()]
@@ -103,7 +114,7 @@ def make_run_page(
     return make_document(title, "\n".join(parts), data)
 
 
-def _write_answer(title: str, shown: Mapping[str, Shown], notes: Sequence[str]) -> str:
+def _write_answer(title: str, shown: Mapping[str, Shown]) -> str:
     parts = [f"<header><h1>{clean(title)}</h1></header>", "<main>"]
     for tuning, part in shown.items():
         heading = f"<h2>Tuning {clean(tuning)}</h2>" if len(shown) > 1 else ""
@@ -113,7 +124,6 @@ def _write_answer(title: str, shown: Mapping[str, Shown], notes: Sequence[str]) 
         else:
             parts.append(tell_answer(part.contents))
         parts.append("</section>")
-    parts += [f'<p class="note">{clean(note)}</p>' for note in notes]
     return "\n".join(parts)
 
 

@@ -27,14 +27,9 @@ LATEST = "latest"
 CONFIG = "config.yaml"
 #: What is made of a question's cases and lies in the root of the run folder, besides the tables.
 MADE = (
-    "figures",
-    "fidelity",
-    "report.md",
-    "report.html",
-    "estimates.parquet",
-    "estimates",
-    "records",
-)
+    "figures", "fidelity", "report.md", "report.html", "stretches.json", "estimates.parquet",
+    "estimates", "records",
+)  # fmt: skip
 #: Most bytes of a configuration.
 MOST_BYTES = 10_000_000
 _HASH = re.compile(r"[0-9a-f]{10}")

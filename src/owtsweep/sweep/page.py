@@ -15,6 +15,7 @@ from owtsweep.report.run_page import Extras, Origin, Shown, make_run_page
 from owtsweep.sweep import asked
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.manifest import read_manifest, without_places
+from owtsweep.sweep.stretches import read_stretches
 from owtsweep.sweep.study import Engine, Study, blame
 
 if TYPE_CHECKING:
@@ -22,6 +23,12 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 PAGE = "report.html"
+#: What a page says where it has no stretch of a record.
+HELP = (
+    "A sweep keeps errors alone. `owtsweep report RUN --stretches`, with the folder of this run, "
+    "runs the schemes on record 0 of each cell once more, and puts 40 s of it here."
+)
+NO_STRETCH = "This study keeps errors alone."
 #: The facts of a manifest that a page shows, in this order.
 FACTS = {
     "owtsweep": "owtsweep", "python": "Python", "study": "study", "config_hash": "hash of the run",
@@ -41,7 +48,10 @@ def make_page(
     """
     with blame(study):
         engine = study.engine(config)
-        shown = {tuning: _show(engine, result) for tuning, result in results.items()}
+        kept = read_stretches(place)
+        shown = {
+            tuning: _show(engine, result, kept.get(tuning)) for tuning, result in results.items()
+        }
         pictures = {
             path
             for tuning, result in results.items()
@@ -50,18 +60,19 @@ def make_page(
         }
     name = printable((asked.find_home(folder) or folder).name)
     tables = _gather_tables(results, shown, place)
-    extras = Extras(tables, {printable(p.stem): p.read_bytes() for p in sorted(pictures)})
+    drawn = {printable(path.stem): path.read_bytes() for path in sorted(pictures)}
+    extras = Extras(tables, drawn, HELP if study.stretched else NO_STRETCH)
     title = f"Which estimator? Study {study.name}, run {name}"
     origin = _find_origin(folder, config)
     return make_run_page(title, shown, origin, extras, exact=not engine.samples)
 
 
-def _show(engine: Engine, result: Results) -> Shown:
+def _show(engine: Engine, result: Results, stretches: object) -> Shown:
     contents = engine.contents(result.config, result.tables, result.rows)
     best = result.tables.get("best_scheme")
     if contents is None or best is None:
         return Shown(text=_print(engine.terminal(result.config, result.tables)))
-    return Shown(contents, best)
+    return Shown(contents, best, stretches=stretches)
 
 
 def _print(answer: RenderableType) -> str:

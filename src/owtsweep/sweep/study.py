@@ -219,6 +219,10 @@ class Study(ABC):
     #: overrides those methods below that they call.
     commands: frozenset[str] = frozenset()
 
+    #: What `report --stretches` shows of a record over time: a quantity of `estimate`, the number
+    #: of its component, and both in words with the unit. None without `estimate`.
+    stretched: tuple[str, int, str] | None = None
+
     @abstractmethod
     def config_type(self) -> type[Config]:
         """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""

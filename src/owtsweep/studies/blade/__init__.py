@@ -16,4 +16,5 @@ class BladeStudy(DeclaredStudy):
     """The study of a hoisted blade."""
 
     name = "blade"
+    stretched = ("root", 0, "position of the root, first axis (m)")
     numerics_version = add_versions(2, motion, estimation)

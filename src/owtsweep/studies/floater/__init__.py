@@ -16,4 +16,5 @@ class FloaterStudy(DeclaredStudy):
     """The study of a floating structure in a basin."""
 
     name = "floater"
+    stretched = ("position", 2, "heave (m)")
     numerics_version = add_versions(2, waves, sensing, motion, estimation, evaluation)

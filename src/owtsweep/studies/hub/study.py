@@ -63,6 +63,7 @@ class HubStudy(HubKeys):
     """The study of the hub motion; modules that take long to import are imported at first use."""
 
     name = "hub"
+    stretched = ("position", 0, "position northwards (m)")
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
     commands = frozenset({"compare", "estimate", "spectrum", "tune", "vary"})

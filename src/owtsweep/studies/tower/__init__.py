@@ -24,6 +24,7 @@ class TowerStudy(DeclaredStudy):
     """The study of a substructure between two cuts."""
 
     name = "tower"
+    stretched = ("displacement_fa", -2, "displacement of the top, fore-aft (m)")
     numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
     commands = DeclaredStudy.commands | {"place"}
 
