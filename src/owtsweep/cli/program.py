@@ -116,7 +116,7 @@ def _add_report(parser: Parser) -> None:
     text = "the file to write; default: report.html in the run's folder"
     parser.add_argument("--output", metavar="FILE", help=text)
     text = "run record 0 of each cell once more, and show 40 s of truth and estimates"
-    _add_flag(parser, "--stretches", help=text)
+    _add_flag(parser, "--details", help=text)
 
 
 def _add_runs(parser: Parser) -> None:

@@ -58,9 +58,10 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
   if (!ys.length) return null;
   const ends = points.flatMap((p) => [p[2], p[3]]).filter(usable);
   let [yLow, yHigh] = [Math.min(...ys), Math.max(...ys)];
-  const factor = yLog ? 3 : Infinity;  // a band that nearly reaches 0 is cut, not the curves
-  yLow = Math.max(Math.min(yLow, ...ends), yLow / factor);
-  yHigh = Math.min(Math.max(yHigh, ...ends), yLog ? yHigh * factor : Infinity);
+  const [lowest, highest] = [Math.min(yLow, ...ends), Math.max(yHigh, ...ends)];
+  // on a logarithmic axis a band that nearly reaches 0 is cut, not the curves
+  yLow = yLog ? Math.max(lowest, yLow / 3) : lowest;
+  yHigh = yLog ? Math.min(highest, yHigh * 3) : highest;
   if (yLow === yHigh) [yLow, yHigh] = yLog ? [yLow / 2, yHigh * 2] : [yLow - 1, yHigh + 1];
   const x = makeScale(Math.min(...xs), Math.max(...xs), left, width - right, xLog);
   const y = makeScale(yLow, yHigh, height - bottom, top, yLog);

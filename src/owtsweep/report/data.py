@@ -54,15 +54,15 @@ def make_part(
     best: pd.DataFrame,
     *,
     exact: bool,
-    stretches: object = None,
+    details: object = None,
     help: str = "",
 ) -> dict[str, object]:
     """Return the data of one tuning: plain lists, texts and numbers.
 
     best: the rows of this tuning in best_scheme.csv.
     exact: whether the values are expected ones, and no samples of records.
-    stretches: what `owtsweep.sweep.stretches` has kept of records, as JSON data.
-    help: how to get stretches, where there are none.
+    details: what `owtsweep.sweep.details` has kept of records, as JSON data.
+    help: how to get details, where there are none.
     """
     cube, floats, grid = contents.cube, _Floats(), get_grid(contents)
     names = [name for name in contents.criteria if name in cube.measures]
@@ -127,7 +127,7 @@ def make_part(
         "cells": _list_cells(best, contents),
         "looks": looks,
         "floats": floats.encode(),
-        "stretches": stretches,
+        "details": details,
         "help": help,
         "t": {count: float(t_quantile(count - 1)) for count in sorted(counts) if count > 1},
     }

@@ -14,10 +14,10 @@ function make(name, attributes = {}, ...children) {
   return element;
 }
 
-/** Return the name of the best in the chosen cell. */
-function judgeName(part, state) {
+/** Return the names of the best and the next best in the chosen cell. */
+function nameContest(part, state) {
   const shown = judgeCell(part, state, state.at);
-  return shown ? shown.best : "";
+  return shown ? [shown.best, shown.next] : [];
 }
 
 /** Start the page, if it has a map. */
@@ -251,6 +251,7 @@ class Page {
     this.showSlider();
     this.showCurves();
     this.showStretch();
+    this.showSpectra();
   }
 
   tellVerdict(shown) {
@@ -403,7 +404,7 @@ class Page {
     }
     const {label} = stretch;
     const names = stretch.errors.map(({name}) => name);
-    const shown = this.drawn || new Set([judgeName(part, state), ...names.slice(0, 2)]);
+    const shown = this.drawn || new Set(nameContest(part, state));
     const boxes = names.map((name) => {
       const act = () => {
         this.drawn = new Set(shown);
@@ -422,6 +423,24 @@ class Page {
     place.replaceChildren(heading, make("p", {class: "switches"}, ...boxes),
       make("div", {class: "columns"}, ...[chart(stretch.values, label), chart(stretch.errors, "error of it")]
         .filter((each) => each !== null)));
+  }
+
+  /** Show the error of each scheme that motion of one frequency leaves, where it is known. */
+  showSpectra() {
+    const {part, state} = this;
+    const place = document.getElementById("spectra");
+    const lines = ((part.details || {}).spectra || []).filter(([, measure]) => measure === state.criterion);
+    const curves = lines.flatMap(([name, , frequencies, squares]) => {
+      const scheme = part.schemes.find((each) => each.name === name);
+      const points = frequencies.map((f, k) => [f, Math.sqrt(squares[k]), NaN, NaN]);
+      return scheme ? [{name, color: scheme.color, dash: scheme.dash, points}] : [];
+    });
+    const chart = curves.length ? drawChart({
+      curves, xLabel: "frequency of the motion (Hz)", yLabel: "rms error over rms displacement",
+      xLog: true, yLog: true, at: null,
+      label: `Error spectra by ${state.criterion} of ${curves.map(({name}) => name).join(", ")}`,
+    }) : null;
+    place.replaceChildren(...(chart ? [make("h3", {}, "Error that motion leaves, by frequency, without noise"), chart] : []));
   }
 
   showTable() {

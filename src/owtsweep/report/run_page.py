@@ -33,13 +33,13 @@ class Shown:
 
     contents, best: what its study shows, and its rows of best_scheme.csv; None without a map.
     text: the answer as the terminal has it, where there are no contents.
-    stretches: what is kept of a record over time; None without.
+    details: what is kept of a record over time; None without.
     """
 
     contents: Contents | None = None
     best: pd.DataFrame | None = None
     text: str = ""
-    stretches: object = None
+    details: object = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Extras:
 
     tables: Caption -> a table of its own, e.g. a paper's claims.
     pictures: Description -> PNG.
-    help: how to get stretches of records, where there are none.
+    help: how to get details, where there are none.
     """
 
     tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
@@ -99,7 +99,7 @@ def make_run_page(
                     *each,
                     exact=exact,
                     help=extras.help,
-                    stretches=shown[tuning].stretches,
+                    details=shown[tuning].details,
                 )
                 for tuning, each in mapped.items()
             ],

@@ -12,7 +12,7 @@ function decodeSeries([name, scale, text]) {
  * Of a linear scheme the page has two amplitudes. Its error is a straight line in the amplitude.
  */
 function findStretch(part, at, amplitude) {
-  const kept = part.stretches;
+  const kept = part.details;
   if (!kept) return null;
   const last = part.conditions.length - 1;
   const fits = (cell) => cell.at.every((i, axis) => (axis === last && part.superposed) || i === at[axis]);

@@ -27,7 +27,7 @@ LATEST = "latest"
 CONFIG = "config.yaml"
 #: What is made of a question's cases and lies in the root of the run folder, besides the tables.
 MADE = (
-    "figures", "fidelity", "report.md", "report.html", "stretches.json", "estimates.parquet",
+    "figures", "fidelity", "report.md", "report.html", "details.json", "estimates.parquet",
     "estimates", "records",
 )  # fmt: skip
 #: Most bytes of a configuration.

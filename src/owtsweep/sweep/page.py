@@ -13,9 +13,9 @@ from owtsweep.errors import InputError, printable
 from owtsweep.io.tables import read_table
 from owtsweep.report.run_page import Extras, Origin, Shown, make_run_page
 from owtsweep.sweep import asked
+from owtsweep.sweep.details import read_details
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.manifest import read_manifest, without_places
-from owtsweep.sweep.stretches import read_stretches
 from owtsweep.sweep.study import Engine, Study, blame
 
 if TYPE_CHECKING:
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 PAGE = "report.html"
 #: What a page says where it has no stretch of a record.
 HELP = (
-    "A sweep keeps errors alone. `owtsweep report RUN --stretches`, with the folder of this run, "
-    "runs the schemes on record 0 of each cell once more, and puts 40 s of it here."
+    "A sweep keeps errors alone. `owtsweep report RUN --details`, with the folder of this run, "
+    "runs the schemes on record 0 of each cell once more, and puts 40 s of it here, with error "
+    "spectra where there are any."
 )
 NO_STRETCH = "This study keeps errors alone."
 #: The facts of a manifest that a page shows, in this order.
@@ -48,7 +49,7 @@ def make_page(
     """
     with blame(study):
         engine = study.engine(config)
-        kept = read_stretches(place)
+        kept = read_details(place)
         shown = {
             tuning: _show(engine, result, kept.get(tuning)) for tuning, result in results.items()
         }
@@ -67,12 +68,12 @@ def make_page(
     return make_run_page(title, shown, origin, extras, exact=not engine.samples)
 
 
-def _show(engine: Engine, result: Results, stretches: object) -> Shown:
+def _show(engine: Engine, result: Results, details: object) -> Shown:
     contents = engine.contents(result.config, result.tables, result.rows)
     best = result.tables.get("best_scheme")
     if contents is None or best is None:
         return Shown(text=_print(engine.terminal(result.config, result.tables)))
-    return Shown(contents, best, stretches=stretches)
+    return Shown(contents, best, details=details)
 
 
 def _print(answer: RenderableType) -> str:

@@ -276,25 +276,24 @@ class Run:
         asked.write_both(self.folder, self.question, {PAGE: text})
         return self.place / PAGE
 
-    def keep_stretches(self) -> Path:
-        """Run the schemes on record 0 of each cell, and keep 40 s of it for the page.
+    def keep_details(self) -> Path:
+        """Run the schemes on record 0 of each cell, and keep 40 s of it and error spectra.
 
-        Returns the path of the file, stretches.json.
+        The page of the run shows them. Returns the path of the file, details.json.
         Raises InputError if no case has succeeded, or the study has no record to show.
         Raises OSError if the file system refuses the file.
         """
-        from owtsweep.sweep.stretches import STRETCHES, dump_stretches, make_stretches
+        from owtsweep.sweep.details import DETAILS, dump_details, make_details
 
-        stretches = {}
+        details = {}
         for tuning, result in self._find_results(None).items():
             with blame(self.study):
                 contents = self.engine.contents(result.config, result.tables, result.rows)
             if contents is None:
-                raise InputError(f"--stretches: a run of the study {self.study.name} has no map")
-            stretches[tuning] = make_stretches(self.study, result.config, contents)
-        content = {STRETCHES: dump_stretches(stretches)}
-        asked.write_both(self.folder, self.question, content)
-        return self.place / STRETCHES
+                raise InputError(f"--details: a run of the study {self.study.name} has no map")
+            details[tuning] = make_details(self.study, result.config, contents)
+        asked.write_both(self.folder, self.question, {DETAILS: dump_details(details)})
+        return self.place / DETAILS
 
     def _find_results(self, results: Mapping[str, Results] | None) -> Mapping[str, Results]:
         found = self.make_results(self._finished()) if results is None else results

@@ -153,6 +153,14 @@ class Engine(ABC):
         `tables` are the tables by name, as `tables` returns them.
         """
 
+    def spectra(self, config: AnyConfig) -> pd.DataFrame | None:
+        """Return the schemes' error spectra for a page; None without any.
+
+        Columns: scheme, frequency (Hz), then measures: mean square errors over the mean square of
+        the motion.
+        """
+        return None
+
     def contents(
         self, config: AnyConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
     ) -> Contents | None:
@@ -219,7 +227,7 @@ class Study(ABC):
     #: overrides those methods below that they call.
     commands: frozenset[str] = frozenset()
 
-    #: What `report --stretches` shows of a record over time: a quantity of `estimate`, the number
+    #: What `report --details` shows of a record over time: a quantity of `estimate`, the number
     #: of its component, and both in words with the unit. None without `estimate`.
     stretched: tuple[str, int, str] | None = None
 

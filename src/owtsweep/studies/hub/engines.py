@@ -160,6 +160,16 @@ class RecordsEngine(DeclaredBlocks, _Engine):
         _Engine.__init__(self, world)
         DeclaredBlocks.__init__(self, DECLARATIONS[world.name])
 
+    def spectra(self, config: HubConfig) -> pd.DataFrame | None:
+        from owtsweep.studies.hub.figures import error_spectra, spectrum_tables
+
+        if not self.world.has_spectrum:
+            return None
+        try:
+            return spectrum_tables.curves(error_spectra.compute(config))
+        except InputError:  # no scheme has one
+            return None
+
     def drawings(
         self,
         config: HubConfig,

@@ -1,6 +1,6 @@
-"""Runs the schemes of a run on its record 0 once more, and keeps 40 s of truth and estimates.
+"""Computes what a page shows on request: 40 s of a record in each cell, and error spectra.
 
-A sweep stores errors alone. For its page, each cell's record is made again, and what the schemes
+A sweep stores errors alone. For its page, record 0 of each cell is made again, and what the schemes
 say of one quantity is kept from the settling time on. Where one run serves all amplitudes, the
 least and the largest one are run: the page computes the others, because these schemes are linear.
 """
@@ -25,9 +25,11 @@ from owtsweep.results.contents import Contents
 from owtsweep.sweep.study import Study, blame
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from owtsweep.config import AnyConfig
 
-STRETCHES = "stretches.json"
+DETAILS = "details.json"
 #: Length of a stretch, s, and the most samples of a second that are kept.
 SECONDS, RATE = 40.0, 10.0
 #: Most bytes of a stored file.
@@ -36,18 +38,21 @@ MOST_BYTES = 50_000_000
 _FULL = 32767
 
 
-def make_stretches(study: Study, config: AnyConfig, contents: Contents) -> dict[str, object]:
+def make_details(study: Study, config: AnyConfig, contents: Contents) -> dict[str, object]:
     """Run the schemes on record 0 of each cell, and return 40 s of each as plain JSON data.
+
+    With them go the error spectra of the study, if it has any.
 
     config: the configuration, of one tuning.
     Returns: "label", and "cells": `at` (index of the value of each condition), `start` and `step`
         (s), and for truth and each scheme's error a name, a scale and numbers of 16 bits.
+        "spectra": lines of scheme, measure, frequencies and errors; may be empty.
     Raises InputError if the study has no records to show, or a record cannot be made.
     """
     from joblib import Parallel, cpu_count, delayed
 
     if study.stretched is None:
-        raise InputError(f"--stretches: the study {study.name} has no record to show")
+        raise InputError(f"--details: the study {study.name} has no record to show")
     quantity, component, label = study.stretched
     cube = contents.cube
     levels = [list(enumerate(values)) for values in cube.levels]
@@ -71,7 +76,20 @@ def make_stretches(study: Study, config: AnyConfig, contents: Contents) -> dict[
     for number, cell in enumerate(found, start=1):
         tell_step(f"record {number} of {len(jobs)}")
         cells.append(cell)
-    return {"label": label, "cells": cells}
+    with blame(study):
+        spectra = study.engine(config).spectra(config)
+    return {"label": label, "cells": cells, "spectra": _list_spectra(spectra)}
+
+
+def _list_spectra(table: pd.DataFrame | None) -> list[list[object]]:
+    if table is None:
+        return []
+    return [
+        [str(name), measure, *([float(f"{x:.5g}") for x in of_scheme[key]] for key in keys)]
+        for name, of_scheme in table.groupby("scheme", sort=False)
+        for measure in table.columns[2:]
+        for keys in [("frequency", measure)]
+    ]
 
 
 def _run_cell(
@@ -107,20 +125,20 @@ def _pack(name: str, values: Array) -> list[object]:
     return [name, scale, base64.b64encode(numbers.tobytes()).decode()]
 
 
-def dump_stretches(stretches: Mapping[str, object]) -> str:
-    """Return the text of the file that keeps stretches by tuning."""
-    return json.dumps(stretches) + "\n"
+def dump_details(details: Mapping[str, object]) -> str:
+    """Return the text of the file that keeps details by tuning."""
+    return json.dumps(details) + "\n"
 
 
-def read_stretches(place: Path) -> dict[str, object]:
+def read_details(place: Path) -> dict[str, object]:
     """Return what is kept of a run, by tuning; {} if nothing is.
 
     Raises InputError if the file cannot be read.
     """
-    path = place / STRETCHES
+    path = place / DETAILS
     if not path.is_file():
         return {}
     kept = read_json(path, MOST_BYTES)
     if not isinstance(kept, dict):
-        raise InputError(f"{path}: this holds no stretches; delete it")
+        raise InputError(f"{path}: this holds no details; delete it")
     return kept
