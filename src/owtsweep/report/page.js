@@ -35,8 +35,9 @@ class Page {
     this.state = this.readLink();
     this.order = {sorted: null, down: false, filter: ""};
     const static_ = document.getElementById("static");
-    this.map = static_.querySelector("svg.map");
-    document.getElementById("drawing").append(this.map);
+    this.figure = static_.querySelector("figure");
+    this.map = this.figure.querySelector("svg.map");
+    document.getElementById("drawing").append(this.figure);
     static_.remove();
     document.getElementById("rows").remove();
     for (const id of ["controls", "drawing", "cell", "tools", "said"]) {
@@ -167,7 +168,7 @@ class Page {
         const scheme = part.schemes.find((each) => each.name === shown.best);
         const ratio = shown.nextError / shown.error;
         fill = fillOf(scheme.color, shown.next ? ratio : NaN, this.shades);
-        const short = (name) => (name.length > 12 ? `${name.slice(0, 11)}…` : name);
+        const short = (name) => (name.length > 16 ? `${name.slice(0, 15)}…` : name);
         const next = shown.next && Number.isFinite(ratio) ? `${short(shown.next)} ×${showNumber(ratio)}` : "";
         texts = [short(shown.best) + (shown.verdict === "tie" ? " =" : ""), showNumber(shown.error), next];
         counts.set(shown.best, (counts.get(shown.best) || 0) + 1);
@@ -188,6 +189,10 @@ class Page {
     };
     document.getElementById("legend").replaceChildren(...[...counts].map(swatch));
     const judged = isJudged(part, state);
+    const {title} = part.criteria.find((each) => each.name === state.criterion);
+    const tuning = part.tuning ? `, tuning ${part.tuning}` : "";
+    this.figure.querySelector("figcaption").textContent =
+      `Best scheme by ${title}, ${state.window} part of a record${tuning}`;
     document.getElementById("what-if").hidden = judged;
     document.getElementById("drawing").classList.toggle("unjudged", !judged);
   }

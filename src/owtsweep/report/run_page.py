@@ -145,7 +145,8 @@ def _write_map(mapped: Mapping[str, tuple[Contents, pd.DataFrame]]) -> str:
     for tuning, (contents, best) in mapped.items():
         criterion = next(iter(contents.criteria))
         named = f", tuning {tuning}" if tuning else ""
-        caption = f"Best scheme by {contents.criteria[criterion].title}{named}"
+        by, window = contents.criteria[criterion].title, contents.window
+        caption = f"Best scheme by {by}, {window} part of a record{named}"
         maps.append(
             f'<figure class="wide"><figcaption>{clean(caption)}</figcaption>'
             f"{draw(contents, best)}</figure>"

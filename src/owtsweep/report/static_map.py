@@ -19,13 +19,14 @@ from owtsweep.results.contents import Contents
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Width and height of a cell, and the rooms left of the map and below it, in pixels.
+#: Least width and height of a cell with text, width and height of one without, the rooms left of
+#: the map and below it, and the distance of lines, in pixels.
 CELL, SMALL_CELL = (92, 40), (16, 16)
 BESIDE, BELOW, LINE = 76, 44, 12
 #: A map with more columns or lines than this has small cells without text.
 MOST_COLUMNS, MOST_LINES = 14, 24
-#: Most letters of a name in a cell; and of a label beside the map.
-MOST_LETTERS, MOST_LABEL = 12, 10
+#: Most letters of a name in a cell, and their width in pixels; most letters beside the map.
+MOST_LETTERS, LETTER, MOST_LABEL = 16, 8.4, 10
 
 
 class Layout(NamedTuple):
@@ -70,7 +71,9 @@ def draw(contents: Contents, best: pd.DataFrame) -> str:
     names = [layout.across.name, *([layout.upwards.name] if layout.upwards else [])]
     rows = {tuple(row[name] for name in names): row for row in shown.to_dict("records")}
     labelled = len(columns) <= MOST_COLUMNS and len(lines) <= MOST_LINES
-    width, height = CELL if labelled else SMALL_CELL
+    longest = min(max(map(len, best["best"]), default=0), MOST_LETTERS)
+    size = (max(CELL[0], round(LETTER * longest) + 10), CELL[1]) if labelled else SMALL_CELL
+    width, height = size
     right, bottom = BESIDE + width * len(columns), height * len(lines)
     parts = []
     for i, column in enumerate(columns):
@@ -78,7 +81,7 @@ def draw(contents: Contents, best: pd.DataFrame) -> str:
             row = rows.get((column, line) if layout.upwards else (column,))
             x, y = BESIDE + width * i, bottom - height * (j + 1)
             where = _name_cell(layout, column, line)
-            parts.append(_draw_cell(row, contents.cube.schemes, (i, j), (x, y), labelled, where))
+            parts.append(_draw_cell(row, contents.cube.schemes, (i, j), (x, y, *size), where))
     every = 1 if labelled else -(-len(columns) // 8)
     for i in range(0, len(columns), every):
         x = BESIDE + width * i + width // 2
@@ -107,25 +110,23 @@ def _draw_cell(
     row: Row | None,
     schemes: Sequence[str],
     number: tuple[int, int],
-    corner: tuple[int, int],
-    labelled: bool,
+    box: tuple[int, int, int, int],
     where: str,
 ) -> str:
-    (i, j), (x, y) = number, corner
-    width, height = CELL if labelled else SMALL_CELL
+    (i, j), (x, y, width, height) = number, box
     fill = "#d9d9d9"
     texts, told = ["", "", ""], "no result"
     if row is not None:
         fill = fill_cell(style_of(row["best"], schemes), ratio_of(row))
         texts = list_texts(row)
         told = f"{row['best']}, {row['verdict']}"
-    box = f'x="{x}" y="{y}" width="{width - 2}" height="{height - 2}"'
+    inside = f'x="{x}" y="{y}" width="{width - 2}" height="{height - 2}"'
     is_open = row is not None and row["verdict"] == "open"
     parts = [
-        f'<rect {box} fill="{fill}"/>',
-        f'<rect class="mark" {box} fill="{"url(#hatch)" if is_open else "none"}"/>',
+        f'<rect {inside} fill="{fill}"/>',
+        f'<rect class="mark" {inside} fill="{"url(#hatch)" if is_open else "none"}"/>',
     ]
-    if labelled:
+    if (width, height) != SMALL_CELL:
         color, middle = text_color_on(fill), x + width // 2 - 1
         parts += [
             f'<text class="{name}" x="{middle}" y="{y + LINE * n}" text-anchor="middle" '

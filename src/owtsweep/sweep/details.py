@@ -108,17 +108,17 @@ def _run_cell(
     first = min(record.settled, max(len(record.time) - round(SECONDS / step), 0))
     part = slice(first, first + round(SECONDS / step) + 1, every)
     truth = np.asarray(record.truth[quantity])[part, component]
-    series = [_pack("", truth)]
+    series = [pack("", truth)]
     for name, estimates in record.estimates.items():
         if quantity in estimates:
             error = np.asarray(estimates[quantity])[part, component] - truth
             if np.isfinite(error).all():
-                series.append(_pack(name, error))
+                series.append(pack(name, error))
     time = float(record.time[first])
     return {"at": list(at), "start": time, "step": every * step, "series": series}
 
 
-def _pack(name: str, values: Array) -> list[object]:
+def pack(name: str, values: Array) -> list[object]:
     """Return name ("" for the truth), scale and numbers of 16 bits."""
     scale = float(np.abs(values).max(initial=0.0)) / _FULL or 1.0
     numbers = np.round(values / scale).astype("<i2")
