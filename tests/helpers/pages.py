@@ -30,10 +30,8 @@ SQUARE = Criterion("position: rms error", "square", "m", 0.001, "a millimetre")
 ROOT = Criterion("speed: rms error", "root", "m/s", 0.001, "a millimetre per second")
 
 
-def make_contents(
-    records: dict[str, int], *, superposed: bool = True, seed: int = 1
-) -> tuple[Contents, pd.DataFrame]:
-    """Return a map of three schemes and a baseline, judged by two criteria, and best_scheme.
+def make_contents(records: dict[str, int], *, superposed: bool = True, seed: int = 1) -> Contents:
+    """Return a map of three schemes and a baseline, judged by two criteria.
 
     records: scheme -> number of records that it was run on.
     superposed: whether rows serve all amplitudes; else each cell has rows of its own.
@@ -71,11 +69,10 @@ def make_contents(
     criteria = {"position": SQUARE, "speed": SQUARE if superposed else ROOT}
     contenders = [names[-1], *names[:-1]]
     asked = Asked(criteria, "settled", contenders, names[-1:], 6, 0.05, 256, 16)
-    contents = Contents(
+    return Contents(
         ["Tuning matched", "seed 1"], ["Best: A.", "Error: small.", "More."], conditions, criteria,
-        "settled", contenders, names[-1:], cube,
+        "settled", contenders, names[-1:], cube, make_table(cube, rows, asked),
     )  # fmt: skip
-    return contents, make_table(cube, rows, asked)
 
 
 def find_node() -> str | None:

@@ -29,14 +29,15 @@ CONTEST = """
 """
 
 
-def make_data(contents, best, **options):
-    return {"parts": [make_part("", contents, best, exact=False, **options)]}
+def make_data(contents, **options):
+    return {"parts": [make_part("", contents, exact=False, **options)]}
 
 
 @pytest.mark.parametrize("superposed", [True, False])
 def test_every_cell_has_the_verdict_and_the_errors_of_the_table(superposed):
-    contents, best = make_contents(RECORDS, superposed=superposed)
-    found = run_script(make_data(contents, best), CONTEST)
+    contents = make_contents(RECORDS, superposed=superposed)
+    best = contents.cells
+    found = run_script(make_data(contents), CONTEST)
     names = contents.cube.names
     assert len(found) == len(best) == 12
     for cell in found:
@@ -61,9 +62,9 @@ def test_every_cell_has_the_verdict_and_the_errors_of_the_table(superposed):
 
 
 def test_any_amplitude_of_a_linear_scheme_agrees_with_its_records():
-    contents, best = make_contents({**RECORDS, "NONE": 16})
+    contents = make_contents({**RECORDS, "NONE": 16})
     code = 'return runContest(part, "position", "full", [1, 0], 16, 0.77)'
-    lines = run_script(make_data(contents, best), code)
+    lines = run_script(make_data(contents), code)
     measure, window = (list(x).index(y) for x, y in (
         (contents.cube.measures, "position"), (contents.cube.windows, "full"),
     ))  # fmt: skip
@@ -85,7 +86,7 @@ def test_any_amplitude_of_a_linear_scheme_agrees_with_its_records():
 
 
 def test_schemes_that_nearly_coincide_keep_their_small_difference():
-    contents, _ = make_contents({"A": 32, "B": 32, "NONE": 8})
+    contents = make_contents({"A": 32, "B": 32, "NONE": 8})
     products = contents.cube.products
     products[:, 1] = products[:, 0] * (1.0 + 1e-7 * np.arange(32))  # far below 32 bits of squares
     (looks, *_) = list_looks(contents.cube, "position", SQUARE, "settled")
@@ -97,10 +98,10 @@ def test_schemes_that_nearly_coincide_keep_their_small_difference():
 
 
 def test_a_scheme_that_failed_in_a_record_is_paired_with_nobody():
-    contents, best = make_contents({"A": 8, "B": 8, "NONE": 8})
+    contents = make_contents({"A": 8, "B": 8, "NONE": 8})
     contents.cube.products[:, 1, ..., 2] = np.nan
     lines = run_script(
-        make_data(contents, best),
+        make_data(contents),
         'return runContest(part, "position", "settled", [0, 1], Infinity, null)',
     )
     of_b = next(line for line in lines if contents.cube.schemes[line["scheme"]] == "B")
@@ -110,9 +111,9 @@ def test_a_scheme_that_failed_in_a_record_is_paired_with_nobody():
 
 
 def test_one_record_has_no_interval_and_a_large_map_means_alone():
-    contents, best = make_contents({"A": 1, "B": 1, "NONE": 1})
+    contents = make_contents({"A": 1, "B": 1, "NONE": 1})
     code = 'return runContest(part, "position", "settled", [0, 0], Infinity, null)'
-    lines = run_script(make_data(contents, best), code)
+    lines = run_script(make_data(contents), code)
     assert [line["low"] for line in lines] == [None] * 3
     assert lines[0]["error"] > 0.0
     assert MOST_CELLS == 1000
@@ -125,15 +126,15 @@ def test_copied_cells_are_no_formulas():
         const rows = [["=1+1", 3], ["-A", -0.5], ["@x, y", NaN], ['say "so"', null]];
         return toCsv(["scheme", "n"], rows);
     """
-    contents, best = make_contents({"A": 8, "NONE": 8})
-    text = run_script(make_data(contents, best), code)
+    contents = make_contents({"A": 8, "NONE": 8})
+    text = run_script(make_data(contents), code)
     assert text.split("\r\n") == [
         "scheme,n", "\"'=1+1\",3", "\"'-A\",-0.5", "\"'@x, y\",", '"say ""so""",', "",
     ]  # fmt: skip
 
 
 def test_the_table_is_sorted_and_filtered():
-    contents, best = make_contents(RECORDS)
+    contents = make_contents(RECORDS)
     code = """
         const state = {criterion: "position", window: part.window, records: Infinity};
         const cells = listMapCells(part, [0, 0])
@@ -149,7 +150,7 @@ def test_the_table_is_sorted_and_filtered():
             labels: columns.map(({label}) => label),
         };
     """
-    found = run_script(make_data(contents, best), code)
+    found = run_script(make_data(contents), code)
     assert found["errors"] == sorted(found["errors"], reverse=True)
     assert found["none"] == 0
     assert found["four"] == 6
@@ -160,7 +161,7 @@ def test_the_table_is_sorted_and_filtered():
 def test_a_stretch_is_linear_in_the_amplitude():
     from owtsweep.sweep.details import pack
 
-    contents, best = make_contents(RECORDS)
+    contents = make_contents(RECORDS)
     truth, motion, noise = np.random.default_rng(3).normal(size=(3, 50))
     cells = [
         {
@@ -171,7 +172,7 @@ def test_a_stretch_is_linear_in_the_amplitude():
     ]  # fmt: skip
     details = {"label": "position (m)", "cells": cells, "spectra": []}
     code = "return [findStretch(part, [1, 1], null), findStretch(part, [0, 1], null)]"
-    shown, missing = run_script(make_data(contents, best, details=details), code)
+    shown, missing = run_script(make_data(contents, details=details), code)
     assert missing is None
     assert [curve["name"] for curve in shown["values"]] == ["truth", "A"]
     errors = np.array([point[1] for point in shown["errors"][0]["points"]])

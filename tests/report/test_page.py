@@ -26,8 +26,8 @@ ORIGIN = Origin({"seed": "1"}, "owtsweep sweep", "seed: 1\n")
 HOSTILE = "</script><script>alert(1)</script>"
 
 
-def make_page(contents, best, *, title="run", origin=ORIGIN, extras=None, exact=False):
-    shown = {"": Shown(contents, best)}
+def make_page(contents, *, title="run", origin=ORIGIN, extras=None, exact=False):
+    shown = {"": Shown(contents)}
     return make_run_page(title, shown, origin, extras or Extras(), exact=exact)
 
 
@@ -60,7 +60,7 @@ class Reader(HTMLParser):
 
 @pytest.mark.parametrize("superposed", [True, False])
 def test_a_page_runs_its_own_script_alone_and_loads_nothing(superposed):
-    page = make_page(*make_contents(RECORDS, superposed=superposed))
+    page = make_page(make_contents(RECORDS, superposed=superposed))
     read = Reader(page)
     (policy,) = [v for tag, name, v in read.attributes if "default-src 'none'" in v]
     for texts, source in ((read.scripts, "script-src"), (read.styles, "style-src")):
@@ -76,11 +76,11 @@ def test_a_page_runs_its_own_script_alone_and_loads_nothing(superposed):
 
 @pytest.mark.parametrize("name", [HOSTILE, "=cmd()", "\u202egnp.exe", "x" * 200, "אבג", "a&b<c>"])
 def test_names_of_a_stranger_are_text(name):
-    contents, best = make_contents({name: 8, "B": 8, "NONE": 8})
+    contents = make_contents({name: 8, "B": 8, "NONE": 8})
     extras = Extras({name: pd.DataFrame({name: [name]})}, {name: b"png"}, name)
     origin = Origin({name: name}, name, name)
     contents = replace(contents, answer=[name] * 3, origin=[name])
-    page = make_page(contents, best, title=name, origin=origin, extras=extras)
+    page = make_page(contents, title=name, origin=origin, extras=extras)
     assert len(Reader(page).scripts) == 1
     assert HOSTILE not in page
     assert "\u202e" not in page
@@ -99,13 +99,14 @@ def test_no_folder_of_a_machine_is_on_a_page():
     assert hide_places("m/s and m/s²/√s, 3/4 of it: docs/better.md") == (
         "m/s and m/s²/√s, 3/4 of it: docs/better.md"
     )
-    page = make_page(*make_contents(RECORDS), origin=Origin({}, text, f"file: {text}"))
+    page = make_page(make_contents(RECORDS), origin=Origin({}, text, f"file: {text}"))
     assert "ann" not in page.replace("channel", "")
 
 
 def test_without_scripts_the_answer_the_map_and_the_table_stand_there():
-    contents, best = make_contents(RECORDS)
-    page = make_page(contents, best)
+    contents = make_contents(RECORDS)
+    best = contents.cells
+    page = make_page(contents)
     read = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert "Best: A. Error: small." in read
     svg = read[read.index('<svg class="map"') : read.index("</figure>")]
@@ -117,7 +118,7 @@ def test_without_scripts_the_answer_the_map_and_the_table_stand_there():
 
 
 def test_a_map_of_one_cell_one_scheme_one_record():
-    contents, _ = make_contents({"A": 1, "NONE": 1})
+    contents = make_contents({"A": 1, "NONE": 1})
     cube = contents.cube
     small = Cube(
         ("A",), cube.conditions, ([3.0], [0.5]), cube.measures, cube.windows, (0,),
@@ -131,8 +132,8 @@ def test_a_map_of_one_cell_one_scheme_one_record():
             "n": 1, "more": 0.0,
         }]
     )  # fmt: skip
-    contents = replace(contents, cube=small, contenders=["A"], baselines=[])
-    page = make_page(contents, best)
+    contents = replace(contents, cells=best, cube=small, contenders=["A"], baselines=[])
+    page = make_page(contents)
     assert page.count('<g class="cell"') == 1
     code = "return runContest(part, 'position', 'settled', [0, 0], Infinity, null).length"
     assert run_script(read_data(page), code) == 1
@@ -152,16 +153,16 @@ def test_ten_thousand_cells_have_means_and_choices_of_further_axes():
     )  # fmt: skip
     grid = {name: list(values) for name, values in levels.items()}
     cube = Cube.of_rows(rows, ["A", "B"], conditions, grid)
-    contents = Contents(
-        [], ["Best: A."], conditions, {"position": SQUARE}, "settled", ["A", "B"], [], cube
-    )
     error = np.sqrt(0.015 * (1.0 + cells["a"]))
     best = cells.assign(
         criterion="position", window="settled", verdict="won", best="A", runner_up="B", left="A",
         error_best=error, error_low=error, error_high=error, error_runner_up=error * 2**0.5,
         look=0, n=2, more=0.0,
     )  # fmt: skip
-    page = make_page(contents, best)
+    contents = Contents(
+        [], ["Best: A."], conditions, {"position": SQUARE}, "settled", ["A", "B"], [], cube, best
+    )
+    page = make_page(contents)
     assert len(page) < 2_500_000
     assert page.count('<g class="cell"') == 50 * 20
     assert page.count("<tr>") == 501
@@ -183,9 +184,9 @@ def test_the_axes_are_the_first_two_that_vary():
 
 
 def test_an_open_cell_is_hatched_and_a_missing_one_has_no_result():
-    contents, best = make_contents(RECORDS)
-    best = best.assign(verdict="open").iloc[2:]
-    drawn = draw(contents, best)
+    contents = make_contents(RECORDS)
+    cells = contents.cells.assign(verdict="open").iloc[2:]
+    drawn = draw(replace(contents, cells=cells))
     assert drawn.count('fill="url(#hatch)"') == 5
     assert drawn.count(": no result") == 1
 

@@ -23,13 +23,14 @@ from owtsweep.config.composition import compose_hydra, require_readable
 from owtsweep.config.hints import hydra_in_one_line
 from owtsweep.config.option_files import names_file
 from owtsweep.config.tuned import GROUP
-from owtsweep.errors import InputError, as_text, require
+from owtsweep.errors import InputError, as_text, printable, require
 from owtsweep.io.files import check_writable, refuse_in_one_line
 from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
 from owtsweep.studies.registry import Located
 from owtsweep.sweep.keys import hash_text, run_folder
 from owtsweep.sweep.manifest import read_manifest
+from owtsweep.sweep.multirun_page import write_page
 from owtsweep.sweep.multirun_record import (
     OUTCOMES,
     JobOutcome,
@@ -38,6 +39,7 @@ from owtsweep.sweep.multirun_record import (
     write_outcome,
     write_record,
 )
+from owtsweep.sweep.page import PAGE
 from owtsweep.sweep.worker import end_with_parent
 
 logger = logging.getLogger(__name__)
@@ -102,7 +104,10 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         _tell(folder, planned, options, stopped=True)
         raise
     outcomes = _tell(folder, planned, options, stopped=False)
+    with refuse_in_one_line(folder):
+        write_page(folder, planned, outcomes)
     print(f"{len(outcomes)} runs in {time.monotonic() - began:.1f} s: {folder}/")
+    print(f"page to send, with those of the runs: {printable(str(folder / PAGE))}")
     return max((outcome.code for outcome in outcomes), default=DONE)  # a refused run counts most
 
 

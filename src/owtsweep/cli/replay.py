@@ -67,6 +67,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             with refuse_in_one_line(replayed.place):
                 figures = replayed.draw(results=results)
                 report.write(config, results[""].tables, figures, replayed.place)
+                replayed.write_report(results=results)
         except InputError as error:  # what was computed is stored
             print(f"failed: the report could not be written: {error}", file=sys.stderr)
             written = False

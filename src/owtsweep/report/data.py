@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from owtsweep.report.static_map import choose_axes, get_grid
 from owtsweep.report.statistics import Look, is_superposed, list_looks
 from owtsweep.results.contents import Contents
 from owtsweep.statistics.inference import t_quantile
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: In maps of more cells, a page has the means alone, without intervals.
 MOST_CELLS = 1000
@@ -51,7 +48,6 @@ class _Floats:
 def make_part(
     tuning: str,
     contents: Contents,
-    best: pd.DataFrame,
     *,
     exact: bool,
     details: object = None,
@@ -59,7 +55,6 @@ def make_part(
 ) -> dict[str, object]:
     """Return the data of one tuning: plain lists, texts and numbers.
 
-    best: the rows of this tuning in best_scheme.csv.
     exact: whether the values are expected ones, and no samples of records.
     details: what `owtsweep.sweep.details` has kept of records, as JSON data.
     help: how to get details, where there are none.
@@ -124,7 +119,7 @@ def make_part(
         "further": [cube.names.index(condition.name) for condition in layout.further],
         "superposed": is_superposed(cube),
         "exact": exact,
-        "cells": _list_cells(best, contents),
+        "cells": _list_cells(contents),
         "looks": looks,
         "floats": floats.encode(),
         "details": details,
@@ -143,9 +138,9 @@ def _draw_as(style: SchemeStyle) -> dict[str, str]:
     return {"color": style.color, "dash": dash}
 
 
-def _list_cells(best: pd.DataFrame, contents: Contents) -> dict[str, list[Any]]:
+def _list_cells(contents: Contents) -> dict[str, list[Any]]:
     """Return columns of the cells: `at`, indices of the conditions' values, criterion and more."""
-    cube = contents.cube
+    cube, best = contents.cube, contents.cells
     places = [{value: i for i, value in enumerate(levels)} for levels in cube.levels]
     at = [
         [place[value] for place, value in zip(places, values, strict=True)]

@@ -31,13 +31,12 @@ MOST_ROWS = 500
 class Shown:
     """What a run's page shows of one tuning.
 
-    contents, best: what its study shows, and its rows of best_scheme.csv; None without a map.
+    contents: what its study shows; None without a map.
     text: the answer as the terminal has it, where there are no contents.
     details: what is kept of a record over time; None without.
     """
 
     contents: Contents | None = None
-    best: pd.DataFrame | None = None
     text: str = ""
     details: object = None
 
@@ -84,9 +83,9 @@ def make_run_page(
     exact: whether the values are expected ones, and no samples of records.
     """
     mapped = {
-        tuning: (part.contents, part.best)
+        tuning: part.contents
         for tuning, part in shown.items()
-        if part.contents is not None and part.best is not None and not part.contents.cube.empty
+        if part.contents is not None and len(part.contents.cells)
     }
     parts = [_write_answer(title, shown)]
     data = None
@@ -96,20 +95,20 @@ def make_run_page(
             "parts": [
                 make_part(
                     tuning,
-                    *each,
+                    contents,
                     exact=exact,
                     help=extras.help,
                     details=shown[tuning].details,
                 )
-                for tuning, each in mapped.items()
+                for tuning, contents in mapped.items()
             ],
             "shades": {"full": FULL, "palest": PALEST},
         }
     pictures = [make_picture(png, text) for text, png in extras.pictures.items()]
     if pictures:
-        parts.append(_write_section("Pictures", "".join(pictures)))
+        parts.append(write_section("Pictures", "".join(pictures)))
     for caption, table in extras.tables.items():
-        parts.append(_write_section(caption, _scroll(caption, tabulate(caption, table))))
+        parts.append(write_section(caption, scroll(caption, tabulate(caption, table))))
     parts.append(_write_origin(origin))
     return make_document(title, "\n".join(parts), data)
 
@@ -140,34 +139,32 @@ def clean_lines(text: str) -> str:
     return "\n".join(clean(line) for line in text.splitlines())
 
 
-def _write_map(mapped: Mapping[str, tuple[Contents, pd.DataFrame]]) -> str:
+def _write_map(mapped: Mapping[str, Contents]) -> str:
     maps, rows = [], []
-    for tuning, (contents, best) in mapped.items():
+    for tuning, contents in mapped.items():
         criterion = next(iter(contents.criteria))
         named = f", tuning {tuning}" if tuning else ""
         by, window = contents.criteria[criterion].title, contents.window
         caption = f"Best scheme by {by}, {window} part of a record{named}"
         maps.append(
             f'<figure class="wide"><figcaption>{clean(caption)}</figcaption>'
-            f"{draw(contents, best)}</figure>"
+            f"{draw(contents)}</figure>"
         )
-        rows.append(_tabulate_cells(caption, contents, best, criterion))
-    contents, best = next(iter(mapped.values()))
-    first = best[best["criterion"] == next(iter(contents.criteria))]
+        rows.append(_tabulate_cells(caption, contents, criterion))
     legend = [
         '<li><svg class="swatch" width="14" height="14" aria-hidden="true">'
         f'<rect width="14" height="14" fill="{color}"/></svg> {clean(name)}</li>'
-        for name, color in list_legend(contents, first).items()
+        for name, color in list_legend(next(iter(mapped.values()))).items()
     ]
     return Template(read_asset("map.html")).substitute(
         maps="\n".join(maps), legend="\n".join(legend), rows="\n".join(rows)
     )
 
 
-def _tabulate_cells(caption: str, contents: Contents, best: pd.DataFrame, criterion: str) -> str:
+def _tabulate_cells(caption: str, contents: Contents, criterion: str) -> str:
     judged = contents.criteria[criterion]
     unit = f" ({judged.unit})" if judged.unit else ""
-    cells = best[best["criterion"] == criterion]
+    cells = contents.cells[contents.cells["criterion"] == criterion]
     header = [condition.title for condition in contents.conditions]
     header += [
         "verdict",
@@ -207,11 +204,13 @@ def show(value: object) -> str:
     return str(value)
 
 
-def _scroll(name: str, content: str) -> str:
+def scroll(name: str, content: str) -> str:
+    """Return a wide element of a page in a frame that is scrolled, also by keys."""
     return f'<div class="wide" tabindex="0" role="group" aria-label="{clean(name)}">{content}</div>'
 
 
-def _write_section(title: str, content: str) -> str:
+def write_section(title: str, content: str) -> str:
+    """Return a section of a page; `content` is HTML."""
     return f"<section><h2>{clean(title)}</h2>\n{content}</section>"
 
 

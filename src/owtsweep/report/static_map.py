@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from owtsweep.errors import printable
 from owtsweep.figures.margin import fill_cell, ratio_of
@@ -15,9 +15,6 @@ from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Row, show_error
 from owtsweep.results.conditions import Condition, Grid, Value, show_value
 from owtsweep.results.contents import Contents
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: Least width and height of a cell with text, width and height of one without, the rooms left of
 #: the map and below it, and the distance of lines, in pixels.
@@ -53,14 +50,12 @@ def get_grid(contents: Contents) -> dict[str, list[Value]]:
     return dict(zip(contents.cube.names, contents.cube.levels, strict=True))
 
 
-def draw(contents: Contents, best: pd.DataFrame) -> str:
+def draw(contents: Contents) -> str:
     """Return the map by the first criterion as an SVG element.
 
     Of more than two conditions with several values, the map has the first value of the others.
-
-    best: the rows of this tuning in best_scheme.csv.
     """
-    grid = get_grid(contents)
+    grid, best = get_grid(contents), contents.cells
     layout = choose_axes(contents.conditions, grid)
     criterion = next(iter(contents.criteria))
     shown = best[(best["criterion"] == criterion) & (best["window"] == contents.window)]
@@ -172,8 +167,9 @@ def _clean(text: str) -> str:
     return escape(printable(text))
 
 
-def list_legend(contents: Contents, best: pd.DataFrame) -> Mapping[str, str]:
-    """Return scheme -> its colour, of those that are best in some cell."""
-    winners = set(best["best"])
+def list_legend(contents: Contents) -> Mapping[str, str]:
+    """Return scheme -> its colour, of those that are best in some cell by the first criterion."""
+    cells = contents.cells
+    winners = set(cells.loc[cells["criterion"] == next(iter(contents.criteria)), "best"])
     names = [name for name in contents.cube.schemes if name in winners]
     return {name: style_of(name, contents.cube.schemes).color for name in names}

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,8 @@ class Contents:
     contenders: Names of schemes and baselines, the simplest first.
     baselines: Names of those that are no schemes.
     cube: the values of all contenders.
+    cells: rows of best_scheme.csv as a map shows them. Where baselines do not compete, one that has
+        less error than every scheme stands in the place of the best.
     """
 
     origin: Sequence[str]
@@ -32,3 +38,4 @@ class Contents:
     contenders: Sequence[str]
     baselines: Sequence[str]
     cube: Cube
+    cells: pd.DataFrame

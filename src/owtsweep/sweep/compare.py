@@ -28,8 +28,10 @@ from owtsweep.io import markdown
 from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.io.tables import write_table
+from owtsweep.report.several_page import make_comparison_page
 from owtsweep.sweep.keys import hash_text
 from owtsweep.sweep.multirun_record import read_record
+from owtsweep.sweep.page import PAGE
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
 
@@ -101,6 +103,16 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     for name, table in tables.items():
         write_table(folder, name, table)
     write_atomically(folder / "comparison.md", report)
+    pictures = {path.stem: path for path in findings.figures if path.suffix == ".png"}
+    page = make_comparison_page(
+        f"Comparison of {len(comparison.runs)} runs of the study {study.name}",
+        findings.origin,
+        overview,
+        every_note,
+        {name.replace("_", " "): path.read_bytes() for name, path in pictures.items()},
+        findings.tables,
+    )
+    write_atomically(folder / PAGE, page)
     return Compared(folder, findings, overview, every_note)
 
 

@@ -70,10 +70,9 @@ def make_page(
 
 def _show(engine: Engine, result: Results, details: object) -> Shown:
     contents = engine.contents(result.config, result.tables, result.rows)
-    best = result.tables.get("best_scheme")
-    if contents is None or best is None:
+    if contents is None:
         return Shown(text=_print(engine.terminal(result.config, result.tables)))
-    return Shown(contents, best, details=details)
+    return Shown(contents, details=details)
 
 
 def _print(answer: RenderableType) -> str:

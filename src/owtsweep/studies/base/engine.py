@@ -87,6 +87,7 @@ class ContestEngine(Engine, Generic[C]):
             [name for name in self.rank(config) if name in names],
             (),
             make_cube(self.contest, config, rows, names),
+            tables["best_scheme"],
         )
 
     def backend(self, config: C) -> str:

@@ -99,9 +99,11 @@ class _Engine(Engine):
     def contents(
         self, config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
     ) -> Contents:
-        asked = ask(config)
-        best = tables["best_scheme"]
-        table, _, notes = find_winners(config, best, config.measures.criterion, asked.window)
+        import pandas as pd
+
+        asked, best = ask(config), tables["best_scheme"]
+        won = [find_winners(config, best, name, asked.window) for name in asked.criteria]
+        table, _, notes = won[0]
         return Contents(
             self._list_origin(config),
             [*self._tell(config, table, tables["summary"]), *notes],
@@ -111,6 +113,7 @@ class _Engine(Engine):
             asked.contenders,
             asked.baselines,
             make_cube(config, rows, baselines=True),
+            pd.concat([each.table for each in won], ignore_index=True),
         )
 
     def _list_origin(self, config: HubConfig) -> list[str]:
