@@ -11,13 +11,15 @@ from owtsweep.cli.program import DONE
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Draw figures of the run `options.run` into its subfolder figures/, and return 0.
 
-    Draw all figures; or, if `options.envelope` names a structure, the map with its envelope alone.
+    Draw all figures, with an index.html of them; or, if `options.envelope` names a structure, the
+    map with its envelope alone.
     `options` are the parsed arguments of the command; `argv` is not used.
     """
     from owtsweep.api import load
     from owtsweep.errors import printable
-    from owtsweep.io.files import refuse_in_one_line
+    from owtsweep.io.files import refuse_in_one_line, write_atomically
     from owtsweep.io.steps import show_steps, tell_step
+    from owtsweep.report.gallery_page import INDEX, make_gallery
 
     opened = load(options.run)
     folder = opened.place / "figures"
@@ -25,6 +27,12 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     with refuse_in_one_line(folder), show_steps():
         if options.envelope is None:
             files = opened.draw()
+            pictures = [file for file in files if file.suffix == ".png"]
+            if pictures:
+                index = pictures[0].with_name(INDEX)
+                title = f"Figures of the run {printable(opened.folder.name)}"
+                write_atomically(index, make_gallery(title, pictures))
+                files.append(index)
         else:
             from owtsweep.structures import find_structure
             from owtsweep.studies.hub.figures.envelope import save_envelope

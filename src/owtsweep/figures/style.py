@@ -151,10 +151,10 @@ def save(
     stored. Raise `OSError` if a file cannot be written. Files of these names that existed before
     are not changed.
     """
-    notes = dict(metadata or {})
+    notes = {"Title": _find_title(figure), **(metadata or {})}
     folder.mkdir(parents=True, exist_ok=True)
     png, svg = folder / f"{stem}.png", folder / f"{stem}.svg"
-    described = {"Date": None, "Description": json.dumps(notes, sort_keys=True)}
+    described = {"Date": None, "Description": json.dumps(metadata or {}, sort_keys=True)}
     _draw_names_as_typed(figure)
     with context(), warnings.catch_warnings():
         # of a letter that the font lacks, or a name as long as the figure: both are drawn
@@ -167,6 +167,13 @@ def save(
                 vector = _render_svg(figure, described)
     write_all({png: raster, svg: vector})
     return [png, svg]
+
+
+def _find_title(figure: Figure) -> str:
+    """Return the figure's title, or that of its first axes, in one line."""
+    titles = [figure.get_suptitle()]
+    titles += [axes.get_title(loc) for axes in figure.axes for loc in ("left", "center")]
+    return "; ".join(next((title for title in titles if title), "").splitlines())
 
 
 def _draw_names_as_typed(figure: Figure) -> None:

@@ -117,7 +117,8 @@ def _write_answer(title: str, shown: Mapping[str, Shown]) -> str:
     parts = [f"<header><h1>{clean(title)}</h1></header>", "<main>"]
     for tuning, part in shown.items():
         heading = f"<h2>Tuning {clean(tuning)}</h2>" if len(shown) > 1 else ""
-        parts.append(f'<section class="answer" aria-label="Answer">{heading}')
+        label = f"Answer, tuning {clean(tuning)}" if len(shown) > 1 else "Answer"
+        parts.append(f'<section class="answer" aria-label="{label}">{heading}')
         if part.contents is None:
             parts.append(f"<pre>{clean_lines(part.text)}</pre>")
         else:

@@ -7,11 +7,20 @@ from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from owtsweep.config import Config
 from owtsweep.errors import InputError, printable
 from owtsweep.io.tables import read_table
-from owtsweep.report.run_page import Extras, Origin, Shown, make_run_page
+from owtsweep.report.run_page import (
+    Extras,
+    Origin,
+    Shown,
+    clean_lines,
+    make_run_page,
+    tell_answer,
+)
+from owtsweep.report.static_map import draw
 from owtsweep.sweep import asked
 from owtsweep.sweep.details import read_details
 from owtsweep.sweep.gather import Results
@@ -119,3 +128,22 @@ def _find_origin(folder: Path, config: Config) -> Origin:
             command = "It was started from Python, with the configuration below."
     text = yaml.safe_dump(without_places(config), sort_keys=False, allow_unicode=True)
     return Origin(facts, command, text)
+
+
+def make_excerpt(study: Study, config: Config, results: Mapping[str, Results], place: Path) -> str:
+    """Return answer and map of each tuning as HTML for a notebook, with a link to the page."""
+    with blame(study):
+        engine = study.engine(config)
+        parts = [
+            (result, engine.contents(result.config, result.tables, result.rows))
+            for result in results.values()
+        ]
+        shown = [
+            f"<pre>{clean_lines(_print(engine.terminal(result.config, result.tables)))}</pre>"
+            if contents is None
+            else f"{tell_answer(contents)}\n{draw(contents)}"
+            for result, contents in parts
+        ]
+    page = place / PAGE
+    link = f'<p><a href="{quote(str(page))}">{PAGE}</a></p>' if page.is_file() else ""
+    return "\n".join([*shown, link])

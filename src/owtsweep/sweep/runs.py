@@ -14,6 +14,7 @@ from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import Drawing, draw_each
 from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import read_table
+from owtsweep.report.document import clean
 from owtsweep.sweep import asked
 from owtsweep.sweep.gather import Results, join_rows, sort_rows
 from owtsweep.sweep.keys import run_hash
@@ -24,6 +25,7 @@ from owtsweep.sweep.study import OK, UNABLE, Engine, Study, blame
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray
 
 logger = logging.getLogger(__name__)
 
@@ -56,6 +58,33 @@ class Run:
         plan = self.stored_plan
         cases = "" if plan is None else f", {count_cases(plan)} cases"
         return f"<Run {printable(str(self.folder))}: study {self.study.name}{cases}>"
+
+    def _repr_html_(self) -> str:
+        """Return answer, map and link to the page as HTML, for notebooks."""
+        from owtsweep.sweep.page import make_excerpt
+
+        rows, _ = self.stored()
+        try:
+            results = self._find_results(self.make_results(rows))
+            return make_excerpt(self.study, self.config, results, self.place)
+        except InputError:  # nothing to show yet
+            return f"<p>{clean(repr(self))}</p>"
+
+    def dataset(self) -> xarray.Dataset:
+        """Return the values of all stored cases as an xarray Dataset.
+
+        A variable for each measure has the dimensions tuning (of a run with several), scheme, the
+        conditions, window and replicate; it is NaN where there is no value. Its attributes and
+        those of the conditions are name, unit and what is judged; those of the dataset say where
+        the run comes from.
+
+        Raises InputError if xarray is not installed (`pip install 'owtsweep[xarray]'`), no case has
+        succeeded, or the study's rows are no map.
+        """
+        from owtsweep.sweep.dataset import make_dataset
+
+        with blame(self.study):
+            return make_dataset(self.study, self.engine, self._find_results(None), self.metadata())
 
     @property
     def place(self) -> Path:

@@ -1,0 +1,47 @@
+"""Makes the index of a folder of figures: a small picture and a sentence for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from urllib.parse import quote
+
+from owtsweep.errors import printable
+from owtsweep.report.document import clean, make_document, make_picture
+
+INDEX = "index.html"
+#: Width of a small picture, in pixels.
+WIDTH = 480
+
+
+def make_gallery(title: str, figures: Sequence[Path]) -> str:
+    """Return the index of figures as HTML.
+
+    figures: PNG files that lie beside the index, the most useful one first. The sentence is the
+        title stored in the file.
+    """
+    items = [_show(path) for path in figures]
+    body = (
+        f"<header><h1>{clean(title)}</h1></header>\n<main>"
+        f'<ul class="gallery">{"".join(items)}</ul></main>'
+    )
+    return make_document(title, body)
+
+
+def _show(path: Path) -> str:
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        title = str(picture.info.get("Title", ""))
+        small = picture.convert("RGB")
+    small.thumbnail((WIDTH, 2 * WIDTH))
+    written = BytesIO()
+    small.quantize(64).save(written, "PNG", optimize=True)
+    sentence = title or printable(path.stem).replace("_", " ")
+    return (
+        f'<li><a href="{quote(path.name)}">{make_picture(written.getvalue(), sentence)}</a>'
+        f'<p>{clean(sentence)}</p><p class="note">{clean(path.stem)}: '
+        f'<a href="{quote(path.name)}">PNG</a>, '
+        f'<a href="{quote(path.with_suffix(".svg").name)}">SVG</a></p></li>'
+    )
