@@ -28,6 +28,7 @@ from owtsweep.io.files import check_writable, refuse_in_one_line
 from owtsweep.io.reading import refuse_links
 from owtsweep.studies import compose, locate
 from owtsweep.studies.registry import Located
+from owtsweep.sweep.asked import PAGE
 from owtsweep.sweep.keys import hash_text, run_folder
 from owtsweep.sweep.manifest import read_manifest
 from owtsweep.sweep.multirun_page import write_page
@@ -39,7 +40,6 @@ from owtsweep.sweep.multirun_record import (
     write_outcome,
     write_record,
 )
-from owtsweep.sweep.page import PAGE
 from owtsweep.sweep.worker import end_with_parent
 
 logger = logging.getLogger(__name__)

@@ -13,7 +13,7 @@ from owtsweep.cli.program import DONE, FAILED, same_command
 from owtsweep.config import Config
 from owtsweep.errors import InputError, printable, require
 from owtsweep.freed_memory import keep_freed_memory
-from owtsweep.sweep.page import PAGE
+from owtsweep.sweep.asked import PAGE
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

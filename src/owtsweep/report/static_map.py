@@ -22,8 +22,9 @@ CELL, SMALL_CELL = (92, 40), (16, 16)
 BESIDE, BELOW, LINE = 76, 44, 12
 #: A map with more columns or lines than this has small cells without text.
 MOST_COLUMNS, MOST_LINES = 14, 24
-#: Most letters of a name in a cell, and their width in pixels; most letters beside the map.
-MOST_LETTERS, LETTER, MOST_LABEL = 16, 8.4, 10
+#: Most letters of a name in a cell, their width in pixels, that of the next best's, and letters of
+#: a ratio; most letters beside the map.
+MOST_LETTERS, LETTER, SMALL_LETTER, RATIO, MOST_LABEL = 16, 8.4, 6.8, 6, 10
 
 
 class Layout(NamedTuple):
@@ -66,8 +67,10 @@ def draw(contents: Contents) -> str:
     names = [layout.across.name, *([layout.upwards.name] if layout.upwards else [])]
     rows = {tuple(row[name] for name in names): row for row in shown.to_dict("records")}
     labelled = len(columns) <= MOST_COLUMNS and len(lines) <= MOST_LINES
-    longest = min(max(map(len, best["best"]), default=0), MOST_LETTERS)
-    size = (max(CELL[0], round(LETTER * longest) + 10), CELL[1]) if labelled else SMALL_CELL
+    letters = [max(map(len, best[name]), default=0) for name in ("best", "runner_up")]
+    first, second = (min(count, MOST_LETTERS) for count in letters)
+    wide = round(max(LETTER * first, SMALL_LETTER * (second + RATIO))) + 10
+    size = (max(CELL[0], wide), CELL[1]) if labelled else SMALL_CELL
     width, height = size
     right, bottom = BESIDE + width * len(columns), height * len(lines)
     parts = []

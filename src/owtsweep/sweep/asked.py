@@ -25,10 +25,11 @@ from owtsweep.sweep.keys import hash_text, question_hash
 FOLDER = "asked"
 LATEST = "latest"
 CONFIG = "config.yaml"
+#: The page of a run; and what is kept for it on request.
+PAGE, DETAILS = "report.html", "details.json"
 #: What is made of a question's cases and lies in the root of the run folder, besides the tables.
 MADE = (
-    "figures", "fidelity", "report.md", "report.html", "details.json", "estimates.parquet",
-    "estimates", "records",
+    "figures", "fidelity", "report.md", PAGE, DETAILS, "estimates.parquet", "estimates", "records",
 )  # fmt: skip
 #: Most bytes of a configuration.
 MOST_BYTES = 10_000_000

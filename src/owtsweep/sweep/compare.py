@@ -29,9 +29,9 @@ from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.reading import refuse_links, require_folder
 from owtsweep.io.tables import write_table
 from owtsweep.report.several_page import make_comparison_page
+from owtsweep.sweep.asked import PAGE
 from owtsweep.sweep.keys import hash_text
 from owtsweep.sweep.multirun_record import read_record
-from owtsweep.sweep.page import PAGE
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
 

@@ -22,6 +22,7 @@ from owtsweep.io.reading import read_json
 from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Value
 from owtsweep.results.contents import Contents
+from owtsweep.sweep.asked import DETAILS
 from owtsweep.sweep.study import Study, blame
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
     from owtsweep.config import AnyConfig
 
-DETAILS = "details.json"
 #: Length of a stretch, s, and the most samples of a second that are kept.
 SECONDS, RATE = 40.0, 10.0
 #: Most bytes of a stored file.

@@ -10,8 +10,8 @@ from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import read_table
 from owtsweep.report.several_page import make_multirun_page
 from owtsweep.results.answer import tell_counts
+from owtsweep.sweep.asked import PAGE
 from owtsweep.sweep.multirun_record import JobOutcome, PlannedRun
-from owtsweep.sweep.page import PAGE
 
 
 def write_page(folder: Path, planned: Sequence[PlannedRun], outcomes: Sequence[JobOutcome]) -> None:

@@ -21,7 +21,7 @@ from owtsweep.report.run_page import (
     tell_answer,
 )
 from owtsweep.report.static_map import draw
-from owtsweep.sweep import asked
+from owtsweep.sweep.asked import PAGE, find_home
 from owtsweep.sweep.details import read_details
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.manifest import read_manifest, without_places
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-PAGE = "report.html"
 #: What a page says where it has no stretch of a record.
 HELP = (
     "A sweep keeps errors alone. `owtsweep report RUN --details`, with the folder of this run, "
@@ -68,7 +67,7 @@ def make_page(
             if shown[tuning].contents is None
             for path in (place / "figures").glob(f"{engine.overview(result.config)}*.png")
         }
-    name = printable((asked.find_home(folder) or folder).name)
+    name = printable((find_home(folder) or folder).name)
     tables = _gather_tables(results, shown, place)
     drawn = {printable(path.stem): path.read_bytes() for path in sorted(pictures)}
     extras = Extras(tables, drawn, HELP if study.stretched else NO_STRETCH)

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,6 @@ from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import Drawing, draw_each
 from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import read_table
-from owtsweep.report.document import clean
 from owtsweep.sweep import asked
 from owtsweep.sweep.gather import Results, join_rows, sort_rows
 from owtsweep.sweep.keys import run_hash
@@ -68,7 +68,7 @@ class Run:
             results = self._find_results(self.make_results(rows))
             return make_excerpt(self.study, self.config, results, self.place)
         except InputError:  # nothing to show yet
-            return f"<p>{clean(repr(self))}</p>"
+            return f"<p>{escape(repr(self))}</p>"
 
     def dataset(self) -> xarray.Dataset:
         """Return the values of all stored cases as an xarray Dataset.
@@ -295,15 +295,15 @@ class Run:
             not work.
         Raises OSError if the file system refuses the file.
         """
-        from owtsweep.sweep.page import PAGE, make_page
+        from owtsweep.sweep.page import make_page
 
         found = self._find_results(results)
         text = make_page(self.study, self.config, found, self.folder, self.place)
         if output is not None:
             write_atomically(output, text)
             return output
-        asked.write_both(self.folder, self.question, {PAGE: text})
-        return self.place / PAGE
+        asked.write_both(self.folder, self.question, {asked.PAGE: text})
+        return self.place / asked.PAGE
 
     def keep_details(self) -> Path:
         """Run the schemes on record 0 of each cell, and keep 40 s of it and error spectra.
@@ -312,7 +312,7 @@ class Run:
         Raises InputError if no case has succeeded, or the study has no record to show.
         Raises OSError if the file system refuses the file.
         """
-        from owtsweep.sweep.details import DETAILS, dump_details, make_details
+        from owtsweep.sweep.details import dump_details, make_details
 
         details = {}
         for tuning, result in self._find_results(None).items():
@@ -321,8 +321,8 @@ class Run:
             if contents is None:
                 raise InputError(f"--details: a run of the study {self.study.name} has no map")
             details[tuning] = make_details(self.study, result.config, contents)
-        asked.write_both(self.folder, self.question, {DETAILS: dump_details(details)})
-        return self.place / DETAILS
+        asked.write_both(self.folder, self.question, {asked.DETAILS: dump_details(details)})
+        return self.place / asked.DETAILS
 
     def _find_results(self, results: Mapping[str, Results] | None) -> Mapping[str, Results]:
         found = self.make_results(self._finished()) if results is None else results
