@@ -82,7 +82,7 @@ def test_the_commands_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
     (folder,) = Path("results").glob("constant-*")
     assert {path.suffix for path in (folder / "figures").iterdir()} == {".png", ".svg"}
     assert "state" in run(f"python -m owtsweep show {folder}", capsys)
-    assert "2 files" in run(f"python -m owtsweep figures {folder}", capsys)
+    assert "3 files" in run(f"python -m owtsweep figures {folder}", capsys)
 
     run(f"{multirun} {FEW}", capsys)
     (folder,) = Path("results").glob("multirun-*")

@@ -12,13 +12,15 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.io import files
 
+TITLE = {"Title": "Several words to be outlined"}
+
 
 def plain_figure():
     with style.context():
         figure = style.new_figure(6.0, 4.0)
         axes = figure.subplots()
         axes.plot([0.0, 1.0], [0.0, 1.0], label="a line")
-        axes.set_title("Several words to be outlined")
+        axes.set_title(TITLE["Title"])
         axes.legend()
     return figure
 
@@ -45,7 +47,7 @@ def test_the_files_are_what_savefig_writes(tmp_path):
     saved = style.save(plain_figure(), tmp_path, "drawn")
     described = {"Date": None, "Description": "{}"}
     for file, options in zip(
-        saved, ({"dpi": style.RESOLUTION}, {"metadata": described}), strict=True
+        saved, ({"dpi": style.RESOLUTION, "metadata": TITLE}, {"metadata": described}), strict=True
     ):
         slow = tmp_path / f"slow{file.suffix}"
         with style.context():

@@ -109,7 +109,9 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     run, results = outcome.run, outcome.results
     shown = True
     if results:
-        shown &= _write("map", lambda: run.draw(results=results, overview=True), run)
+        shown &= _write(
+            "map could not be drawn", lambda: run.draw(results=results, overview=True), run
+        )
         shown &= write_report(run, results)
         shown &= print_answer(run, results)
     code = tell_end(outcome, argv, f"{run.place}/")
@@ -118,10 +120,10 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
 def write_report(run: Run, results: Mapping[str, Results]) -> bool:
     """Write the page of a run; return whether it could be written, and print the reason if not."""
-    return _write("page", lambda: run.write_report(results=results), run)
+    return _write("page could not be written", lambda: run.write_report(results=results), run)
 
 
-def _write(name: str, write: Callable[[], object], run: Run) -> bool:
+def _write(failure: str, write: Callable[[], object], run: Run) -> bool:
     """Write what is made of a run's results; return whether it could be written.
 
     If it could not, the reason is printed to stderr. The run's cases and tables are kept.
@@ -132,7 +134,7 @@ def _write(name: str, write: Callable[[], object], run: Run) -> bool:
         with refuse_in_one_line(run.place):
             write()
     except InputError as error:
-        print(f"failed: the {name} could not be made: {error}", file=sys.stderr)
+        print(f"failed: the {failure}: {error}", file=sys.stderr)
         return False
     return True
 
@@ -171,8 +173,8 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
     """Print how a run ended, and return the exit code: 1 if cases failed, else 0.
 
     First, cases that failed or that a scheme cannot compute are printed to stderr, with reasons.
-    Then the number of computed cases is printed, with the text `place`, which says where the
-    results are. `argv` are the words of the command line, to be repeated if cases failed.
+    Then the page of the run is named, and the number of computed cases is printed, with the text
+    `place`, which says where the results are. `argv` are the words of the command line, to be repeated if cases failed.
     """
     for line in setback_lines("unable", outcome.unable) + setback_lines("failed", outcome.failed):
         print(line, file=sys.stderr)
@@ -182,9 +184,9 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
         print(f"{again}the same command tries again:", file=sys.stderr)
         print(f"  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
-    print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {place}")
     if (outcome.run.place / PAGE).is_file():
         print(f"page to send: {printable(str(outcome.run.place / PAGE))}")
+    print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {place}")
     return FAILED if outcome.failed else DONE
 
 

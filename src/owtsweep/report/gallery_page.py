@@ -37,7 +37,7 @@ def _show(path: Path) -> str:
         small = picture.convert("RGB")
     small.thumbnail((WIDTH, 2 * WIDTH))
     written = BytesIO()
-    small.quantize(64).save(written, "PNG", optimize=True)
+    small.save(written, "PNG", optimize=True)  # fewer colours would be others than the legend's
     sentence = title or printable(path.stem).replace("_", " ")
     return (
         f'<li><a href="{quote(path.name)}">{make_picture(written.getvalue(), sentence)}</a>'

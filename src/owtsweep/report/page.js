@@ -15,8 +15,7 @@ function make(name, attributes = {}, ...children) {
 }
 
 /** Return the names of the best and the next best in the chosen cell. */
-function nameContest(part, state) {
-  const shown = judgeCell(part, state, state.at);
+function nameContest(shown) {
   return shown ? [shown.best, shown.next] : [];
 }
 
@@ -98,7 +97,15 @@ class Page {
     this.show();
   }
 
+  /** Return what is known of a cell; computed once for each state. */
+  judge(at) {
+    const key = at.join();
+    if (!this.judged.has(key)) this.judged.set(key, judgeCell(this.part, this.state, at));
+    return this.judged.get(key);
+  }
+
   show() {
+    this.judged = new Map();
     this.showControls();
     this.paint();
     this.showCell();
@@ -152,7 +159,7 @@ class Page {
     const counts = new Map();
     for (const {i, j, at} of listMapCells(part, state.at)) {
       const group = this.cellAt(i, j);
-      const shown = judgeCell(part, state, at);
+      const shown = this.judge(at);
       const [box, mark] = group.querySelectorAll("rect");
       const chosen = at.join() === state.at.join();
       group.classList.toggle("chosen", chosen);
@@ -219,7 +226,7 @@ class Page {
     };
     const say = () => {
       const at = place();
-      const told = this.tell(judgeCell(this.part, this.state, at));
+      const told = this.tell(this.judge(at));
       document.getElementById("said").textContent = `${nameCell(this.part, at)}: ${told}.`;
     };
     group.addEventListener("mouseenter", say);
@@ -247,7 +254,7 @@ class Page {
     const title = document.getElementById("cell-title");
     title.textContent = nameCell(part, at, amplitude);
     const whatIf = !isJudged(part, state) || amplitude !== null;
-    const shown = judgeCell(part, state, at);
+    const shown = this.judge(at);
     const records = amplitude === null ? countRecords(part, state, at) : state.records;
     const lines = runContest(part, state.criterion, state.window, at, records, amplitude);
     const verdict = document.getElementById("cell-verdict");
@@ -372,7 +379,7 @@ class Page {
         curves[line.scheme].points.push([value, line.error, line.low, line.high]);
       }
     }
-    const best = judgeCell(part, state, state.at);
+    const best = this.judge(state.at);
     for (const curve of curves) curve.bold = Boolean(best) && curve.name === best.best;
     const last = along === part.conditions.length - 1 && state.amplitude !== null;
     const positive = curves.every((curve) => curve.points.every((p) => !(p[1] <= 0)));
@@ -409,7 +416,7 @@ class Page {
     }
     const {label} = stretch;
     const names = stretch.errors.map(({name}) => name);
-    const shown = this.drawn || new Set(nameContest(part, state));
+    const shown = this.drawn || new Set(nameContest(this.judge(state.at)));
     const boxes = names.map((name) => {
       const act = () => {
         this.drawn = new Set(shown);
@@ -453,7 +460,7 @@ class Page {
     const columns = listColumns(part, state);
     const places = [...Array(part.conditions.length).keys()];
     const cells = places.reduce((all, axis) => all.flatMap((at) => part.conditions[axis].values.map((_, i) => [...at, i])), [[]])
-      .map((at) => ({at, shown: judgeCell(part, state, at)}));
+      .map((at) => ({at, shown: this.judge(at)}));
     const arranged = arrangeCells(cells, columns, this.order);
     const head = make("tr", {}, ...columns.map(({label}, n) => {
       const sorted = this.order.sorted === n;
@@ -503,7 +510,7 @@ class Page {
       if (at.length < part.conditions.length) {
         part.conditions[at.length].values.forEach((_, i) => add([...at, i]));
       } else {
-        cells.push({at, shown: judgeCell(part, state, at)});
+        cells.push({at, shown: this.judge(at)});
       }
     };
     add([]);
