@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -109,9 +110,8 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     run, results = outcome.run, outcome.results
     shown = True
     if results:
-        shown &= _write(
-            "map could not be drawn", lambda: run.draw(results=results, overview=True), run
-        )
+        draw = partial(run.draw, results=results, overview=True)
+        shown &= _write("map could not be drawn", draw, run)
         shown &= write_report(run, results)
         shown &= print_answer(run, results)
     code = tell_end(outcome, argv, f"{run.place}/")
@@ -120,7 +120,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
 def write_report(run: Run, results: Mapping[str, Results]) -> bool:
     """Write the page of a run; return whether it could be written, and print the reason if not."""
-    return _write("page could not be written", lambda: run.write_report(results=results), run)
+    return _write("page could not be written", partial(run.write_report, results=results), run)
 
 
 def _write(failure: str, write: Callable[[], object], run: Run) -> bool:
@@ -174,7 +174,8 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
 
     First, cases that failed or that a scheme cannot compute are printed to stderr, with reasons.
     Then the page of the run is named, and the number of computed cases is printed, with the text
-    `place`, which says where the results are. `argv` are the words of the command line, to be repeated if cases failed.
+    `place`, which says where the results are. `argv` are the words of the command line, to be
+    repeated if cases failed.
     """
     for line in setback_lines("unable", outcome.unable) + setback_lines("failed", outcome.failed):
         print(line, file=sys.stderr)

@@ -18,7 +18,7 @@ from owtsweep.results.contents import Contents
 
 #: Least width and height of a cell with text, width and height of one without, the rooms left of
 #: the map and below it, and the distance of lines, in pixels.
-CELL, SMALL_CELL = (92, 40), (16, 16)
+CELL, SMALL_CELL = (92, 43), (16, 16)
 BESIDE, BELOW, LINE = 76, 44, 12
 #: A map with more columns or lines than this has small cells without text.
 MOST_COLUMNS, MOST_LINES = 14, 24
