@@ -12,6 +12,7 @@ import pytest
 from owtsweep.results.answer import tell_answer, tell_cell, tell_scheme
 from owtsweep.results.criteria import MILLIMETRE, Criterion
 from owtsweep.results.cube import Cube
+from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.status import FAILED, OK, UNABLE
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import Asked, find_open, make_table
@@ -167,4 +168,70 @@ def test_a_fixed_number_of_records_has_the_same_columns() -> None:
     row = table.query("amplitude == 0.1").iloc[0]
     assert row["error_low"] == pytest.approx(np.sqrt(own["ci_low"]), rel=1e-12)
     assert (row["n"], row["look"], row["verdict"]) == (8, 0, "won")
-    assert "times the least" in tell_scheme("HME2", table, summary, POSITION)
+    ratios = compare_with_best(cube, table, {"position": POSITION})
+    assert set(ratios["n"]) == {8}
+    assert "times the least" in tell_scheme("HME2", table, ratios, POSITION)
+
+
+def test_a_scheme_that_has_left_is_compared_over_the_records_of_both() -> None:
+    rows = make_rows(LATER)
+    table = decide(rows)
+    cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
+    ratios = compare_with_best(cube, table, {"position": POSITION})
+    here = ratios.query("amplitude == 1.0").set_index("scheme")
+    values = {
+        name: rows.query("amplitude == 1.0 and scheme == @name")["value"].to_numpy()
+        for name in CONTENDERS
+    }
+    assert here["n"].to_dict() == LATER
+    ratio = math.sqrt(values["HME2"].mean() / values["HME1"][:8].mean())
+    assert here.loc["HME2", "ratio"] == pytest.approx(ratio, rel=1e-12)
+    error = ratio * math.sqrt(values["HME1"].mean())
+    assert here.loc["HME2", "error"] == pytest.approx(error, rel=1e-12)
+    assert here.loc["HME1", "ratio"] == 1.0
+    row = table.query("amplitude == 1.0").iloc[0]
+    assert here.loc["MKF", "error"] == pytest.approx(row["error_runner_up"], rel=1e-12)
+    told = tell_scheme("HME2", table, ratios, POSITION)
+    assert f"{ratio:.3g} times the least, over the 8 records that both have." in told
+    assert (
+        tell_scheme("EKF", table, ratios, POSITION) == "EKF is best in no cell: it has no result."
+    )
+
+
+def test_records_after_the_last_look_do_not_move_a_ratio() -> None:
+    few, many = make_rows(LATER), make_rows(dict.fromkeys(CONTENDERS, 64))
+    table = decide(few)
+    cubes = [Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID) for rows in (few, many)]
+    one, other = (compare_with_best(cube, table, {"position": POSITION}) for cube in cubes)
+    decided = one["scheme"].isin(["HME1", "MKF"])  # the others have left
+    pd.testing.assert_frame_equal(one[decided], other[decided])
+
+
+def test_a_root_is_judged_as_its_square_where_there_are_looks_and_as_it_is_without() -> None:
+    from owtsweep.results.best_scheme import find_best_schemes
+
+    root = {"position": Criterion("position", "root", "m", *MILLIMETRE)}
+    rows = make_rows(FIRST)
+    rows["value"] **= 0.5
+    cube = Cube.of_rows(rows, CONTENDERS[1:], CONDITIONS, GRID)
+    values = {
+        name: rows.query("amplitude == 1.0 and scheme == @name")["value"].to_numpy()
+        for name in CONTENDERS
+    }
+    fixed = find_best_schemes(cube, "settled", root)
+    ratios = compare_with_best(cube, fixed, root).query("amplitude == 1.0 and scheme == 'HME2'")
+    means = [values[name].mean() for name in ("HME2", "HME1")]
+    assert ratios["ratio"].iloc[0] == pytest.approx(means[0] / means[1], rel=1e-12)
+    looked = compare_with_best(cube, fixed.assign(look=1), root)
+    squares = [(values[name] ** 2).mean() for name in ("HME2", "HME1")]
+    told = looked.query("amplitude == 1.0 and scheme == 'HME2'")["ratio"].iloc[0]
+    assert told == pytest.approx(math.sqrt(squares[0] / squares[1]), rel=1e-12)
+
+
+def test_means_side_by_side_are_over_the_records_of_all() -> None:
+    rows = make_rows(LATER)
+    cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
+    shared = summarise(cube, shared=True)
+    assert set(shared["n"]) == {8}
+    own = summarise(Cube.of_rows(rows[rows["replicate"] < 8], CONTENDERS, CONDITIONS, GRID))
+    pd.testing.assert_frame_equal(shared, own)

@@ -9,7 +9,7 @@ import numpy as np
 
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
-from owtsweep.results.verdicts import SEPARATOR, list_shared
+from owtsweep.results.verdicts import SEPARATOR
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -84,29 +84,29 @@ def tell_cell(row: Row, criterion: Criterion) -> list[str]:
 
 
 def tell_beaten(
-    names: Sequence[str], cells: pd.DataFrame, summary: pd.DataFrame, criterion: Criterion
+    names: Sequence[str], cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion
 ) -> list[str]:
     """Return a sentence on each of some schemes that is best in no cell; else as `tell_scheme`."""
     best = {*cells["best"]}
-    return [tell_scheme(name, cells, summary, criterion) for name in names if name not in best]
+    return [tell_scheme(name, cells, ratios, criterion) for name in names if name not in best]
 
 
-def tell_scheme(name: str, cells: pd.DataFrame, summary: pd.DataFrame, criterion: Criterion) -> str:
+def tell_scheme(name: str, cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion) -> str:
     """Return in one sentence what error a scheme has that is best in no cell.
 
     cells: rows of best_scheme.csv with one criterion and one window: one row per cell.
-    summary: the run's table summary.csv.
+    ratios: the run's table ratios.csv.
     """
-    keys = list_shared(cells, summary)
-    own = summary[(summary["scheme"] == name) & (summary["measure"] == cells["criterion"].iloc[0])]
-    both = cells[[*keys, "error_best"]].merge(own[[*keys, "mean"]], on=keys)
+    keys = [*ratios.columns[: ratios.columns.get_loc("scheme")]]
+    own = ratios.loc[ratios["scheme"] == name, [*keys, "error", "n"]]
+    both = cells[[*keys, "error_best"]].merge(own, on=keys)
     if both.empty:
         return f"{name} is best in no cell: it has no result."
-    error = np.sqrt(both["mean"]) if criterion.values == "square" else both["mean"]
-    ratio = error / both["error_best"]
+    ratio, n = both["error"] / both["error_best"], both["n"]
+    records = f", over the {_tell_ends(n, 'd')} records that both have" * bool(n.max())
     return (
-        f"{name} is best in no cell: its error is {_tell_range(error, criterion)}, "
-        f"{ratio.min():.3g} to {ratio.max():.3g} times the least."
+        f"{name} is best in no cell: its error is {_tell_range(both['error'], criterion)}, "
+        f"{_tell_ends(ratio, '.3g')} times the least{records}."
     )
 
 
@@ -125,6 +125,12 @@ def _tell_open(cells: pd.DataFrame, conditions: Sequence[Condition]) -> list[str
 
 def _list_others(row: Row) -> list[str]:
     return [name for name in row["left"].split(SEPARATOR) if name != row["best"]]
+
+
+def _tell_ends(numbers: pd.Series[float], form: str) -> str:
+    """Return the least and the largest number as text, or the one if they read alike."""
+    ends = (f"{numbers.min():{form}}", f"{numbers.max():{form}}")
+    return " to ".join(dict.fromkeys(ends))
 
 
 def _tell_range(errors: pd.Series[float], criterion: Criterion) -> str:

@@ -98,7 +98,7 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
         if name == config.criterion and not lines:
             lines += tell_answer(cells, chosen, conditions)
             own = [scheme for scheme in schemes if scheme not in list_schemes(config.study)]
-            lines += tell_beaten(own, cells, summary, chosen)
+            lines += tell_beaten(own, cells, tables["ratios"], chosen)
         elif name != config.criterion:
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if len(schemes) < len(names):

@@ -12,6 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures.drawings import save_figure
 from owtsweep.results.answer import tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
@@ -96,7 +97,7 @@ class _Engine(Engine):
         if len(table):
             lines += tell_answer(table, judged, conditions)
             further = [name for name in scheme_names(config) if name not in REGISTERED]
-            lines += tell_beaten(further, table, tables["summary"], judged)
+            lines += tell_beaten(further, table, tables["ratios"], judged)
         lines += _tell_bound(config)
         if "SKFA" not in scheme_names(config) and self.world.has_spectrum:
             lines.append(NOT_ASKED)
@@ -186,7 +187,9 @@ class RecordsEngine(DeclaredBlocks, _Engine):
             judged = {name: JUDGED[name] for name in criteria(config)}
             window, baselines = config.measures.window, list_baselines(config)
             best = find_best_schemes(cube, window, judged, baselines)
-        return {"summary": _add_efficiency(summary, config), "best_scheme": best}
+        ratios = compare_with_best(cube, best, JUDGED)
+        summary = _add_efficiency(summary, config)
+        return {"summary": summary, "best_scheme": best, "ratios": ratios}
 
 
 class ExpectedEngine(_Engine):
