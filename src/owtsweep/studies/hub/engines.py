@@ -34,6 +34,7 @@ from owtsweep.studies.hub.describe import (
     describe_truth,
     find_winners,
     make_cube,
+    tell_not_asked,
 )
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
@@ -99,8 +100,7 @@ class _Engine(Engine):
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, tables["ratios"], judged)
         lines += _tell_bound(config)
-        if "SKFA" not in scheme_names(config) and self.world.has_spectrum:
-            lines.append(NOT_ASKED)
+        lines += tell_not_asked(config)
         sentences = [Text(line) for line in [*lines, OTHER_WINDOW[window]]]
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         if not self.world.has_spectrum:
@@ -207,14 +207,6 @@ class ExpectedEngine(_Engine):
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
         return "threading"
-
-
-#: What the answer says of the scheme that is not in the default list, because it costs some 9 s of
-#: a processor per record of the default map.
-NOT_ASKED = (
-    "Not asked: SKFA, which tracks the sea. Where fixes have no outliers and the sea one peak, its "
-    "error is at most that of these (docs/better.md); schemes=[HME1,SKFA] compares it."
-)
 
 
 def _tell_bound(config: HubConfig) -> list[str]:
