@@ -49,6 +49,13 @@ def decide(rows: pd.DataFrame) -> pd.DataFrame:
     return make_table(cube, rows, ASKED)
 
 
+def decide_both(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the tables best_scheme and ratios."""
+    cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
+    table = make_table(cube, rows, ASKED)
+    return table, compare_with_best(cube, table, {"position": POSITION})
+
+
 def ask_more(rows: pd.DataFrame) -> tuple[int, list[list[str]]]:
     cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
     records, cells = find_open(cube, rows, ASKED)
@@ -141,17 +148,24 @@ def test_a_superposed_row_stands_for_all_amplitudes() -> None:
 
 
 def test_the_answer_is_told_in_the_unit_with_runner_up_and_no_estimator() -> None:
-    table = decide(make_rows(FIRST))
-    text = " ".join(tell_answer(table, POSITION, CONDITIONS))
+    table, ratios = decide_both(make_rows(FIRST))
+    text = " ".join(tell_answer(table, ratios, POSITION, CONDITIONS))
     assert "HME1 in 2 of 2 cells (0 won, 0 tie, 2 open)" in text
     assert " m, median " in text
     assert "Open after 8 records: natural period 3 s, amplitude 0.1 m: HME1 or MKF; some " in text
-    one = " ".join(tell_cell(decide(make_rows(LATER)).iloc[1].to_dict(), POSITION))
+    assert "records of both" not in text
+    table, ratios = decide_both(make_rows(LATER))
+    one = " ".join(tell_cell(table.iloc[[1]], ratios, POSITION))
     assert one.startswith("HME1 is best: error 0.0")
     assert " m (95 %: 0.0" in one
     assert "32 records." in one
     assert re.search(r"Runner-up: MKF, 0.0399 m, 1.0\d+ times as much.", one)
-    assert "No estimator (best baseline NONE): 0.6" in one
+    assert re.search(r"No estimator \(best baseline NONE\): 0.6\d+ m, over 8 records of both.", one)
+    text = " ".join(tell_answer(table, ratios, POSITION, CONDITIONS))
+    assert re.search(r"times as large, median 1.0\d+\. No estimator", text)
+    assert re.search(
+        r"No estimator \(best baseline\): [^.]+.*, over 8 records of both\. Fail", text
+    )
 
 
 def test_a_fixed_number_of_records_has_the_same_columns() -> None:
@@ -175,9 +189,7 @@ def test_a_fixed_number_of_records_has_the_same_columns() -> None:
 
 def test_a_scheme_that_has_left_is_compared_over_the_records_of_both() -> None:
     rows = make_rows(LATER)
-    table = decide(rows)
-    cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
-    ratios = compare_with_best(cube, table, {"position": POSITION})
+    table, ratios = decide_both(rows)
     here = ratios.query("amplitude == 1.0").set_index("scheme")
     values = {
         name: rows.query("amplitude == 1.0 and scheme == @name")["value"].to_numpy()
@@ -192,7 +204,7 @@ def test_a_scheme_that_has_left_is_compared_over_the_records_of_both() -> None:
     row = table.query("amplitude == 1.0").iloc[0]
     assert here.loc["MKF", "error"] == pytest.approx(row["error_runner_up"], rel=1e-12)
     told = tell_scheme("HME2", table, ratios, POSITION)
-    assert f"{ratio:.3g} times the least, over the 8 records that both have." in told
+    assert f"{ratio:.3g} times the least, over 8 records of both." in told
     assert (
         tell_scheme("EKF", table, ratios, POSITION) == "EKF is best in no cell: it has no result."
     )

@@ -276,7 +276,7 @@ def test_a_scheme_of_a_user_that_is_best_nowhere_gets_a_line(tmp_path: Path) -> 
     shown = " ".join(render(run, tables, config).split())
     least = 10.0 * own.query("criterion == 'position'")["error"].min()
     assert f"{name} is best in no cell: its error is {least:.3g} to " in shown
-    assert "times the least, over the 6 records that both have." in shown
+    assert "times the least, over 6 records of both." in shown
     assert "A = " not in shown
     assert re.search(r"cells: .*NONE 1", shown)
 

@@ -77,7 +77,7 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
 
     from owtsweep.figures.terminal import grid
 
-    best, summary = tables["best_scheme"], tables["summary"]
+    best, ratios, summary = tables["best_scheme"], tables["ratios"], tables["summary"]
     origin = [
         f"Tuning {config.tuning_name}, {contest.describe_truth(config)}",
         f"Sensors: {contest.describe_sensors(config)}; {describe_draws(config)}",
@@ -96,9 +96,9 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
         if not len(cells):
             continue
         if name == config.criterion and not lines:
-            lines += tell_answer(cells, chosen, conditions)
+            lines += tell_answer(cells, ratios, chosen, conditions)
             own = [scheme for scheme in schemes if scheme not in list_schemes(config.study)]
-            lines += tell_beaten(own, cells, tables["ratios"], chosen)
+            lines += tell_beaten(own, cells, ratios, chosen)
         elif name != config.criterion:
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if len(schemes) < len(names):

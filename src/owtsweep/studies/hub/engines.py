@@ -96,7 +96,7 @@ class _Engine(Engine):
         )  # fmt: skip
         lines = []
         if len(table):
-            lines += tell_answer(table, judged, conditions)
+            lines += tell_answer(table, tables["ratios"], judged, conditions)
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, tables["ratios"], judged)
         lines += _tell_bound(config)
