@@ -50,7 +50,7 @@ def test_sweep_writes_what_the_readme_says(capsys):
     run = only_run()
     assert {path.name for path in run.iterdir()} == {
         "config.yaml", "plan.json", "manifest.json", "cases", "summary.csv", "best_scheme.csv",
-        "figures", "run.log", "asked", "report.html",
+        "ratios.csv", "figures", "run.log", "asked", "report.html",
     }  # fmt: skip
     assert {path.name for path in (run / "figures").iterdir()} == {
         "figure_18_best_scheme.png",

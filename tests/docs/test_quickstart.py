@@ -25,7 +25,7 @@ PAGE = (ROOT / "docs/quickstart.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(console|python|text)\n(.*?)^```", PAGE, flags=re.DOTALL | re.MULTILINE)
 RECORDS = ["grid.natural_period=[4.0]", "record.duration=60"]
 SMALL = {
-    "sweep": [*RECORDS, "grid.amplitude=[0.01,0.5]", "grid.most=8",
+    "sweep": [*RECORDS, "grid.amplitude=[0.01,0.5]", "grid.most=16",
               "compute.backend=threading", "compute.workers=1"],
     "tune": [*RECORDS, "tune.trials=1", "tune.replicates=2", "schemes=[MKF,HME1]"],
     "vary": ["record.duration=60", "schemes=[MKF,HME1]"],

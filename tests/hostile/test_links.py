@@ -13,7 +13,10 @@ from worlds import TINY
 from owtsweep.cli.program import main
 
 #: Names of links in a run's folder whose targets commands would append to, write into, or read.
-FILES = ("run.log", "config.yaml", "plan.json", "manifest.json", "summary.csv", "best_scheme.csv")
+FILES = (
+    "run.log", "config.yaml", "plan.json", "manifest.json", "summary.csv", "best_scheme.csv",
+    "ratios.csv",
+)  # fmt: skip
 FOLDERS = ("cases", "figures", "asked", "fidelity", "spectrum", "fidelity/figures")
 
 

@@ -12,6 +12,7 @@ import pytest
 from owtsweep.results.answer import tell_answer, tell_cell, tell_scheme
 from owtsweep.results.criteria import MILLIMETRE, Criterion
 from owtsweep.results.cube import Cube
+from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.status import FAILED, OK, UNABLE
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import Asked, find_open, make_table
@@ -46,6 +47,13 @@ def make_rows(records: dict[str, int], period: float = 3.0, seed: int = 1) -> pd
 def decide(rows: pd.DataFrame) -> pd.DataFrame:
     cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
     return make_table(cube, rows, ASKED)
+
+
+def decide_both(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the tables best_scheme and ratios."""
+    cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
+    table = make_table(cube, rows, ASKED)
+    return table, compare_with_best(cube, table, {"position": POSITION})
 
 
 def ask_more(rows: pd.DataFrame) -> tuple[int, list[list[str]]]:
@@ -140,17 +148,24 @@ def test_a_superposed_row_stands_for_all_amplitudes() -> None:
 
 
 def test_the_answer_is_told_in_the_unit_with_runner_up_and_no_estimator() -> None:
-    table = decide(make_rows(FIRST))
-    text = " ".join(tell_answer(table, POSITION, CONDITIONS))
+    table, ratios = decide_both(make_rows(FIRST))
+    text = " ".join(tell_answer(table, ratios, POSITION, CONDITIONS))
     assert "HME1 in 2 of 2 cells (0 won, 0 tie, 2 open)" in text
     assert " m, median " in text
     assert "Open after 8 records: natural period 3 s, amplitude 0.1 m: HME1 or MKF; some " in text
-    one = " ".join(tell_cell(decide(make_rows(LATER)).iloc[1].to_dict(), POSITION))
+    assert "records of both" not in text
+    table, ratios = decide_both(make_rows(LATER))
+    one = " ".join(tell_cell(table.iloc[[1]], ratios, POSITION))
     assert one.startswith("HME1 is best: error 0.0")
     assert " m (95 %: 0.0" in one
     assert "32 records." in one
     assert re.search(r"Runner-up: MKF, 0.0399 m, 1.0\d+ times as much.", one)
-    assert "No estimator (best baseline NONE): 0.6" in one
+    assert re.search(r"No estimator \(best baseline NONE\): 0.6\d+ m, over 8 records of both.", one)
+    text = " ".join(tell_answer(table, ratios, POSITION, CONDITIONS))
+    assert re.search(r"times as large, median 1.0\d+\. No estimator", text)
+    assert re.search(
+        r"No estimator \(best baseline\): [^.]+.*, over 8 records of both\. Fail", text
+    )
 
 
 def test_a_fixed_number_of_records_has_the_same_columns() -> None:
@@ -167,4 +182,68 @@ def test_a_fixed_number_of_records_has_the_same_columns() -> None:
     row = table.query("amplitude == 0.1").iloc[0]
     assert row["error_low"] == pytest.approx(np.sqrt(own["ci_low"]), rel=1e-12)
     assert (row["n"], row["look"], row["verdict"]) == (8, 0, "won")
-    assert "times the least" in tell_scheme("HME2", table, summary, POSITION)
+    ratios = compare_with_best(cube, table, {"position": POSITION})
+    assert set(ratios["n"]) == {8}
+    assert "times the least" in tell_scheme("HME2", table, ratios, POSITION)
+
+
+def test_a_scheme_that_has_left_is_compared_over_the_records_of_both() -> None:
+    rows = make_rows(LATER)
+    table, ratios = decide_both(rows)
+    here = ratios.query("amplitude == 1.0").set_index("scheme")
+    values = {
+        name: rows.query("amplitude == 1.0 and scheme == @name")["value"].to_numpy()
+        for name in CONTENDERS
+    }
+    assert here["n"].to_dict() == LATER
+    ratio = math.sqrt(values["HME2"].mean() / values["HME1"][:8].mean())
+    assert here.loc["HME2", "ratio"] == pytest.approx(ratio, rel=1e-12)
+    error = ratio * math.sqrt(values["HME1"].mean())
+    assert here.loc["HME2", "error"] == pytest.approx(error, rel=1e-12)
+    assert here.loc["HME1", "ratio"] == 1.0
+    row = table.query("amplitude == 1.0").iloc[0]
+    assert here.loc["MKF", "error"] == pytest.approx(row["error_runner_up"], rel=1e-12)
+    told = tell_scheme("HME2", table, ratios, POSITION)
+    assert f"{ratio:.3g} times the least, over 8 records of both." in told
+    assert (
+        tell_scheme("EKF", table, ratios, POSITION) == "EKF is best in no cell: it has no result."
+    )
+
+
+def test_records_after_the_last_look_do_not_move_a_ratio() -> None:
+    few, many = make_rows(LATER), make_rows(dict.fromkeys(CONTENDERS, 64))
+    table = decide(few)
+    cubes = [Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID) for rows in (few, many)]
+    one, other = (compare_with_best(cube, table, {"position": POSITION}) for cube in cubes)
+    decided = one["scheme"].isin(["HME1", "MKF"])  # the others have left
+    pd.testing.assert_frame_equal(one[decided], other[decided])
+
+
+def test_a_root_is_judged_as_its_square_where_there_are_looks_and_as_it_is_without() -> None:
+    from owtsweep.results.best_scheme import find_best_schemes
+
+    root = {"position": Criterion("position", "root", "m", *MILLIMETRE)}
+    rows = make_rows(FIRST)
+    rows["value"] **= 0.5
+    cube = Cube.of_rows(rows, CONTENDERS[1:], CONDITIONS, GRID)
+    values = {
+        name: rows.query("amplitude == 1.0 and scheme == @name")["value"].to_numpy()
+        for name in CONTENDERS
+    }
+    fixed = find_best_schemes(cube, "settled", root)
+    ratios = compare_with_best(cube, fixed, root).query("amplitude == 1.0 and scheme == 'HME2'")
+    means = [values[name].mean() for name in ("HME2", "HME1")]
+    assert ratios["ratio"].iloc[0] == pytest.approx(means[0] / means[1], rel=1e-12)
+    looked = compare_with_best(cube, fixed.assign(look=1), root)
+    squares = [(values[name] ** 2).mean() for name in ("HME2", "HME1")]
+    told = looked.query("amplitude == 1.0 and scheme == 'HME2'")["ratio"].iloc[0]
+    assert told == pytest.approx(math.sqrt(squares[0] / squares[1]), rel=1e-12)
+
+
+def test_means_side_by_side_are_over_the_records_of_all() -> None:
+    rows = make_rows(LATER)
+    cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
+    shared = summarise(cube, shared=True)
+    assert set(shared["n"]) == {8}
+    own = summarise(Cube.of_rows(rows[rows["replicate"] < 8], CONTENDERS, CONDITIONS, GRID))
+    pd.testing.assert_frame_equal(shared, own)

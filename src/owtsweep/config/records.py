@@ -73,11 +73,11 @@ class Records(Section):
 
     def count_records(self) -> str:
         """Return in words how many records a cell has, e.g. "20" or "8 to 256"."""
-        return f"{FIRST} to {self.most}" if self.replicates == "auto" else str(self.replicates)
+        return " to ".join(dict.fromkeys((str(self.first), str(self.greatest))))
 
     def describe_records(self) -> str:
         """Return in words that a cell has so many records."""
-        until = ", until it is decided" * self.decides
+        until = ", until it is decided" * (self.greatest > self.first)
         return f"{self.count_records()} record{'s' * (self.replicates != 1)} per cell{until}"
 
 

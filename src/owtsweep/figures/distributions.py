@@ -37,7 +37,8 @@ def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
     """Return the errors of single records in a few cells of a run's map.
 
     The cells are at the first, the middle and the last value of each of one or two conditions. The
-    table has a row for each scheme, cell and record, and the columns scheme, conditions, error.
+    table has a row for each scheme, cell and record, and the columns scheme, conditions, error. A
+    record counts if all schemes of the cell have it, so that boxes can stand side by side.
     Raise `InputError` if the criterion was not measured, or no cell has `LEAST_RECORDS` records.
     """
     import pandas as pd
@@ -50,13 +51,14 @@ def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
     measure, at = cube.measures.index(criterion), cube.windows.index(window)
     places = [_choose(len(levels)) for levels in cube.levels]
     parts = []
-    for scheme, name in enumerate(cube.schemes):
-        for outer in np.ndindex(*(len(chosen) for chosen in places[:-1])):
-            place = tuple(chosen[index] for chosen, index in zip(places, outer, strict=False))
+    for outer in np.ndindex(*(len(chosen) for chosen in places[:-1])):
+        place = tuple(chosen[index] for chosen, index in zip(places, outer, strict=False))
+        shared = cube.find_shared(place)
+        for scheme, name in enumerate(cube.schemes):
             values = cube.values(scheme, place, [measure])[:, 0, at]
             for last in places[-1]:
                 cell = cube.name_outer(place) | {cube.names[-1]: cube.levels[-1][last]}
-                errors = values[last][np.isfinite(values[last])]
+                errors = values[last][np.isfinite(values[last]) & shared[last]]
                 parts.append(pd.DataFrame({"scheme": name, **cell, "error": errors}))
     return pd.concat(parts, ignore_index=True)
 
@@ -106,10 +108,11 @@ def draw(
     low, high = WHISKERS
     style.footnote(
         figure,
-        f"Each box holds the errors of single records, up to {counts.max()} of them: its middle "
-        f"half, with the median as a line; whiskers: {low:g} to {high:g} %; {points}; diamond: "
-        "the mean, by which the map judges. All schemes saw the same records, so overlapping boxes "
-        "do not mean that two schemes cannot be told apart: see the map.",
+        f"Each box holds the errors of single records, up to {counts.max()} of them, which all "
+        "schemes of the cell have: its middle half, with the median as a line; whiskers: "
+        f"{low:g} to {high:g} %; {points}; diamond: the mean, by which the map judges. All schemes "
+        "saw the same records, so overlapping boxes do not mean that two schemes cannot be told "
+        "apart: see the map.",
     )
     return figure
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
-from owtsweep.results.verdicts import SEPARATOR, list_shared
+from owtsweep.results.verdicts import SEPARATOR
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,14 +21,18 @@ Row = Mapping[Hashable, Any]
 
 
 def tell_answer(
-    cells: pd.DataFrame, criterion: Criterion, conditions: Sequence[Condition]
+    cells: pd.DataFrame,
+    ratios: pd.DataFrame,
+    criterion: Criterion,
+    conditions: Sequence[Condition],
 ) -> list[str]:
     """Return sentences on a map: verdicts, errors in the criterion's unit, and open cells.
 
     cells: rows of best_scheme.csv with one criterion and one window, at least one.
+    ratios: the run's table ratios.csv.
     """
     if len(cells) == 1:
-        return tell_cell(cells.iloc[0].to_dict(), criterion)
+        return tell_cell(cells, ratios, criterion)
     sentences = [
         f"Best: {tell_counts(cells)}",
         f"Error of the best: {_tell_range(cells['error_best'], criterion)}.",
@@ -38,11 +42,12 @@ def tell_answer(
     if len(ratio):
         sentences.append(
             f"Error of the runner-up: {ratio.min():.4g} to {ratio.max():.4g} times as large, "
-            f"median {ratio.median():.4g}."
+            f"median {ratio.median():.4g}{_tell_shared(cells, ratios, 'runner_up')}."
         )
     if "error_baseline" in cells and cells["error_baseline"].notna().any():
         sentences.append(
-            f"No estimator (best baseline): {_tell_range(cells['error_baseline'], criterion)}."
+            f"No estimator (best baseline): {_tell_range(cells['error_baseline'], criterion)}"
+            f"{_tell_shared(cells, ratios, 'baseline')}."
         )
     if (cells["look"] > 0).all():
         sentences.append(
@@ -59,8 +64,9 @@ def tell_counts(cells: pd.DataFrame) -> str:
     return f"{winners} of {len(cells)} cells ({counted})."
 
 
-def tell_cell(row: Row, criterion: Criterion) -> list[str]:
-    """Return sentences on a cell: its best scheme, error, runner-up, and what is open."""
+def tell_cell(cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion) -> list[str]:
+    """Return sentences on the only cell: its best scheme, error, runner-up, and what is open."""
+    row: Row = cells.iloc[0].to_dict()
     how = {"won": "is best", "tie": "is the simplest of a tie", "open": "is best so far"}
     low, high = row["error_low"], row["error_high"]
     interval = f" (95 %: {low:.3g} to {high:.3g})" if np.isfinite(low) else ""
@@ -71,10 +77,10 @@ def tell_cell(row: Row, criterion: Criterion) -> list[str]:
         ratio = row["error_runner_up"] / row["error_best"]
         sentences.append(
             f"Runner-up: {row['runner_up']}, {criterion.show(row['error_runner_up'])}, "
-            f"{ratio:.4g} times as much."
+            f"{ratio:.4g} times as much{_tell_shared(cells, ratios, 'runner_up')}."
         )
     if row.get("baseline") and row["baseline"] != row["best"]:
-        error = criterion.show(row["error_baseline"])
+        error = criterion.show(row["error_baseline"]) + _tell_shared(cells, ratios, "baseline")
         sentences.append(f"No estimator (best baseline {row['baseline']}): {error}.")
     if row["verdict"] != "won" and row.get("left"):
         sentences.append(f"Not surely worse: {', '.join(_list_others(row))}.")
@@ -84,30 +90,47 @@ def tell_cell(row: Row, criterion: Criterion) -> list[str]:
 
 
 def tell_beaten(
-    names: Sequence[str], cells: pd.DataFrame, summary: pd.DataFrame, criterion: Criterion
+    names: Sequence[str], cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion
 ) -> list[str]:
     """Return a sentence on each of some schemes that is best in no cell; else as `tell_scheme`."""
     best = {*cells["best"]}
-    return [tell_scheme(name, cells, summary, criterion) for name in names if name not in best]
+    return [tell_scheme(name, cells, ratios, criterion) for name in names if name not in best]
 
 
-def tell_scheme(name: str, cells: pd.DataFrame, summary: pd.DataFrame, criterion: Criterion) -> str:
+def tell_scheme(name: str, cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion) -> str:
     """Return in one sentence what error a scheme has that is best in no cell.
 
     cells: rows of best_scheme.csv with one criterion and one window: one row per cell.
-    summary: the run's table summary.csv.
+    ratios: the run's table ratios.csv.
     """
-    keys = list_shared(cells, summary)
-    own = summary[(summary["scheme"] == name) & (summary["measure"] == cells["criterion"].iloc[0])]
-    both = cells[[*keys, "error_best"]].merge(own[[*keys, "mean"]], on=keys)
+    keys = _list_keys(ratios)
+    own = ratios.loc[ratios["scheme"] == name, [*keys, "error", "n"]]
+    both = cells[[*keys, "error_best"]].merge(own, on=keys)
     if both.empty:
         return f"{name} is best in no cell: it has no result."
-    error = np.sqrt(both["mean"]) if criterion.values == "square" else both["mean"]
-    ratio = error / both["error_best"]
+    ratio, n = both["error"] / both["error_best"], both["n"]
+    records = f", over {_tell_ends(n, 'd')} records of both" * bool(n.max())
     return (
-        f"{name} is best in no cell: its error is {_tell_range(error, criterion)}, "
-        f"{ratio.min():.3g} to {ratio.max():.3g} times the least."
+        f"{name} is best in no cell: its error is {_tell_range(both['error'], criterion)}, "
+        f"{_tell_ends(ratio, '.3g')} times the least{records}."
     )
+
+
+def _list_keys(ratios: pd.DataFrame) -> list[str]:
+    """Return the columns that say to what cell a line belongs, here and in best_scheme.csv."""
+    return [*ratios.columns[: ratios.columns.get_loc("scheme")]]
+
+
+def _tell_shared(cells: pd.DataFrame, ratios: pd.DataFrame, column: str) -> str:
+    """Say over how many records those that a column names are compared, if not over all."""
+    cells = cells[cells[column].isin(ratios["scheme"])]
+    if cells.empty:  # nobody beside the best; of a stored table the column is then of numbers
+        return ""
+    keys = [*_list_keys(ratios), column]
+    own = ratios.rename(columns={"scheme": column, "n": "shared"})
+    both = cells.merge(own[[*keys, "shared"]], on=keys)
+    fewer = bool((both["shared"] < both["n"]).any())
+    return f", over {_tell_ends(both['shared'], 'd')} records of both" if fewer else ""
 
 
 def _tell_open(cells: pd.DataFrame, conditions: Sequence[Condition]) -> list[str]:
@@ -125,6 +148,12 @@ def _tell_open(cells: pd.DataFrame, conditions: Sequence[Condition]) -> list[str
 
 def _list_others(row: Row) -> list[str]:
     return [name for name in row["left"].split(SEPARATOR) if name != row["best"]]
+
+
+def _tell_ends(numbers: pd.Series[float], form: str) -> str:
+    """Return the least and the largest number as text, or the one if they read alike."""
+    ends = (f"{numbers.min():{form}}", f"{numbers.max():{form}}")
+    return " to ".join(dict.fromkeys(ends))
 
 
 def _tell_range(errors: pd.Series[float], criterion: Criterion) -> str:

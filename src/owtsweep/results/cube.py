@@ -14,6 +14,7 @@ from owtsweep.config import require
 from owtsweep.results.conditions import Condition, Grid, Value, order_values, require_usable
 from owtsweep.results.status import OK, list_unable, without_unable
 from owtsweep.results.superposition import PRODUCTS, superpose_all
+from owtsweep.statistics.contest import find_common
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,6 +97,16 @@ class Cube:
         if result is None:
             raise ValueError("the cube is empty")
         return result
+
+    def find_shared(self, place: tuple[int, ...]) -> NDArray[np.bool_]:
+        """Return which records all schemes of a cell have, shape (last condition, replicates).
+
+        A scheme without any record in a cell takes no part in it. `place` is as of `values`.
+        """
+        there = np.stack(
+            [np.isfinite(self.values(i, place)).any(axis=(1, 2)) for i in range(len(self.schemes))]
+        )
+        return find_common(np.where(there, 0.0, np.nan))[1]
 
     def label(
         self, scheme: int, place: tuple[int, ...], indices: Sequence[NDArray[np.intp]]

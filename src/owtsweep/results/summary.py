@@ -22,8 +22,11 @@ def name_columns(conditions: Sequence[str]) -> list[str]:
     return ["scheme", *conditions, "measure", "window", "mean", "ci_low", "ci_high", "n"]
 
 
-def summarise(cube: Cube) -> pd.DataFrame:
+def summarise(cube: Cube, *, shared: bool = False) -> pd.DataFrame:
     """Compute the mean of each measure over the replicates, with its 95 % confidence interval.
+
+    If `shared`, only the replicates count that all schemes of a cell have, so that means can stand
+    side by side where some schemes have left a contest.
 
     Return the columns of `name_columns`, sorted by scheme, conditions, measure, window. `ci_low`
     and `ci_high` are the ends of the interval by Student's t, NaN for a single replicate. `n` is
@@ -34,10 +37,14 @@ def summarise(cube: Cube) -> pd.DataFrame:
 
     columns = name_columns(cube.names)
     parts = []
+    counted = {place: cube.find_shared(place) for place in cube.outer_places() if shared}
     for i in range(len(cube.schemes)):
         for place in cube.outer_places():
+            values = cube.values(i, place)
+            if shared:
+                values = np.where(counted[place][:, None, None], values, np.nan)
             with np.errstate(invalid="ignore"):  # 0 / 0 in cells without values
-                mean, error, n = mean_and_error(cube.values(i, place))
+                mean, error, n = mean_and_error(values)
             cells = np.nonzero(n)
             mean, error, n = mean[cells], error[cells], n[cells]
             margin = t_quantile(n - 1) * error

@@ -12,6 +12,7 @@ from scipy.io import savemat
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
 from owtsweep.studies.floater.contract import DOF
+from owtsweep.studies.floater.describe import describe_truth
 from owtsweep.studies.floater.truth import make_truth
 
 TIME = STEP * np.arange(2000)
@@ -51,6 +52,12 @@ def test_a_csv_file_gives_its_motion_and_exact_derivatives(tmp_path: Path) -> No
     assert truth.rate == pytest.approx(truth.velocity[:, 3:])
     assert np.array_equal(motion.at(np.array([-0.15])), POSITION[:1])
     assert not motion.series.velocity[: motion.lead].any()
+
+
+def test_the_answer_is_for_this_motion_alone(tmp_path: Path) -> None:
+    config = compose([*WORDS, f"motion.file={write(tmp_path)}"])
+    said = "this motion of basin.csv alone, with noise drawn anew; 90 s at 20 Hz"
+    assert describe_truth(config) == said
 
 
 def test_matlab_files_of_versions_4_and_5_are_read_alike(tmp_path: Path) -> None:

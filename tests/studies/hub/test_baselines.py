@@ -202,7 +202,7 @@ def crowned(tmp_path: Path):
         *SMALL, ALL, "schemes=[MKF,HME1]", "tuning=matched", f"results={tmp_path}",
         "grid.replicates=6",
     ])  # fmt: skip
-    return run, {"best_scheme": run.best_scheme(), "summary": run.summary()}
+    return run, run.tables()
 
 
 def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
@@ -267,16 +267,16 @@ def test_an_answer_names_its_window_and_the_other(tmp_path: Path) -> None:
 def test_a_scheme_of_a_user_that_is_best_nowhere_gets_a_line(tmp_path: Path) -> None:
     run, tables = crowned(tmp_path)
     name = "hold_the_last_fix_of_the_receiver"
-    own = tables["summary"].query("scheme == 'MKF'")
-    tables["summary"] = pd.concat([
-        tables["summary"], own.assign(scheme=name, mean=own["mean"] * 100.0)
+    own = tables["ratios"].query("scheme == 'MKF'")
+    tables["ratios"] = pd.concat([
+        tables["ratios"], own.assign(scheme=name, error=own["error"] * 10.0)
     ])  # fmt: skip
     own_scheme = f"{{_target_: user_schemes.HoldLastFix, name: {name}}}"
     config = configure(f"schemes=[MKF,HME1,{own_scheme}]", ALL, tuning="matched")
     shown = " ".join(render(run, tables, config).split())
-    mean = 100.0 * own.query("measure == 'position' and window == 'full'")["mean"]
-    told = f"{name} is best in no cell: its error is {mean.min() ** 0.5:.3g} to "
-    assert told in shown
+    least = 10.0 * own.query("criterion == 'position'")["error"].min()
+    assert f"{name} is best in no cell: its error is {least:.3g} to " in shown
+    assert "times the least, over 6 records of both." in shown
     assert "A = " not in shown
     assert re.search(r"cells: .*NONE 1", shown)
 

@@ -72,7 +72,7 @@ def test_stopped_and_grown_runs_end_as_runs_from_scratch(lives, grid, schemes):
         end = sweep(study, configured(lived, grid, schemes)).run
         fresh = sweep(study, configured(scratch, grid, schemes)).run
         tables = {path.name for path in end.folder.glob("*.csv")}
-        assert tables == {"summary.csv", "best_scheme.csv"}
+        assert tables == {"summary.csv", "best_scheme.csv", "ratios.csv"}
         for name in tables:
             assert (end.folder / name).read_bytes() == (fresh.folder / name).read_bytes()
         for path in fresh.store.cases.iterdir():

@@ -57,6 +57,7 @@ def test_table_figure_and_answer(tmp_path: Path, capsys: pytest.CaptureFixture[s
     names = {path.name for path in folder.iterdir()}
     assert names == {"vary.csv", "vary.png", "vary.svg", "configurations.yaml"}
     assert OTHER_WINDOW["settled"] in out
+    assert "Not asked: SKFA, which tracks the sea." in out
     table = pd.read_csv(folder / "vary.csv")
     assert list(table["value"].unique()) == [1.0, 4.0]
     assert list(table["scheme"].unique()) == ["MKF", "HME1", "NONE"]

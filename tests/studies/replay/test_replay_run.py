@@ -38,6 +38,8 @@ def test_outputs(capsys):
     assert "HME1" in out
     assert "by this record's own errors" in out
     assert OTHER_WINDOW["settled"] in " ".join(out.split())
+    alone = "The advice is for this motion of tower.csv alone, with noise drawn anew."
+    assert alone in " ".join(out.split())
     assert "note: motion kept up to 5 Hz" in err
     (run,) = Path("results").iterdir()
     assert run.name.startswith("replay-tower-")
@@ -64,6 +66,7 @@ def test_outputs(capsys):
     one = pd.read_csv(run / "estimates" / "HME1.csv")
     assert np.array_equal(one.x, own.x)
     report = (run / "report.md").read_text()
+    assert f"- {alone}" in report
     assert f"- {OTHER_WINDOW['settled']}" in report
     for link in ("position_zoom", "velocity_zoom", "spectrum", "place_in_map", "bias"):
         assert f"](figures/{link}.png)" in report

@@ -13,6 +13,7 @@ from owtsweep.structures import read_structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.registry import compose
 from owtsweep.studies.tower.contract import Channel, Estimates
+from owtsweep.studies.tower.describe import describe_truth
 from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.recorded import (
     Place,
@@ -142,6 +143,19 @@ def test_length_and_rate_are_those_of_the_study(tmp_path):
         load_motions(file, CUT, [("a", 4)], steps=35, step=0.02)
     with pytest.raises(InputError, match=r"record.duration: 0.41 s, but .* lasts 0.4 s; set rec"):
         load_motions(file, CUT, [("a", 4)], steps=41, step=0.01)
+
+
+def test_a_record_is_judged_by_what_it_holds_and_the_answer_names_it(tmp_path):
+    script = runpy.run_path(str(ROOT / "experiments" / "tower" / "make_recorded.py"))
+    script["write"](script["make"](MAST, 500), tmp_path / "mast.csv")
+    words = [
+        "study=tower", "experiment=mast", f"structure={ROOT / 'examples' / 'mast.yaml'}",
+        f"recorded.file={tmp_path / 'mast.csv'}", "record.duration=5", "record.settling=1",
+    ]  # fmt: skip
+    told = describe_truth(compose(words))
+    assert told == "mast, this motion of mast.csv alone, with noise drawn anew, 5 s"
+    with pytest.raises(InputError, match="to judge base_moment by; use criterion=displacement"):
+        compose([*words, "criterion=base_moment"])
 
 
 def test_only_what_is_known_is_compared(tmp_path):

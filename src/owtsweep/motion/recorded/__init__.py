@@ -3,7 +3,7 @@
 from owtsweep.motion.recorded.choosing import MotionKind
 from owtsweep.motion.recorded.composing import Rotation
 from owtsweep.motion.recorded.deriving import MOTION_CUTOFF, find_clear_band, to_motion
-from owtsweep.motion.recorded.describing import Channel, Description, describe
+from owtsweep.motion.recorded.describing import Channel, Description, describe, tell_alone
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.gridding import Gridded, TimeGrid, find_common_grid, to_grid
 from owtsweep.motion.recorded.reading import read
@@ -27,6 +27,7 @@ __all__ = [
     "open_table",
     "read",
     "read_signals",
+    "tell_alone",
     "to_grid",
     "to_motion",
 ]

@@ -32,6 +32,13 @@ MOST_ROWS = 1_000_000
 WIDTH = 100
 
 
+def tell_alone(*files: str) -> str:
+    """Say which recorded motion an answer is for: records, or draws, differ in noise alone."""
+    names = [printable(Path(file).name) for file in files]
+    which = f"this motion of {names[0]}" if len(names) == 1 else f"these {len(names)} motions"
+    return f"{which} alone, with noise drawn anew"
+
+
 @dataclass(frozen=True)
 class Channel:
     """One channel of a file, in the unit that the file uses; NaN where there is no number."""

@@ -97,8 +97,8 @@ def list_origin_lines(contest: Contest[C], config: C) -> list[str]:
 
 def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> list[str]:
     """Return sentences: who is best by the key `criterion`, who wins by each other one."""
-    best, summary = tables["best_scheme"], tables["summary"]
-    schemes, waiting = _split_waiting(config, summary)
+    best, ratios = tables["best_scheme"], tables["ratios"]
+    schemes, waiting = _split_waiting(config, tables["summary"])
     conditions, chosen = contest.find_conditions(config), contest.criteria[config.criterion]
     lines: list[str] = []
     for name in [config.criterion, *contest.criteria]:
@@ -106,9 +106,9 @@ def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
         if not len(cells):
             continue
         if name == config.criterion and not lines:
-            lines += tell_answer(cells, chosen, conditions)
+            lines += tell_answer(cells, ratios, chosen, conditions)
             own = [scheme for scheme in schemes if scheme not in list_schemes(config.study)]
-            lines += tell_beaten(own, cells, summary, chosen)
+            lines += tell_beaten(own, cells, ratios, chosen)
         elif name != config.criterion:
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if waiting:

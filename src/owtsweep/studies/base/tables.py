@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
+from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import Asked, count_cells, make_table
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 def make_tables(
     contest: Contest[C], config: C, rows: pd.DataFrame, contenders: Sequence[str]
 ) -> dict[str, pd.DataFrame]:
-    """Make the tables "summary" and "best_scheme" from a run's rows.
+    """Make the tables "summary", "best_scheme" and "ratios" from a run's rows.
 
     contenders: Names of schemes, the simplest first.
     """
@@ -33,7 +34,8 @@ def make_tables(
     else:
         measured = {name: each for name, each in contest.criteria.items() if name in cube.measures}
         best = find_best_schemes(cube, WINDOW, measured)
-    return {"summary": summary, "best_scheme": best}
+    ratios = compare_with_best(cube, best, contest.criteria)
+    return {"summary": summary, "best_scheme": best, "ratios": ratios}
 
 
 def ask(contest: Contest[C], config: C, contenders: Sequence[str]) -> Asked:

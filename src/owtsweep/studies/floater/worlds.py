@@ -13,6 +13,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.motion.lines import Series, Span
+from owtsweep.motion.recorded import tell_alone
 from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.floater.contract import DOF, Truth
 from owtsweep.studies.floater.motion_recorded import read_file, read_motion
@@ -135,7 +136,7 @@ class Recorded(World):
 
     def describe(self, motion: Motion) -> str:
         """Return the file, and that all records have its motion."""
-        return f"this motion of {motion.file} alone, to which records add noise"
+        return tell_alone(str(motion.file))
 
     def find_frequencies(self, motion: Motion, truth: Truth) -> Array:
         """Return those of zero crossings."""

@@ -13,6 +13,7 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.answer import tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.contents import Contents
+from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
@@ -34,6 +35,7 @@ from owtsweep.studies.hub.describe import (
     describe_truth,
     find_winners,
     make_cube,
+    tell_not_asked,
 )
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
@@ -94,7 +96,7 @@ class _Engine(Engine):
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
         origin = [Text(line, style="bold") for line in self._list_origin(config)]
-        return Group(*origin, shown, *map(Text, self._tell(config, table, tables["summary"])))
+        return Group(*origin, shown, *map(Text, self._tell(config, table, tables["ratios"])))
 
     def contents(
         self, config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
@@ -106,7 +108,7 @@ class _Engine(Engine):
         table, _, notes = won[0]
         return Contents(
             self._list_origin(config),
-            [*self._tell(config, table, tables["summary"]), *notes],
+            [*self._tell(config, table, tables["ratios"]), *notes],
             get_map_conditions(config),
             asked.criteria,
             asked.window,
@@ -121,16 +123,15 @@ class _Engine(Engine):
         truth, draws = describe_truth(config), describe_draws(config)
         return [f"Tuning {config.tuning_name}", *world, truth, draws]
 
-    def _tell(self, config: HubConfig, table: pd.DataFrame, summary: pd.DataFrame) -> list[str]:
+    def _tell(self, config: HubConfig, table: pd.DataFrame, ratios: pd.DataFrame) -> list[str]:
         """Return the answer in sentences; `table` has the cells of the map."""
         judged, lines = JUDGED[config.measures.criterion], []
         if len(table):
-            lines += tell_answer(table, judged, get_map_conditions(config))
+            lines += tell_answer(table, ratios, judged, get_map_conditions(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
-            lines += tell_beaten(further, table, summary, judged)
+            lines += tell_beaten(further, table, ratios, judged)
         lines += _tell_bound(config)
-        if "SKFA" not in scheme_names(config) and self.world.has_spectrum:
-            lines.append(NOT_ASKED)
+        lines += tell_not_asked(config)
         return [*lines, OTHER_WINDOW[config.measures.window]]
 
     def overview(self, config: HubConfig) -> str:
@@ -223,7 +224,9 @@ class RecordsEngine(DeclaredBlocks, _Engine):
             judged = {name: JUDGED[name] for name in criteria(config)}
             window, baselines = config.measures.window, list_baselines(config)
             best = find_best_schemes(cube, window, judged, baselines)
-        return {"summary": _add_efficiency(summary, config), "best_scheme": best}
+        ratios = compare_with_best(cube, best, JUDGED)
+        summary = _add_efficiency(summary, config)
+        return {"summary": summary, "best_scheme": best, "ratios": ratios}
 
 
 class ExpectedEngine(_Engine):
@@ -241,14 +244,6 @@ class ExpectedEngine(_Engine):
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
         return "threading"
-
-
-#: What the answer says of the scheme that is not in the default list, because it costs some 9 s of
-#: a processor per record of the default map.
-NOT_ASKED = (
-    "Not asked: SKFA, which tracks the sea. Where fixes have no outliers and the sea one peak, its "
-    "error is at most that of these (docs/better.md); schemes=[HME1,SKFA] compares it."
-)
 
 
 def _tell_bound(config: HubConfig) -> list[str]:

@@ -12,7 +12,9 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import show_value
+from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contest import WAIT, describe_draws
+from owtsweep.studies.base.tables import make_cube
 from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.describe import describe_hold
 
@@ -30,10 +32,10 @@ CELL, AROUND = (0.62, 0.34), (1.9, 1.9)
 
 
 def list_figures(
-    config: MatingConfig, tables: Mapping[str, pd.DataFrame], metadata: Mapping[str, str]
+    config: MatingConfig, rows: pd.DataFrame, metadata: Mapping[str, str]
 ) -> dict[str, Drawing]:
     """Return the figure "chances", with the function that draws it; none without any result."""
-    summary = tables["summary"]
+    summary = summarise(make_cube(CONTEST, config, rows, config.schemes), shared=True)
     if summary[summary["measure"] == "chance"].empty:
         return {}
     return {"chances": save_figure(partial(_draw, config, summary), metadata)}
@@ -81,7 +83,8 @@ def _draw(config: MatingConfig, summary: pd.DataFrame) -> Figure:
     figure.supxlabel(across.title, fontsize=9)
     figure.supylabel(upwards.title, fontsize=9)
     lines = [
-        "A blank cell has no chance, or none is said, so it has no share.",
+        "A blank cell has no chance, or none is said, so it has no share. Means are over the "
+        "records that all schemes of a cell have.",
         f"Truth: {CONTEST.describe_truth(config)}; {describe_draws(config)}.",
         f"Sensors: {CONTEST.describe_sensors(config)}; tuning {config.tuning_name}.",
     ]

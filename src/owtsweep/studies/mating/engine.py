@@ -98,7 +98,7 @@ class MatingEngine(ContestEngine["MatingConfig"]):
         from owtsweep.studies.mating.chances import list_figures
 
         figures = super().drawings(config, tables, rows, metadata)
-        return {**figures, **list_figures(config, tables, metadata)}
+        return {**figures, **list_figures(config, rows, metadata)}
 
 
 def _describe_content(config: MatingConfig) -> dict[str, object]:

@@ -24,7 +24,7 @@ from owtsweep.studies.replay.terminal import (
     list_fit_warnings,
     make_error_cells,
     make_sentences,
-    tell_windows,
+    tell_scope,
 )
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def write(
     parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
         "- none: no scheme ran"
     ]
-    parts += [f"- {line}" for line in tell_windows(tables["advice"])]
+    parts += [f"- {_escape(line)}" for line in tell_scope(config, tables)]
     if len(config.grid.files) == 1:
         record = load_record(config, config.grid.files[0])
         parts += [f"- {_escape(record.lean)}"] if record.lean else []

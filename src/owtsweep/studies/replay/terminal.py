@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from owtsweep.motion.recorded import tell_alone
 from owtsweep.studies.hub.public import OTHER_WINDOW
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts, summarise_motion
@@ -57,7 +58,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     else:
         parts += [Text(line) for line in count_doubted(tables)]
         parts.append(Text(_count_advice(tables["advice"])))
-    parts += [Text(line) for line in tell_windows(tables["advice"])]
+    parts += [Text(line) for line in tell_scope(config, tables)]
     if len(config.grid.files) > 1:
         parts += [Text(line) for line in list_left_out(tables["refused"])]
     return Group(*parts)
@@ -90,7 +91,14 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
     ]
 
 
-def tell_windows(advised: pd.DataFrame) -> list[str]:
+def tell_scope(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Return sentences on what the advice holds for: the motion, and the part of a record."""
+    drawn = (tables["errors"]["n"] > 1).any()  # recorded sensors have the noise that they had
+    motion = [f"The advice is for {tell_alone(*config.grid.files)}."] if drawn else []
+    return [*motion, *_tell_windows(tables["advice"])]
+
+
+def _tell_windows(advised: pd.DataFrame) -> list[str]:
     """Return sentences on the part of a record that the advice judges, and on the other part."""
     of_map = advised["source"] == "map"
     windows = list(dict.fromkeys(advised.loc[~of_map, "window"]))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.grid_size import check_blocks
@@ -94,10 +96,20 @@ def warn_of_few_inclinometers(config: TowerConfig) -> None:
 def _check_recorded(config: TowerConfig, cut: PlaneBeam) -> None:
     places = list_places(config.sensors, config.nodes)
     record = config.record
-    load_motions(
+    motions = load_motions(
         config.recorded, cut, [(place.kind, place.node) for place in places],
         steps=record.steps, step=1.0 / record.rate,
     )  # fmt: skip
+    there = {
+        "displacement": [motion.displacement[:, ::2] for motion in motions.values()],
+        "base_moment": [motions["fa"].inputs[:, 1]] if "fa" in motions else [],
+    }
+    judged = [name for name, signals in there.items() if any(np.isfinite(s).any() for s in signals)]
+    instead = f"; use criterion={' or '.join(judged)}" if judged else ""
+    require(
+        config.criterion in judged,
+        f"criterion: {config.recorded.file} has no column to judge {config.criterion} by{instead}",
+    )
 
 
 def _check_loads(config: TowerConfig) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.gravity import GRAVITY
+from owtsweep.motion.recorded import tell_alone
 from owtsweep.studies.tower.contract import INPUTS, Kind
 from owtsweep.studies.tower.measures import QUIETEST
 from owtsweep.studies.tower.sight import LEAN, SHIFT, find_missed, observe, set_up
@@ -43,7 +44,10 @@ UNSEEN: dict[tuple[str, Kind], str] = {
 
 
 def describe_truth(config: TowerConfig) -> str:
-    """Return structure, loads and length of the records in words."""
+    """Return structure, loads or recorded motion, and length of the records in words."""
+    if config.recorded.file is not None:
+        motion = tell_alone(config.recorded.file)
+        return f"{config.structure.name}, {motion}, {config.record.duration:g} s"
     sea = config.waves
     waves = f"waves Hs {sea.hs:g} m, Tp {sea.tp:g} s, yaw {sea.yaw:g}°" if sea.hs else "no waves"
     wind = f"loads of {config.wind.file}" if config.wind.file else f"wind {config.wind.speed:g} m/s"

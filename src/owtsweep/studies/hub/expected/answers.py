@@ -16,6 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Grid
 from owtsweep.results.cube import Cube
+from owtsweep.results.ratios import compare_with_best
 from owtsweep.results.status import OK
 from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
@@ -127,10 +128,10 @@ def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Arr
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables "summary" and "best_scheme" from the rows of a study without records.
+    """Make the tables "summary", "best_scheme" and "ratios" from rows without records.
 
     Confidence intervals are NaN and the number of replicates, n, is 0. In grids of more than
-    `MOST_CELLS` cells, "summary" has only the run's criterion and window.
+    `MOST_CELLS` cells, "summary" and "ratios" have only the run's criterion and window.
     """
     from owtsweep.studies.hub.conditions import criteria
     from owtsweep.studies.hub.listed import list_baselines, scheme_names
@@ -142,10 +143,13 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     )  # fmt: skip
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
         rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]
-    summary = summarise(make_cube(config, rows, baselines=True)).assign(n=0)
+    cube = make_cube(config, rows, baselines=True)
+    summary = summarise(cube).assign(n=0)
     if config.grid.decides:
         best = judge_exactly(best, summary, ask(config))
-    return {"summary": summary, "best_scheme": best}
+    there = best[best["criterion"].isin(cube.measures)]
+    ratios = compare_with_best(cube, there, JUDGED).assign(n=0)
+    return {"summary": summary, "best_scheme": best, "ratios": ratios}
 
 
 def best_scheme(

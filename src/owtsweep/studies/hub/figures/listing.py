@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
@@ -35,9 +36,13 @@ if TYPE_CHECKING:
 #: A function that draws a figure.
 Draw = Callable[[], "Figure"]
 
+#: Letters of the lines above a figure that fit into an inch.
+LETTERS_PER_INCH = 11.0
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
 MAP = "figure_18_best_scheme"
+#: What is said of means over the records that all schemes of a cell have, where some have more.
+SHARED = "Means are over the records that all schemes of a cell have, fewer than the map's."
 #: Figures that do not depend on the tuning.
 UNTUNED = frozenset({"figure_03_record", "figure_04_spectrum"})
 #: The paper's figures 9-14: name -> quantity shown over time, and whether the figure is zoomed in.
@@ -64,7 +69,8 @@ def drawings(
     rows: the run's rows, including those of failed schemes.
     metadata: texts by name to store inside the figures' files.
     """
-    summary, records = tables["summary"], config.grid.describe_records()
+    records = config.grid.describe_records()
+    summary = _share_records(config, rows) if config.grid.decides else tables["summary"]
     same = find_alike(config, rows)
     best = partial(draw_cells, config, tables, rows, coinciding=same, records=records)
     results = {
@@ -102,6 +108,18 @@ def drawings_of_plant(
     }
 
 
+def _share_records(config: HubConfig, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the table summary over the records alone that all schemes of a cell have."""
+    from owtsweep.results.summary import summarise
+
+    summary = summarise(make_cube(config, rows, baselines=True), shared=True)
+    if not config.measures.efficiency:
+        return summary
+    from owtsweep.studies.hub.bounds.cells import add_efficiency
+
+    return add_efficiency(summary, config)
+
+
 #: Name of a world -> the function that lists the figures of a run.
 DRAWINGS = {"spectrum": drawings, "plant": drawings_of_plant}
 
@@ -115,7 +133,8 @@ def save_each(
         from owtsweep.figures import style
 
         figure = draw()
-        style.add_origin(figure, origin)
+        letters = round(LETTERS_PER_INCH * figure.get_figwidth())
+        style.add_origin(figure, "\n".join(fill(line, letters) for line in origin.splitlines()))
         return figure
 
     return {
@@ -190,6 +209,7 @@ def over_amplitude(
         tuning=config.tuning_name,
         coinciding=coinciding,
         printed=printed,
+        notes=[SHARED] if config.grid.decides and config.engine != "expected" else [],
     )
     figures: dict[str, Draw] = {}
     for period in sorted(periods):

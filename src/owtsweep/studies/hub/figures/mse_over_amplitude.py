@@ -26,6 +26,7 @@ def draw(
     coinciding: Sequence[Sequence[str]] = (),
     baselines: Sequence[str] = (),
     printed: pd.DataFrame | None = None,
+    notes: Sequence[str] = (),
 ) -> Figure:
     """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
 
@@ -37,12 +38,13 @@ def draw(
     baselines: drawn as thin lines.
     printed: published numbers, of which those at this natural period are drawn as hollow marks.
         Columns: table, natural_period (s), amplitude (m), scheme, measure, value, note.
+    notes: sentences for the footnote.
     Raises InputError if `summary` has no data at that period in that window.
     """
     here = {NATURAL_PERIOD: natural_period}
     curves.choose(summary, schemes, window, here)  # baselines alone are no figure
     shown = curves.choose(summary, [*schemes, *baselines], window, here)
-    marks, label, notes = None, "", _explain_baselines(baselines)
+    marks, label, notes = None, "", [*_explain_baselines(baselines), *notes]
     if printed is not None:
         marks = _choose_marks(printed, natural_period, shown["amplitude"], schemes)
         notes += [

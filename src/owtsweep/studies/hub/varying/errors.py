@@ -24,7 +24,7 @@ from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.describe import OTHER_WINDOW, list_sensors
+from owtsweep.studies.hub.describe import OTHER_WINDOW, list_sensors, tell_not_asked
 from owtsweep.studies.hub.expected.answers import expected
 from owtsweep.studies.hub.expected.engine import rows
 from owtsweep.studies.hub.listed import list_baselines, resolve_all, scheme_names
@@ -56,7 +56,7 @@ BOUND = (
 def list_notes(
     along: Condition, configs: Mapping[Value, HubConfig], schemes: Sequence[str], mse: Array
 ) -> tuple[str, ...]:
-    """Return sentences on coinciding schemes, HME2's numbers, the bound and the window."""
+    """Return sentences on coinciding schemes, HME2's numbers, bound, SKFA and the window."""
     groups = group_coinciding(schemes, lambda i, j: bool(agree(mse[i], mse[j]).all()))
     sentences = [f"{' and '.join(group)} have the same errors." for group in groups]
     recorded = [value for value, config in configs.items() if _has_recorded_numbers(config)]
@@ -67,7 +67,8 @@ def list_notes(
             f"At {places}, {RECORDED_FOR} has the numbers that tuning=matched keeps for the "
             "paper's sensors; elsewhere its numbers follow a rule (docs/tuning.md)."
         )
-    return (*sentences, BOUND, OTHER_WINDOW["settled"])
+    not_asked = tell_not_asked(next(iter(configs.values())))
+    return (*sentences, BOUND, *not_asked, OTHER_WINDOW["settled"])
 
 
 def _has_recorded_numbers(config: HubConfig) -> bool:
