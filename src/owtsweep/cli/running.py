@@ -114,7 +114,8 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
         shown &= _write("map could not be drawn", draw, run)
         shown &= write_report(run, results)
         shown &= print_answer(run, results)
-    code = tell_end(outcome, argv, f"{run.place}/")
+    page = run.place / PAGE
+    code = tell_end(outcome, argv, str(page) if page.is_file() else f"{run.place}/")
     return code if shown else FAILED
 
 
@@ -173,9 +174,8 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
     """Print how a run ended, and return the exit code: 1 if cases failed, else 0.
 
     First, cases that failed or that a scheme cannot compute are printed to stderr, with reasons.
-    Then the page of the run is named, and the number of computed cases is printed, with the text
-    `place`, which says where the results are. `argv` are the words of the command line, to be
-    repeated if cases failed.
+    Then the number of computed cases is printed, with the text `place`, which says where the
+    results are. `argv` are the words of the command line, to be repeated if cases failed.
     """
     for line in setback_lines("unable", outcome.unable) + setback_lines("failed", outcome.failed):
         print(line, file=sys.stderr)
@@ -185,8 +185,6 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
         print(f"{again}the same command tries again:", file=sys.stderr)
         print(f"  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
-    if (outcome.run.place / PAGE).is_file():
-        print(f"page to send: {printable(str(outcome.run.place / PAGE))}")
     print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {place}")
     return FAILED if outcome.failed else DONE
 
