@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,7 +26,7 @@ from owtsweep.sweep.asked import PAGE, find_home
 from owtsweep.sweep.details import read_details
 from owtsweep.sweep.gather import Results
 from owtsweep.sweep.manifest import read_manifest, without_places
-from owtsweep.sweep.study import Engine, Study, blame
+from owtsweep.sweep.study import OK, Engine, Study, blame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,6 +38,8 @@ HELP = (
     "runs the schemes on record 0 of each cell once more, and puts 40 s of it here, with error "
     "spectra where there are any."
 )
+#: Columns that say why a row has no number.
+WHY = ("scheme", "status", "reason")
 NO_STRETCH = "This study keeps errors alone."
 #: The facts of a manifest that a page shows, in this order.
 FACTS = {
@@ -46,13 +49,19 @@ FACTS = {
 
 
 def make_page(
-    study: Study, config: Config, results: Mapping[str, Results], folder: Path, place: Path
+    study: Study,
+    config: Config,
+    results: Mapping[str, Results],
+    folder: Path,
+    place: Path,
+    missing: int = 0,
 ) -> str:
     """Return the page of a run as HTML.
 
     results: the results by tuning.
     folder: the run folder, or the folder of one of its questions.
     place: the folder of the run's tables and figures.
+    missing: Number of the plan's blocks (units of work) that are not stored.
     Raises InputError if the study comes from another package and does not work.
     """
     with blame(study):
@@ -73,6 +82,9 @@ def make_page(
     extras = Extras(tables, drawn, HELP if study.stretched else NO_STRETCH)
     title = f"Which estimator? Study {study.name}, run {name}"
     origin = _find_origin(folder, config)
+    if missing:
+        lost = {"incomplete": f"{missing} blocks of the plan are missing; run the sweep again"}
+        origin = replace(origin, facts={**lost, **origin.facts})
     return make_run_page(title, shown, origin, extras, exact=not engine.samples)
 
 
@@ -97,6 +109,11 @@ def _gather_tables(
     tables = {}
     for tuning, part in shown.items():
         end = f", tuning {tuning}" if tuning else ""
+        rows = results[tuning].rows
+        without = rows.loc[rows["status"] != OK, [c for c in WHY if c in rows]].astype(str)
+        if len(without):
+            counts = without.value_counts(sort=False).rename("rows").reset_index()
+            tables[f"Rows without a number{end}"] = counts
         claims = place / "fidelity" / tuning
         if (claims / "fidelity_claims.csv").is_file():
             tables[f"Claims of the paper{end}"] = read_table(claims, "fidelity_claims")

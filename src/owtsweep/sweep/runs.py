@@ -298,7 +298,9 @@ class Run:
         from owtsweep.sweep.page import make_page
 
         found = self._find_results(results)
-        text = make_page(self.study, self.config, found, self.folder, self.place)
+        present = {path.name for path in self.store.cases.glob("*.parquet")}
+        missing = sum(self.store.path(key).name not in present for key in self.plan())
+        text = make_page(self.study, self.config, found, self.folder, self.place, missing)
         if output is not None:
             write_atomically(output, text)
             return output
