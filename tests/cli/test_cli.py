@@ -5,6 +5,7 @@ import re
 import runpy
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
@@ -13,6 +14,7 @@ import yaml
 import owtsweep
 from owtsweep.cli import main
 from owtsweep.cli.program import COMMANDS
+from owtsweep.cli.running import tell_further
 
 ROOT = Path(__file__).parents[2]
 SMALL = [
@@ -67,6 +69,21 @@ def test_sweep_writes_what_the_readme_says(capsys):
     assert max(map(len, out.splitlines()[:-1])) <= 80
     assert "Error of the best: " in out
     assert str(run) in out.splitlines()[-1]
+
+
+def test_open_cells_are_told_with_records_and_minutes():
+    cells = {
+        "criterion": ["position"] * 3 + ["velocity"], "more": [0.0, 20.0, 100.0, 900.0],
+        "left": ["A", "A; B", "A; B; C", "A; B"], "n": [8, 256, 256, 256],
+    }  # fmt: skip
+    results = {"": SimpleNamespace(tables={"best_scheme": pd.DataFrame(cells)})}
+    outcome = SimpleNamespace(results=results, computed=200, seconds=400.0)
+    # 20 records of two and 100 of three contenders, 2 s each
+    assert tell_further(outcome) == [
+        "Open cells: grid.most=512, some 11 minutes more, would decide them."
+    ]
+    decided = {"": SimpleNamespace(tables={"best_scheme": pd.DataFrame(cells).head(1)})}
+    assert tell_further(SimpleNamespace(results=decided, computed=200, seconds=1.0)) == []
 
 
 def test_a_second_sweep_computes_nothing(capsys):

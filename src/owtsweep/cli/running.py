@@ -114,6 +114,8 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
         shown &= _write("map could not be drawn", draw, run)
         shown &= write_report(run, results)
         shown &= print_answer(run, results)
+        for line in tell_further(outcome):
+            print(line)
     page = run.place / PAGE
     code = tell_end(outcome, argv, str(page) if page.is_file() else f"{run.place}/")
     return code if shown else FAILED
@@ -160,6 +162,33 @@ def print_answer(run: Run, results: Mapping[str, Results]) -> bool:
         print(f"failed: the result could not be shown: {error}", file=sys.stderr)
         return False
     return True
+
+
+def tell_further(outcome: Outcome) -> list[str]:
+    """Return in a line what would decide the open cells: most records of a cell, and some time.
+
+    The time is that of a case of this sweep, for each further record of each contender that is
+    left. Return [] if no cell is open, or nothing was computed now.
+    """
+    from owtsweep.results.verdicts import SEPARATOR
+    from owtsweep.statistics.deciding import LOOKS
+
+    cases, most = 0.0, 0
+    for part in outcome.results.values():
+        best = part.tables.get("best_scheme")
+        if best is None or "more" not in best or not len(best):
+            continue
+        still = best[(best["criterion"] == best["criterion"].iloc[0]) & (best["more"] > 0)]
+        left = still["left"].str.count(SEPARATOR) + 1
+        cases += float((still["more"] * left).sum())
+        most = max(most, int((still["n"] + still["more"]).max()) if len(still) else 0)
+    if not most or not outcome.computed:
+        return []
+    minutes = cases * outcome.seconds / outcome.computed / 60.0
+    needed = next((look for look in LOOKS if look >= most), LOOKS[-1])
+    return [
+        f"Open cells: grid.most={needed}, some {_round(minutes)} minutes more, would decide them."
+    ]
 
 
 def show_answer(answer: RenderableType) -> None:
