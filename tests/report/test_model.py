@@ -158,6 +158,21 @@ def test_the_table_is_sorted_and_filtered():
     assert "error (m)" in found["labels"]
 
 
+@pytest.mark.parametrize("superposed", [True, False])
+def test_single_records_are_those_of_the_rows(superposed):
+    contents = make_contents(RECORDS, superposed=superposed)
+    code = 'return listRecords(part, "speed", "full", [1, 2], null)'
+    assert run_script(make_data(contents), code) == []
+    shown = run_script(make_data(contents, details={"cells": [], "spectra": []}), code)
+    assert [len(errors) for errors in shown] == [32, 32, 16, 8]
+    cube = contents.cube
+    at = cube.measures.index("speed"), cube.windows.index("full")
+    for scheme, errors in enumerate(shown):
+        values = cube.values(scheme, (1,))[2, at[0], at[1], : len(errors)]
+        expected = np.sqrt(values) if superposed else values
+        np.testing.assert_allclose(errors, expected, rtol=1e-6)
+
+
 def test_a_stretch_is_linear_in_the_amplitude():
     from owtsweep.sweep.details import pack
 

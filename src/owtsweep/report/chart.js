@@ -125,3 +125,44 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
   }
   return svg;
 }
+
+/**
+ * Return a chart of single values: a line of dots for each name, over one axis.
+ *
+ * `lines`: name, colour and values. The mark is the median.
+ */
+function drawDots({lines, xLabel, label}) {
+  const [width, left, right, step, bottom] = [620, 130, 20, 24, 44];
+  const values = lines.flatMap((line) => line.values).filter(Number.isFinite);
+  if (!values.length) return null;
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  const spare = low === high ? Math.abs(low) / 2 || 1 : 0;
+  const x = makeScale(low - spare, high + spare, left, width - right, low > 0 && !spare);
+  const height = step * lines.length + bottom;
+  const svg = draw("svg", {
+    class: "chart", viewBox: `0 0 ${width} ${height}`, width, height, role: "img",
+    "aria-label": label,
+  });
+  for (const value of x.ticks) {
+    const place = x.place(value);
+    svg.append(draw("line", {class: "rule", x1: place, x2: place, y1: 0, y2: height - bottom}));
+    const text = {class: "tick", x: place, y: height - bottom + 16, "text-anchor": "middle"};
+    svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
+  }
+  const middle = (left + width - right) / 2;
+  svg.append(draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel));
+  lines.forEach(({name, color, values: all}, number) => {
+    const y = step * (number + 0.5);
+    const text = name.length > 16 ? `${name.slice(0, 15)}…` : name;
+    svg.append(draw("text", {class: "tick", x: left - 8, y: y + 4, "text-anchor": "end"}, text));
+    const sorted = all.filter(Number.isFinite).sort((a, b) => a - b);
+    for (const value of sorted) {
+      const look = {cx: x.place(value), cy: y, r: 3, fill: color, "fill-opacity": 0.55};
+      svg.append(draw("circle", look));
+    }
+    if (!sorted.length) return;
+    const place = x.place(sorted[Math.floor(sorted.length / 2)]);
+    svg.append(draw("line", {class: "median", x1: place, x2: place, y1: y - 8, y2: y + 8}));
+  });
+  return svg;
+}

@@ -12,7 +12,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.report.static_map import choose_axes, get_grid
-from owtsweep.report.statistics import Look, is_superposed, list_looks
+from owtsweep.report.statistics import Look, gather_records, is_superposed, list_looks
 from owtsweep.results.contents import Contents
 from owtsweep.statistics.inference import t_quantile
 
@@ -81,6 +81,7 @@ def make_part(
         for of_cell in cells
         for look in of_cell
     }
+    records = None if details is None else _list_records(contents, names, floats)
     layout = choose_axes(contents.conditions, grid)
     return {
         "tuning": tuning,
@@ -123,9 +124,24 @@ def make_part(
         "looks": looks,
         "floats": floats.encode(),
         "details": details,
+        "records": records,
         "help": help,
         "t": {count: float(t_quantile(count - 1)) for count in sorted(counts) if count > 1},
     }
+
+
+def _list_records(
+    contents: Contents, names: Sequence[str], floats: _Floats
+) -> dict[str, dict[str, list[int]]]:
+    """Return criterion -> window -> place of the first number, then the shape of the numbers."""
+    cube = contents.cube
+    found: dict[str, dict[str, list[int]]] = {}
+    for name in names:
+        found[name] = {}
+        for window in cube.windows:
+            values, shape = gather_records(cube, name, contents.criteria[name], window)
+            found[name][window] = [floats.add(values), *shape]
+    return found
 
 
 def _pack(look: Look, floats: _Floats) -> tuple[int, list[int], int, int]:

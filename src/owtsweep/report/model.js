@@ -121,6 +121,27 @@ function runContest(part, criterionName, window, at, records, amplitude) {
   return lines.sort((a, b) => (a.scheme === best ? -1 : b.scheme === best ? 1 : a.error - b.error));
 }
 
+/** Return for each scheme the errors of single records in a cell; [] where the page has none. */
+function listRecords(part, criterionName, window, at, amplitude) {
+  const kept = ((part.records || {})[criterionName] || {})[window];
+  if (!kept) return [];
+  const criterion = part.criteria.find((each) => each.name === criterionName);
+  const [offset, , schemes, width, records] = kept;
+  const axes = part.superposed ? part.conditions.slice(0, -1) : part.conditions;
+  const place = axes.reduce((sum, axis, i) => sum * axis.values.length + at[i], 0);
+  const N = amplitude === null ? part.conditions.at(-1).values[at.at(-1)] : amplitude;
+  const weights = listWeights(part, N);
+  return part.schemes.map((_, scheme) => {
+    const first = offset + (place * schemes + scheme) * width * records;
+    const errors = [];
+    for (let n = 0; n < records; n += 1) {
+      const square = weights.reduce((sum, w, i) => sum + w * part.numbers[first + i * records + n], 0);
+      if (!Number.isNaN(square)) errors.push(express(criterion, Math.max(square, 0)));
+    }
+    return errors;
+  });
+}
+
 /** Return what a map shows of a cell: the program's verdict, or what would be ("what if"). */
 function judgeCell(part, state, at) {
   const row = findRow(part, state.criterion, at);

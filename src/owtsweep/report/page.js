@@ -264,6 +264,7 @@ class Page {
     this.showCurves();
     this.showStretch();
     this.showSpectra();
+    this.showRecords();
   }
 
   tellVerdict(shown) {
@@ -453,6 +454,21 @@ class Page {
       label: `Error spectra by ${state.criterion} of ${curves.map(({name}) => name).join(", ")}`,
     }) : null;
     place.replaceChildren(...(chart ? [make("h3", {}, "Error that motion leaves, by frequency, without noise"), chart] : []));
+  }
+
+  /** Show the errors of single records, where the page has them. */
+  showRecords() {
+    const {part, state} = this;
+    const {unit} = part.criteria.find((each) => each.name === state.criterion);
+    const found = listRecords(part, state.criterion, state.window, state.at, state.amplitude);
+    const lines = found.map((values, i) => ({...part.schemes[i], values})).filter(({values}) => values.length);
+    const chart = lines.length ? drawDots({
+      lines, xLabel: unit ? `error of a record (${unit})` : "error of a record",
+      label: `Errors of single records by ${state.criterion}, ${nameCell(part, state.at, state.amplitude)}`,
+    }) : null;
+    const most = Math.max(0, ...lines.map(({values}) => values.length));
+    document.getElementById("records-shown").replaceChildren(...(chart
+      ? [make("h3", {}, `Errors of single records, ${most} at most; the mark is the median`), chart] : []));
   }
 
   showTable() {

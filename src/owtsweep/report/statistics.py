@@ -17,6 +17,9 @@ from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube
 from owtsweep.statistics.deciding import LOOKS
 
+#: Most records that a page has one by one, on request.
+MOST_RECORDS = 32
+
 
 class Look(NamedTuple):
     """Statistics of the first records of a cell.
@@ -64,6 +67,31 @@ def list_looks(
         )
         for of_cell in criterion.judge(values).transpose(1, 0, 2):
             yield _find_looks(of_cell[:, np.newaxis], means_only)
+
+
+def gather_records(
+    cube: Cube, name: str, criterion: Criterion, window: str
+) -> tuple[Array, tuple[int, ...]]:
+    """Return what is judged of the first `MOST_RECORDS` records of each cell, and its shape.
+
+    The shape is (cells, schemes, 1 or 3, records), with cells as in `list_looks`; NaN where a
+    scheme has no value. The three are motion, cross and noise of superposed rows.
+    """
+    measure, at = cube.measures.index(name), cube.windows.index(window)
+    shown = slice(None, MOST_RECORDS)
+    if is_superposed(cube):
+        assert cube.products is not None
+        products = cube.products[..., measure, at, shown]  # 3, schemes, outer conditions, records
+        cells = np.moveaxis(products, (0, 1), (-2, -3))
+    else:
+        every = [
+            np.stack([cube.values(i, place, [measure])[:, 0, at, shown] for i in range(count)])
+            for count in [len(cube.schemes)]
+            for place in cube.outer_places()
+        ]
+        cells = np.moveaxis(criterion.judge(np.array(every)), 1, 2)[..., np.newaxis, :]
+    whole = cells.reshape(-1, *cells.shape[-3:])
+    return whole, whole.shape
 
 
 def _find_looks(values: Array, means_only: bool) -> list[Look]:

@@ -20,6 +20,8 @@ from owtsweep.statistics.inference import ordered_sum
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["compare_with_best"]
+
 #: Columns of ratios.csv, after those of the conditions.
 COLUMNS = ("criterion", "window", "scheme", "error", "ratio", "n")
 
