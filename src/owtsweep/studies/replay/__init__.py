@@ -30,7 +30,7 @@ class ReplayStudy(HubKeys, Engine):
 
     name = "replay"
     schema_version = 1
-    numerics_version = add_versions(1, *ROOMS)
+    numerics_version = add_versions(2, *ROOMS)
     samples = True
     #: Columns without which no table can be made.
     row_types: Mapping[str, type] = {
@@ -97,7 +97,7 @@ class ReplayStudy(HubKeys, Engine):
         return aggregate(config, rows)
 
     def terminal(self, config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        from owtsweep.studies.replay.terminal import render_answer
+        from owtsweep.studies.replay.report import render_answer
 
         return render_answer(config, tables)
 

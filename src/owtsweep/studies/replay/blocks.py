@@ -18,14 +18,13 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
-from owtsweep.studies.replay.identification.words import (
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.measures import (
     ESTIMATED,
     NOISE,
-    list_values,
+    measure_baselines,
     name_second_run,
 )
-from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measures import measure_baselines
 from owtsweep.studies.replay.record import (
     LONG,
     ReplayRecord,
@@ -145,7 +144,7 @@ def _run_block(
     sensors = hub.make_sensors(config.sensors)
     settled = config.measures.find_settled(sensors.step)
     if name == NOISE:
-        rows = [_make_row(label, NOISE, 0, one) for one in list_values(noise)]
+        rows = [_make_row(label, NOISE, 0, one) for one in noise.measures()]
     elif name == RECORD:
         found = [] if again else facts.measure_record(config, record)
         rows = [_make_row(label, RECORD, 0, one) for one in found]

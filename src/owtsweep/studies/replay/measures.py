@@ -35,10 +35,20 @@ LINES = {
     "last_fix": Line(holds=True, moves=False),
     "last_two_fixes": Line(holds=True, moves=True),
 }
+#: Value of the column `scheme` of rows on a record's noise, and the measure of innovations that are
+#: not Gaussian: their excess kurtosis.
+NOISE, TAILS = "noise_of_record", "excess_kurtosis"
+#: Values of the column `noise` of the advice: the noise with which schemes ran.
+STATED, ESTIMATED = "stated", "estimated"
 #: The measures of baselines; HOLD has those of each axis too.
 SHOWN = ("position", "velocity", "fix_residual")
 #: Measure, window, value, number of samples.
 Measured = tuple[str, str, float, int]
+
+
+def name_second_run(scheme: str) -> str:
+    """Return the name, in rows of results, of a scheme that was run with the estimated noise."""
+    return f"{scheme} (estimated noise)"
 
 
 class Tally:

@@ -16,13 +16,16 @@ from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
-from owtsweep.studies.replay.identification.words import (
+from owtsweep.studies.replay.identification.of_record import UNITS
+from owtsweep.studies.replay.measures import (
+    BASELINE_ROWS,
     ESTIMATED,
+    NOISE,
     STATED,
-    pick_second_run,
-    tabulate_noise,
+    TAILS,
+    WINDOWS,
+    name_second_run,
 )
-from owtsweep.studies.replay.measures import BASELINE_ROWS, WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
 
@@ -108,6 +111,24 @@ def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str])
     return table
 
 
+def tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
+    """Make the table of noise from a replay's rows of results, in the order of `files`."""
+    numbers = ["stated", "estimate", "low", "high"]
+    kept = rows[rows["scheme"] == NOISE]
+    wide = kept.pivot_table(index=["file", "measure"], columns="window", values="value")
+    table = wide.reindex(columns=numbers).reset_index()
+    table[["source", "parameter"]] = (
+        table["measure"].str.split(": ", expand=True).reindex(columns=[0, 1])
+    )
+    table["unit"] = table["parameter"].map(UNITS).fillna("")
+    table["inside"] = ~((table["stated"] < table["low"]) | (table["stated"] > table["high"]))
+    rank = {"file": list(files), "parameter": [*UNITS, TAILS]}
+    table = table.sort_values(
+        list(rank), key=lambda column: column.map(rank[str(column.name)].index), ignore_index=True
+    )
+    return table[["file", "parameter", "unit", "source", *numbers, "inside"]]
+
+
 def _advise(
     config: ReplayConfig,
     rows: pd.DataFrame,
@@ -127,8 +148,10 @@ def _advise(
             with suppress(InputError):  # a scheme has no expectation; the report says so
                 advised.append(advise_from_map(config, schemes, pick_facts(record), by_record))
         yield from ({"file": file, **row, "noise": STATED} for row in advised if row is not None)
-        again = pick_second_run(rows[rows["file"] == file], [*schemes, *BASELINE_ROWS])
+        names = {name_second_run(scheme): scheme for scheme in [*schemes, *BASELINE_ROWS]}
+        again = rows[(rows["file"] == file) & rows["scheme"].isin(list(names))]
         if not again.empty:
+            again = again.assign(scheme=again["scheme"].map(names))
             row = advice.advise_from_record(again, schemes, criterion, window)
             if row is not None:
                 yield {"file": file, **row, "noise": ESTIMATED}

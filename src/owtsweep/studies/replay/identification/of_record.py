@@ -7,6 +7,7 @@ The estimates may take the place of what the configuration states.
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Iterator
 from dataclasses import dataclass
 from threading import Lock
 
@@ -22,6 +23,7 @@ from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.identification.fit import Fit, describe_disagreement, fit_noise
 from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
 from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.measures import TAILS, Measured
 from owtsweep.studies.replay.record import ReplayRecord
 
 #: Positions and IMU samples that are used; of a longer record, the first ones.
@@ -88,6 +90,15 @@ class Noise:
     parameters: tuple[Estimated, ...] = ()
     heavy_tails: float = 0.0
     disagreement: str = ""
+
+    def measures(self) -> Iterator[Measured]:
+        """Yield the numbers as ("source: parameter", the number's name, value, 1)."""
+        for one in self.parameters:
+            for name in ("stated", "estimate", "low", "high"):
+                if np.isfinite(value := getattr(one, name)):
+                    yield (f"{one.source}: {one.parameter}", name, float(value), 1)
+        if self.heavy_tails:
+            yield (f"innovations: {TAILS}", "estimate", self.heavy_tails, 1)
 
     @property
     def agrees(self) -> bool:
