@@ -110,7 +110,7 @@ class ReplayStudy(HubKeys, Engine):
     ) -> Mapping[str, Drawing]:
         from owtsweep.studies.replay.figures.listing import drawings
 
-        return drawings(config, tables, metadata)
+        return drawings(config, tables, rows, metadata)
 
     def overview(self, config: ReplayConfig) -> str:
         from owtsweep.studies.replay.figures.listing import overview

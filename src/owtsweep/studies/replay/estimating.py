@@ -31,7 +31,8 @@ from owtsweep.studies.replay.record import (
 )
 
 STATES = ("x", "y", "vx", "vy")
-COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
+DEVIATIONS = ("x_std", "y_std", "vx_std", "vy_std")
+COLUMNS = ("time", "scheme", *STATES, *DEVIATIONS)
 #: Rows written at once, and approximate bytes of a row in CSV and in Parquet.
 WRITTEN, ROW = 500_000, (160, 60)
 
