@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +16,7 @@ from owtsweep.motion.whittle import Fit, fit_lines, periodogram
 from owtsweep.studies.hub.public import BASELINES, Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.files import hash_file
-from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.loading import Source, load_record, name_source
 from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen, release_memory
 
@@ -69,24 +68,15 @@ class MotionSummary:
     fit: Fit | str
 
 
-#: The summaries of the records used last, at most `_MOST_KEPT`.
-_SUMMARIES: OrderedDict[tuple[str, ...], MotionSummary] = OrderedDict()
-_MOST_KEPT = 4
-
-
 def summarise_motion(config: ReplayConfig, file: str) -> MotionSummary:
     """Summarise the motion of the record in a file; the last few summaries stay in memory."""
-    key = (file, hash_file(file), repr(config))
-    summary = _SUMMARIES.get(key)
-    if summary is None:
-        summary = _SUMMARIES[key] = _summarise(config, file)
-        while len(_SUMMARIES) > _MOST_KEPT:
-            _SUMMARIES.popitem(last=False)
-    return summary
+    return _summarise(name_source(config, file, config))
 
 
-def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
-    record = load_record(config, file)
+@lru_cache(maxsize=4)
+def _summarise(key: Source) -> MotionSummary:
+    config = key.config
+    record = load_record(config, key.file)
     xy, source = _take_displacement(config, record)
     angle, share = find_main_direction(xy)
     size = {
