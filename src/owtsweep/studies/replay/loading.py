@@ -10,8 +10,6 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from threading import Lock
 
-import numpy as np
-
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Recording, read
@@ -19,7 +17,7 @@ from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.of_motion import make_record_of_motion
-from owtsweep.studies.replay.of_sensors import make_record_of_sensors
+from owtsweep.studies.replay.of_sensors import make_record_of_sensors, measure_rates
 from owtsweep.studies.replay.record import ReplayRecord, release_memory
 
 #: Bytes above which a record does not stay in memory beside another one.
@@ -154,13 +152,11 @@ def _write_command(config: ReplayConfig, recording: Recording, quantity: str) ->
     words = [f"columns.{new.get(role, role)}={name}" for role, name in columns.items()]
     words += [f"units.{new.get(role, role)}={u}" for role, u in config.units.given().items()]
     if quantity == "acceleration":
-        time, value = recording.series(f"fix_{_axes(recording, 'fix')[0]}")
-        came = time[np.flatnonzero(np.diff(value, prepend=np.nan))]  # a repeated fix is no new one
-        step = float(np.median(np.diff(came))) if len(came) > 1 else np.inf
-        imu = config.sensors.imu.rate
-        rate = imu / max(round(imu * step), 1) if np.isfinite(step) else config.sensors.gnss.rate
-        if rate != config.sensors.gnss.rate:
-            words.append(f"sensors.gnss.rate={rate:.12g}")
+        words += [
+            f"sensors.{sensor}.rate={rate:.12g}"
+            for sensor, rate in measure_rates(config, recording, quantity).items()
+            if rate != getattr(config.sensors, sensor).rate
+        ]
     return shlex.join(["owtsweep", "replay", str(recording.path), *words])
 
 
