@@ -170,7 +170,7 @@ def _run_scheme(
     rows: list[Row] = []
     count = count_replicates(config, record)
     edges = measures.cut_into_parts(settled, record.steps)
-    at_once = choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
+    at_once = _choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
     for first in range(0, count, at_once):
         numbers = range(first, min(first + at_once, count))
         try:
@@ -188,12 +188,8 @@ def _run_scheme(
     return rows
 
 
-def choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest: int) -> int:
-    """Return how many replicates to run at once, for pieces of at most `longest` steps.
-
-    A kernel runs `WIDTH` series at once, two of a replicate; fewer if these would need too much
-    memory, and one by one without a kernel.
-    """
+def _choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest: int) -> int:
+    # a kernel runs `WIDTH` series at once, two of a replicate, fewer if they need too much memory
     if config.engine != "batch" or scheme.batched != "chain":
         return 1
     return max(1, min(hub.WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))

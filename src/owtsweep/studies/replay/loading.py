@@ -96,7 +96,7 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
         )
         recording = _rename(recording, "reference", "position")
         if not recording.has("position"):
-            raise InputError(explain_no_motion(config, recording))
+            raise InputError(_explain_no_motion(config, recording))
         record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
@@ -129,8 +129,7 @@ def _rename(recording: Recording, old: str, new: str) -> Recording:
     )
 
 
-def explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
-    """Return one line: there is no position, what the channels can be, and the command to type."""
+def _explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
     found = [quantity for quantity in INSTEAD if recording.has(quantity)]
     if not found or recording.has("specific_force"):
         return f"{recording.path}: no position: set columns.position_x and columns.position_y"

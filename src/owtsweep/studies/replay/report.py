@@ -82,7 +82,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     records, advised, files = tables["records"], tables["advice"], config.grid.files
     if len(files) == 1:
         title = f"errors, {config.measures.window} record, tuning {config.tuning}"
-        headings, rows = make_error_cells(config, tables["errors"])
+        headings, rows = _make_error_cells(config, tables["errors"])
         parts.append(PartedTable(headings, rows, title=title, caption=BASELINES_NOTE))
         if len(records):
             record = pick_facts(records)
@@ -108,10 +108,9 @@ def list_left_out(refused: pd.DataFrame) -> list[str]:
     return [*lines, f"left out: {more} more (refused.csv)"] if more else lines
 
 
-def make_error_cells(
+def _make_error_cells(
     config: ReplayConfig, errors: pd.DataFrame
 ) -> tuple[list[str], list[list[str]]]:
-    """Return headings and texts of a record's errors by scheme, in the part `measures.window`."""
     shown = errors[errors["window"] == config.measures.window]
     names = [name for name in SHOWN if name in set(shown["measure"])]
     rows = []
@@ -175,7 +174,7 @@ def _describe_one(
     if len(records):
         facts += describe.describe_motion(config, pick_facts(records))
     parts = ["\n## The record\n", *_itemise([*facts, *record.notes])]
-    table = markdown.table(*make_error_cells(config, errors))
+    table = markdown.table(*_make_error_cells(config, errors))
     parts += [f"\n## Errors, {config.measures.window} record\n", table, "", ABOUT_ERRORS]
     if len(noise):
         cells = [

@@ -41,25 +41,24 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     labels = list(label_files(config.grid.files))
     shown = [*names, *BASELINE_ROWS]
-    errors = average_errors(done[done["scheme"].isin(shown)], labels, shown)
+    errors = _average_errors(done[done["scheme"].isin(shown)], labels, shown)
     kept = ["scheme", "measure", "window", "mean"]
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
-    records = list_records(config, done[done["scheme"] == RECORD], labels)
+    records = _list_records(config, done[done["scheme"] == RECORD], labels)
     advised = [*_advise(config, done, names, labels, records)]
     tables = {
         "replay": values.rename(columns={"mean": "value"}),
         "errors": errors,
         "records": records,
-        "noise": tabulate_noise(done, labels),
+        "noise": _tabulate_noise(done, labels),
         "advice": pd.DataFrame(advised, columns=list(advice.COLUMNS)),
     }
     if len(labels) > 1:  # a single record that cannot be used is refused before it is run
-        tables["refused"] = list_refused(rows, labels)
+        tables["refused"] = _list_refused(rows, labels)
     return tables
 
 
-def list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """List the records that cannot be used: columns file and reason, in the order of `files`."""
+def _list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     import pandas as pd
 
     failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
@@ -68,14 +67,9 @@ def list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame(listed, columns=["file", "reason"])
 
 
-def average_errors(
+def _average_errors(
     rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    """Average the results that did not fail over the replicates, with 95 % intervals.
-
-    Returns one row per file, scheme, measure and window ("full" or "settled"), in the given order;
-        columns file, scheme, measure, window, mean, ci_low, ci_high (NaN for n = 1), n.
-    """
     import pandas as pd
 
     kept = rows[rows["window"].isin(WINDOWS)]
@@ -99,8 +93,7 @@ def average_errors(
     )  # fmt: skip
 
 
-def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """Make the table of records: a row per label, with its sea state (`replay.table`) and facts."""
+def _list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
     table = wide.reindex([file for file in files if file in wide.index])
     table.columns.name = None
@@ -111,8 +104,7 @@ def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str])
     return table
 
 
-def tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """Make the table of noise from a replay's rows of results, in the order of `files`."""
+def _tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     numbers = ["stated", "estimate", "low", "high"]
     kept = rows[rows["scheme"] == NOISE]
     wide = kept.pivot_table(index=["file", "measure"], columns="window", values="value")
@@ -146,7 +138,7 @@ def _advise(
         if not record.empty:
             by_record = advised[0] if advised else None
             with suppress(InputError):  # a scheme has no expectation; the report says so
-                advised.append(advise_from_map(config, schemes, pick_facts(record), by_record))
+                advised.append(_advise_from_map(config, schemes, pick_facts(record), by_record))
         yield from ({"file": file, **row, "noise": STATED} for row in advised if row is not None)
         names = {name_second_run(scheme): scheme for scheme in [*schemes, *BASELINE_ROWS]}
         again = rows[(rows["file"] == file) & rows["scheme"].isin(list(names))]
@@ -157,18 +149,13 @@ def _advise(
                 yield {"file": file, **row, "noise": ESTIMATED}
 
 
-def advise_from_map(
+def _advise_from_map(
     config: ReplayConfig,
     schemes: Sequence[str],
     record: Mapping[str, float],
     by_record: Mapping[str, object] | None,
 ) -> dict[str, object] | None:
-    """Advise which scheme to run, by the settled errors expected for a record's motion.
-
-    record, by_record: its facts, and its row of the table of advice by its own errors, if any.
-    Returns a row of that table without the file; None if the record has no place in the map, or
-        there is nothing to compare.
-    """
+    # SKFA and others without a chain have no place in the map
     from owtsweep.studies.replay.place import expect_at_record
 
     expected = expect_at_record(config, record)

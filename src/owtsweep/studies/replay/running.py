@@ -97,7 +97,7 @@ def expand(words: Sequence[str]) -> list[str]:
         else:
             matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]
             matches = [match for match in matches if match.is_file()]
-            require(len(matches) > 0, tell_missing(word, path))
+            require(len(matches) > 0, _tell_missing(word, path))
         paths.update({str(match.resolve()): None for match in matches})
     return list(paths)
 
@@ -122,8 +122,7 @@ def _quote(word: str) -> str:
     return f"{key}='{escaped}'"
 
 
-def tell_missing(word: str, path: Path) -> str:
-    """Return why a word of the user, of this path, names no file, and the most similar one."""
+def _tell_missing(word: str, path: Path) -> str:
     if any(sign in word for sign in "*?["):
         return f"{word}: nothing matches this pattern"
     if "://" in word:
