@@ -141,14 +141,14 @@ def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wante
     for item in items:
         signal, _, rest = item.partition(":")
         key = files[0][1].key
-        asked = [table for table, wanted in files if wanted.knows(signal)]
+        tables = [table for table, wanted in files if wanted.knows(signal)]
         require(
-            bool(asked) and bool(rest.strip()),
+            bool(tables) and bool(rest.strip()),
             f"{key}: {item!r} is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are time, "
             f"{', '.join(dict.fromkeys(wanted.listed for _, wanted in files))}",
         )
-        if not any(_find(table, rest) for table in asked):
-            find_channel(asked[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
+        if not any(_find(table, rest) for table in tables):
+            find_channel(tables[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
 
 
 def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:

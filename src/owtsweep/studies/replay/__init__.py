@@ -55,8 +55,8 @@ class ReplayStudy(HubKeys, Engine):
         known = None not in (config.skf.natural_period, config.skf.amplitude)
         for scheme in resolve_all(config.schemes):
             require(
-                known or not (scheme.told_motion and "skf" in scheme.sections),
-                f"skf.natural_period, skf.amplitude: {scheme.name} must be told the motion of the "
+                known or not (scheme.knows_motion and "skf" in scheme.sections),
+                f"skf.natural_period, skf.amplitude: {scheme.name} must know the motion of the "
                 "record; give the period of its peak and its amplitude, or leave "
                 f"{scheme.name} out of schemes",
             )

@@ -97,9 +97,10 @@ def _plan_schemes(
 ) -> Iterator[Block]:
     for scheme, entry in zip(hub.resolve_all(config.schemes, config), config.schemes, strict=True):
         name = name_second_run(scheme.name) if "noise" in content else scheme.name
-        told, label = f"{content['file']}, {name}", str(content["file"])
+        shown, label = f"{content['file']}, {name}", str(content["file"])
         own = {**content, **hub.SCHEMES.describe_content(config, entry, scheme)}
-        yield Block(told if apart else label, told, own, 1, anew=hub.SCHEMES.explain_anew(scheme))
+        reason = hub.SCHEMES.explain_recompute(scheme)
+        yield Block(shown if apart else label, shown, own, 1, recompute=reason)
 
 
 def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:

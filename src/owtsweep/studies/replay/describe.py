@@ -9,7 +9,7 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.motion.modes import LEAST_SHARE, LEVEL
-from owtsweep.studies.hub.public import BASELINES, INSTEAD, OTHER_WINDOW, believe, make_sensors
+from owtsweep.studies.hub.public import BASELINES, INSTEAD, OTHER_WINDOW, assume_tilt, make_sensors
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES, summarise_motion
@@ -297,7 +297,7 @@ def describe_tilt(config: ReplayConfig, record: Mapping[str, float]) -> str:
         return ""
     text = f"a tilt of {tilt:g} rad/m"
     try:
-        both = [expect_at_record(believe(config, assumed), record) for assumed in (0.0, tilt)]
+        both = [expect_at_record(assume_tilt(config, assumed), record) for assumed in (0.0, tilt)]
     except InputError as error:
         return f"{text}: what it costs cannot be computed: {error}"
     which = 1 if config.measures.criterion == "velocity" else 0

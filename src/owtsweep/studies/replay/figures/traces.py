@@ -199,7 +199,9 @@ def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
     M = sensors.fix_interval
     number = np.arange(-(-steps.start // M), -(-steps.stop // M))
     reported = M * np.arange(len(session.signals.fixes)) - sensors.delay
-    told = np.flatnonzero((reported >= steps.start) & (reported < steps.stop) & (sensors.delay > 0))
+    judged = np.flatnonzero(
+        (reported >= steps.start) & (reported < steps.stop) & (sensors.delay > 0)
+    )
     lines, errors, deviations, residuals = {}, {}, {}, {}
     for scheme, (state, deviation) in seen.items():
         if scheme in same:
@@ -209,8 +211,8 @@ def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
             errors[scheme] = make_line(time, state[:, columns.start] - truth[:, 0])
             deviations[scheme] = time, deviation[:, columns.start]
         elif quantity == "position":
-            at = reported[told] - steps.start
-            apart = session.signals.fixes[told, 0] - state[at, 0]
+            at = reported[judged] - steps.start
+            apart = session.signals.fixes[judged, 0] - state[at, 0]
             scaled = apart / np.hypot(deviation[at, 0], sensors.position_sigma)
             if np.any(there := np.isfinite(scaled)):
                 residuals[scheme] = time[at][there], scaled[there]
