@@ -33,7 +33,7 @@ from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.error_spectrum import error_spectrum, expected_mse, look_constant
 from owtsweep.studies.hub.listed import resolve_all
 from owtsweep.studies.hub.noise_floor import noise_floor
-from owtsweep.studies.hub.tuning_rules import believe
+from owtsweep.studies.hub.tuning_rules import assume_tilt
 
 AMPLITUDES = (0.5, 2.0)  # m, largest displacement
 PERIODS = np.arange(3.0, 8.01, 0.5)  # s
@@ -92,12 +92,12 @@ def compare_knowledge(
         if factor is not None:
             imu = changed(config.sensors.imu, tilt=tilt)
             sensors = sensing.sensors(changed(config.sensors, imu=imu))
-        believing = believe(config, 0.0 if factor is None else factor * tilt)
+        assumed = assume_tilt(config, 0.0 if factor is None else factor * tilt)
         frequency = np.geomspace(low, high, POINTS)
         frequency = frequency[~look_constant(frequency * sensors.fix_step)]
         bound = 2.0 * bound_of_axis(sensors)[0]
-        for scheme in resolve_all(believing.schemes, believing):
-            chain = scheme.kernel(Known(sensors, believing))
+        for scheme in resolve_all(assumed.schemes, assumed):
+            chain = scheme.kernel(Known(sensors, assumed))
             errors, noise = error_spectrum(chain, sensors, frequency), noise_floor(chain, sensors)
             band = (float(frequency[0]), float(frequency[-1]))
             for amplitude, period in product(amplitudes, periods):

@@ -46,7 +46,6 @@ def test_a_fix_comes_at_every_interval_unless_it_is_nan():
     assert np.array_equal(run.innovation[15], fixes[3] - fixes[1])
     assert np.array_equal(np.flatnonzero(np.isfinite(run.covariance[:, 0, 0])), at)
     assert np.array_equal(run.deviation[5], [1.0, 2.0, 3.0, 4.0])
-    assert np.array_equal(run.scaled_innovation[15], (fixes[3] - fixes[1]) / 2.0)
 
 
 def test_pieces_of_a_run_are_the_run():

@@ -13,7 +13,7 @@ from replay_tools import DATA, ROOT, needs_data
 
 from experiments import make_sample
 from owtsweep.cli import main
-from owtsweep.studies.replay.advice import recommend
+from owtsweep.studies.replay.describe import recommend
 from owtsweep.studies.replay.files import MOTION, SENSORS, TABLE, find_data, write_sample
 from owtsweep.sweep.runs import Run
 

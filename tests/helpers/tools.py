@@ -189,7 +189,7 @@ class Streaming(Scheme):
     """A scheme whose `start` makes its online form."""
 
     def __init__(self, scheme: Scheme) -> None:
-        self.name, self.linear, self.told_motion = scheme.name, scheme.linear, scheme.told_motion
+        self.name, self.linear, self.knows_motion = scheme.name, scheme.linear, scheme.knows_motion
         self.scheme = scheme
 
     def start(self, known: Known) -> Estimator:

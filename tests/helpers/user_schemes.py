@@ -79,7 +79,7 @@ class Broken(HoldLastFix):
 class Told(HoldLastFix):
     """It must be told the motion, as SKF must."""
 
-    told_motion = True
+    knows_motion = True
 
 
 class Kernelless(HoldLastFix):

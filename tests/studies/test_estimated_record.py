@@ -64,10 +64,10 @@ def test_errors_are_those_of_a_sweep(
         assert found == pytest.approx(value, rel=1e-9), scheme
 
 
-def test_a_tower_says_who_waits_and_that_none_states_a_covariance() -> None:
+def test_a_tower_states_latencies_and_that_none_states_a_covariance() -> None:
     words = [word for word in TOWER if not word.startswith("schemes=")]
     record = owtsweep.estimate([*words, "schemes=[AKF,AKF_LAGGED,MDE]", "filters.lag=0.5"])
-    assert record.waits == {"AKF": 0.0, "AKF_LAGGED": 0.5, "MDE": 60.0}
+    assert record.latencies == {"AKF": 0.0, "AKF_LAGGED": 0.5, "MDE": 60.0}
     assert record.covariances == {"AKF": {}, "AKF_LAGGED": {}, "MDE": {}}
 
 
@@ -77,7 +77,7 @@ def test_what_a_record_holds() -> None:
     assert record.conditions["outage"] == 10.0
     assert record.covariances["MEKF"]["root"].shape == (steps, 3, 3)
     assert record.covariances["HOLD"] == {}
-    assert record.waits["SMOOTHER"] > record.waits["MEKF"] == 0.0
+    assert record.latencies["SMOOTHER"] > record.latencies["MEKF"] == 0.0
     for name, reading in record.measurements.items():
         assert len(reading.time) == len(reading.value), name
     assert {*record.truth, *record.measurements} == set(record.units)

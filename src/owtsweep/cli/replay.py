@@ -54,12 +54,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
-    from owtsweep.studies.replay.advice import recommend
+    from owtsweep.studies.replay.describe import list_fit_warnings, recommend
     from owtsweep.studies.replay.loading import tell_lean
-    from owtsweep.studies.replay.terminal import list_spectrum_notes
 
-    for note in list_spectrum_notes(config):
-        print(f"note: {note}", file=sys.stderr)
+    for warning in list_fit_warnings(config) if len(config.grid.files) == 1 else ():
+        print(f"note: spectrum: {warning}", file=sys.stderr)
     replayed, results = outcome.run, outcome.results
     written = True
     if results:

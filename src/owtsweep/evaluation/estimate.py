@@ -107,7 +107,7 @@ class EstimatedRecord:
     estimates: Scheme -> quantity -> estimated values, shape (steps, ...).
     covariances: Scheme -> quantity -> covariance of the error, shape (steps, n, n). A quantity that
         is missing here has none.
-    waits: Scheme -> latency in s; 0 for what runs in real time.
+    latencies: Scheme -> latency in s; 0 for what runs in real time.
     units: Unit of each quantity and of each signal, and its frame where this needs saying.
     failures: Scheme that gave no estimates -> the reason.
     at_rest: Quantity -> its value while nothing moves, where that is not zero.
@@ -123,7 +123,7 @@ class EstimatedRecord:
     measurements: Mapping[str, Reading]
     estimates: Mapping[str, Mapping[str, Array]]
     covariances: Mapping[str, Mapping[str, Array]]
-    waits: Mapping[str, float]
+    latencies: Mapping[str, float]
     units: Mapping[str, str]
     failures: Mapping[str, str]
     at_rest: Mapping[str, Array] = field(default_factory=dict)

@@ -33,17 +33,6 @@ class Trajectory(NamedTuple):
             return np.broadcast_to(np.nan, self.state.shape)
         return np.asarray(np.sqrt(np.einsum("kii->ki", self.covariance)))
 
-    @property
-    def scaled_innovation(self) -> Array:
-        """The innovations divided by their standard deviations, shape (steps, m); NaN without one.
-
-        If no step has an innovation, m is 1.
-        """
-        if self.innovation is None or self.innovation_covariance is None:
-            return np.broadcast_to(np.nan, (len(self.state), 1))
-        variance = np.einsum("kii->ki", self.innovation_covariance)
-        return np.asarray(self.innovation / np.sqrt(variance))
-
     def axis_covariance(self, axis: int) -> Array:
         """Return covariances of position and velocity along axis 0 or 1, shape (steps, 2, 2)."""
         if self.covariance is None:
@@ -53,10 +42,6 @@ class Trajectory(NamedTuple):
     def part(self, steps: slice) -> Trajectory:
         """Return the part of the trajectory with the given `steps`, without copying the arrays."""
         return Trajectory(*(None if a is None else a[steps] for a in self))  # type: ignore[arg-type]
-
-    def copy(self) -> Trajectory:
-        """Return a copy with arrays of its own: a part keeps the arrays of the whole in memory."""
-        return Trajectory(*(None if a is None else np.array(a) for a in self))  # type: ignore[arg-type]
 
 
 def join(pieces: Sequence[Trajectory]) -> Trajectory:

@@ -134,7 +134,7 @@ def forecast(study: Study, config: Config, *, fresh: bool = False) -> Forecast:
     missing = {
         key: block
         for key, block in plan.items()
-        if fresh or block.anew or store.status(key) != "done"
+        if fresh or block.recompute or store.status(key) != "done"
     }
     compute = config.compute
     workers = compute.workers or (0 if compute.backend == "dask" else cpu_count())

@@ -202,18 +202,18 @@ class _Sweep:
         return further
 
     def _drop_doubtful(self, plan: Plan) -> None:
-        """Delete stored blocks (units of work) that must be computed anew, and log why.
+        """Delete stored blocks (units of work) that must be recomputed, and log why.
 
-        The attribute `anew` of such a block gives the reason.
+        The attribute `recompute` of such a block gives the reason.
         """
         store = self.run.store
         reasons: dict[str, int] = {}
         for key, block in plan.items():
-            if block.anew and store.path(key).exists():
+            if block.recompute and store.path(key).exists():
                 store.path(key).unlink(missing_ok=True)  # another sweep may delete the file first
-                reasons[block.anew] = reasons.get(block.anew, 0) + block.cases
+                reasons[block.recompute] = reasons.get(block.recompute, 0) + block.cases
         for reason, cases in reasons.items():
-            logger.warning("%d stored cases are computed anew: %s", cases, reason)
+            logger.warning("%d stored cases are recomputed: %s", cases, reason)
 
     def _take(self, result: TaskResult) -> None:
         repeat(result.entries)

@@ -50,7 +50,7 @@ class Block:
     cases: Number of cases of the block.
     cases_per_row: Number of cases for which one row of the block stands, e.g. a row that says why
         these cases have no number.
-    anew: the reason why the block is computed again even if it is stored, e.g. because the block's
+    recompute: why the block is computed again even if it is stored, e.g. because the block's
         key cannot cover the code on which the rows depend; "" for most blocks.
     tunings: the tunings to which the block's rows belong, if the run has several
         (`Config.by_tuning`); else (). The plan sets them: the block's key does not depend on the
@@ -62,7 +62,7 @@ class Block:
     content: Plain
     cases: int
     cases_per_row: int = 1
-    anew: str = ""
+    recompute: str = ""
     tunings: tuple[str, ...] = ()
 
     def choose(self, config: C) -> C:

@@ -30,7 +30,7 @@ def check_hub_scheme(
     `config` has one tuning. Raise `AssertionError` if a check fails.
     """
     for example in example_sensors() if sensors is None else sensors:
-        known = Known(example, config, *MOTION) if scheme.told_motion else Known(example, config)
+        known = Known(example, config, *MOTION) if scheme.knows_motion else Known(example, config)
         check_estimates(scheme, known)
         check_starts(scheme, known)
         check_inputs(scheme, known)

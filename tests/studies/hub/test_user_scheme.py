@@ -144,7 +144,7 @@ def test_a_scheme_without_source_is_computed_anew_and_says_why(tmp_path, monkeyp
     assert sweep_again() == (6, 0)
     caplog.clear()
     assert sweep_again() == (3, 3)
-    (told,) = [r.getMessage() for r in caplog.records if "computed anew" in r.getMessage()]
+    (told,) = [r.getMessage() for r in caplog.records if "recomputed" in r.getMessage()]
     assert "the source of Mine cannot be read" in told
     assert "version = ..." in told
     module.Mine.version = 1

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from owtsweep.studies.replay import advice, sentences
+from owtsweep.studies.replay import advice, describe
 
 NAMES = ["EKF", "MKF", "HME1"]
 
@@ -33,7 +33,7 @@ def test_too_small_a_margin_does_not_matter():
     assert not found["matters"]
     row = {"source": "record", "criterion": "position", "noise": "stated", **found}
     chosen = {"recommended": "HME1", "value_recommended": found["value_best"]}
-    line = sentences.write_sentence({**row, **chosen})
+    line = describe.write_sentence({**row, **chosen})
     assert "no difference that matters" in line
 
 
@@ -85,7 +85,7 @@ def test_without_errors_the_fixes_advise():
         rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled"
     )
     assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
-    assert "from a fix" in sentences.write_sentence({**found, "noise": "stated"})
+    assert "from a fix" in describe.write_sentence({**found, "noise": "stated"})
 
 
 def test_large_margins_are_told_in_times():
@@ -95,8 +95,8 @@ def test_large_margins_are_told_in_times():
         "noise": "stated", "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
         "matters": True,
     }  # fmt: skip
-    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in sentences.write_sentence(row)
+    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in describe.write_sentence(row)
     of_map = {"source": "map", "fit_share": 0.8, "advises": True, "contradicts_record": False}
-    assert "MKF has 5 times as much;" in sentences.write_sentence({**row, **of_map})
+    assert "MKF has 5 times as much;" in describe.write_sentence({**row, **of_map})
     near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
-    assert "MKF has 50 % more (95 %: 40 to 60 %)" in sentences.write_sentence(near)
+    assert "MKF has 50 % more (95 %: 40 to 60 %)" in describe.write_sentence(near)

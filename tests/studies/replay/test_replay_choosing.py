@@ -14,9 +14,9 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice, measures
+from owtsweep.studies.replay.describe import write_sentence
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
-from owtsweep.studies.replay.sentences import write_sentence
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=5", "measures.settling_time=5"]
 NAMES = ["MKF", "HME1", "NONE", "HOLD", "DELTA"]

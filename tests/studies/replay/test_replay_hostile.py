@@ -12,7 +12,7 @@ from replay_tools import config_of, motion_file
 from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.studies.replay.files import as_plain, hash_file, label_files
-from owtsweep.studies.replay.report import _describe_many
+from owtsweep.studies.replay.report import tabulate_records
 from owtsweep.studies.replay.running import LONGEST_EXPERIMENT, configure, expand, verify
 from owtsweep.studies.replay.seastates import read_table
 
@@ -91,7 +91,7 @@ def test_texts_of_a_table_are_made_printable():
     Path("t.csv").write_text('file,"$H\n|\x1b",site,Tp\na.csv,1,"<b>\n|",2\n')
     table = read_table("t.csv")
     assert list(table.columns) == ["file", r"$H\n|\x1b", "site", "Tp"]
-    heading, _, row = _describe_many(table).split("\n")
+    heading, _, row = tabulate_records(table).split("\n")
     assert r"$H\n\|\x1b" in heading
     assert r"&lt;b>\n\|" in row
 

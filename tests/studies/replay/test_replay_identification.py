@@ -26,7 +26,7 @@ from owtsweep.studies.replay.identification.of_record import (
     measure_floor,
     use_estimates,
 )
-from owtsweep.studies.replay.identification.words import name_second_run
+from owtsweep.studies.replay.measures import name_second_run
 from owtsweep.studies.replay.results import aggregate
 
 STEP = 0.02

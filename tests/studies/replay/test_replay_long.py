@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from replay_tools import collect_force, config_of, estimate, motion_file, sensor_file
 
@@ -19,9 +20,15 @@ from owtsweep.figures.lines import Envelope, decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.estimates import OnePassSeries
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.replay import blocks, estimating, session
+from owtsweep.studies.replay import blocks, estimating
 from owtsweep.studies.replay import record as recorded
-from owtsweep.studies.replay.estimating import estimate_pieces
+from owtsweep.studies.replay.estimating import (
+    DEVIATIONS,
+    STATES,
+    estimate_pieces,
+    write_estimates,
+)
+from owtsweep.studies.replay.figures import traces
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen, simulate_true_bias
 
@@ -133,36 +140,43 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
     else:
         sensor_file(path, duration=60.0, reference=kind == "reference")
     config = config_of([path])
-
-    def seen() -> tuple:
-        found = session.run_session(config, str(path))
-        return found, session.collect_filter_states(config, found)
-
-    one, one_states = seen()
+    write_estimates(config, str(path), tmp_path, print)
+    one = traces.Session(config, str(path), tmp_path / "estimates.parquet")
+    stored = pd.read_parquet(tmp_path / "estimates.parquet")
+    whole = {}
+    for name in config.schemes:
+        for steps in one.windows.values():
+            state, deviation = one.read(name, steps)
+            rows = stored[stored["scheme"] == name].iloc[steps]
+            assert np.allclose(state + np.append(one.record.origin, [0, 0]), rows[[*STATES]], 1e-12)
+            assert np.array_equal(deviation, rows[[*DEVIATIONS]])
+        whole[name] = one.read(name, one.windows["whole"])[0]
+    assert traces.find_repeated(whole) == {"EKF"}  # with this tuning MKF is the same estimator
+    filters = one.filters
     for module in (recorded, estimating):
         monkeypatch.setattr(module, "PIECE", 640)
     monkeypatch.setattr(recorded.cut_into_pieces, "__defaults__", (640,))
-    other, other_states = seen()
+    write_estimates(config, str(path), tmp_path, print)
+    other = traces.Session(config, str(path), tmp_path / "estimates.parquet")
     assert one.windows == other.windows
-    whole = {name: each.state for name, each in one.seen["whole"].items()}
-    assert session.find_repeated(whole) == {"EKF"}  # with this tuning MKF is the same estimator
-    for window, schemes in one.seen.items():
-        steps = one.windows[window]
-        for name, estimated in schemes.items():
-            assert len(estimated.state) == steps.stop - steps.start
-            assert same(estimated, other.seen[window][name])
-    for name, state in one_states.of.items():
-        twin = other_states.of[name]
-        assert np.array_equal(state.bias_error.points(), twin.bias_error.points())
-        assert np.array_equal(state.acceleration, twin.acceleration)
-        for a, b in zip(state.bias, twin.bias, strict=True):
+    assert set(filters.bias) == set(config.schemes)
+    for name, pair in filters.bias.items():
+        for a, b in zip(pair, other.filters.bias[name], strict=True):
             assert np.array_equal(a.points(), b.points())
+    for name, error in filters.bias_error.items():
+        assert np.array_equal(error.points(), other.filters.bias_error[name].points())
+    for name, values in filters.acceleration.items():
+        assert np.array_equal(values, other.filters.acceleration[name])
+    shown = traces.collect_traces(one, "position", zoom=False)
+    scaled = [values for _, values in shown.residuals.values()]
+    assert len(scaled) == (3 if kind == "neither" else 0)
+    assert all(0.3 < np.std(values) < 3.0 for values in scaled)
 
 
 def test_the_windows_are_about_the_largest_motion(tmp_path):
     path = motion_file(tmp_path / "a.csv", duration=60.0)
     record = load_record(config_of([path]), str(path))
-    found = session.choose_windows(record, [record.position])
+    found = traces.choose_windows(record, [record.position])
     time, size = record.time_at(slice(None)), np.hypot(*record.position.T)
     inside = (time >= time[0] + 27.5) & (time <= time[-1] - 7.5)
     middle = time[np.argmax(np.where(inside, size, -1.0))]
@@ -242,7 +256,8 @@ def test_memory_grows_by_the_record_alone(tmp_path, kernels):
     small = motion_file(tmp_path / "small.csv", duration=30.0)
     config = config_of([small], "replay.replicates=1")
     list(blocks.run(config, blocks.plan(config)))  # compiling takes memory of its own
-    session.collect_filter_states(config, session.run_session(config, str(small)))
+    write_estimates(config, str(small), tmp_path, print)
+    _ = traces.Session(config, str(small), tmp_path / "estimates.parquet").filters
     rows = 400_000
     peak, run = replay_long(tmp_path, rows, "replay.replicates=1", "schemes=[MKF,HME1,HME2]")
     import pyarrow.parquet as pq

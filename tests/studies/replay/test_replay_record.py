@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 from replay_tools import collect_force, config_of, motion_file, sensor_file, write_csv
 
@@ -150,8 +151,19 @@ def test_what_cannot_be_replayed_is_refused(tmp_path, overrides, message):
 
 def test_a_wrong_gnss_rate_is_told_from_the_fixes(tmp_path):
     path = sensor_file(tmp_path / "a.csv")
-    with pytest.raises(InputError, match=r"median interval is 1 s.*sensors.gnss.rate"):
+    with pytest.raises(InputError, match=r"come every 1 s: set sensors.gnss.rate=1$"):
         load_record(config_of([path], "sensors.gnss.rate=0.8", "hme.mhe.interval=0.25"), str(path))
+
+
+def test_fixes_that_a_logger_repeats_in_each_row_count_once(tmp_path):
+    path = sensor_file(tmp_path / "a.csv", reference=False)
+    once = load_record(config_of([path]), str(path))
+    held = pd.read_csv(path)
+    held[["fix_x", "fix_y"]] = held[["fix_x", "fix_y"]].ffill()
+    held.to_csv(tmp_path / "held.csv", index=False)
+    record = load_record(config_of([tmp_path / "held.csv"]), str(tmp_path / "held.csv"))
+    assert np.array_equal(record.fixes, once.fixes)
+    assert any("rows repeat the fix before them" in note for note in record.notes)
 
 
 def test_a_force_needs_fixes_or_a_reference(tmp_path):

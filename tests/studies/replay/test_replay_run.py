@@ -18,8 +18,8 @@ from owtsweep.cli import main
 from owtsweep.studies.hub.public import OTHER_WINDOW
 from owtsweep.studies.replay import facts
 from owtsweep.studies.replay.measures import BASELINE_ROWS
+from owtsweep.studies.replay.report import render_answer
 from owtsweep.studies.replay.running import configure, execute, expand
-from owtsweep.studies.replay.terminal import render_answer
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.runs import Run
 

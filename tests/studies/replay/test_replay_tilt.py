@@ -3,9 +3,9 @@
 import pytest
 
 import owtsweep
+from owtsweep.studies.replay.describe import describe_tilt
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import MOTION, write_sample
-from owtsweep.studies.replay.sentences import describe_tilt
 
 pytestmark = pytest.mark.usefixtures("kernels")
 FEW = ["schemes=[HME1]", "replay.replicates=2", "replay.noise=stated"]

@@ -46,8 +46,12 @@ def add_motion(
     given: Mapping[str, str | None],
     hub: Hub,
 ) -> tuple[dict[str, str], Choice]:
-    """Replace guessed positions by the channels of the hub's motion; arguments: `choose_motion`."""
-    choice = choose_motion(table.names, chosen, given, hub)
+    """Replace guessed positions by the channels of the hub's motion, chosen by their names.
+
+    chosen, given: role -> channel, as `columns.assign_roles` returned it, and as the user says.
+    Raises InputError if `hub.motion` is unknown, or the user gives both a position and parts of it.
+    """
+    choice = _choose_motion(table.names, chosen, given, hub)
     roles = {role: name for role, name in chosen.items() if role not in PARTS}
     if choice.roles:
         for axis in "xy":
@@ -55,17 +59,12 @@ def add_motion(
     return {**roles, **choice.roles}, choice
 
 
-def choose_motion(
+def _choose_motion(
     names: Sequence[str],
     chosen: Mapping[str, str],
     given: Mapping[str, str | None],
     hub: Hub,
 ) -> Choice:
-    """Choose the channels of the hub's motion by their names.
-
-    chosen, given: role -> channel, as `columns.assign_roles` returned it, and as the user says.
-    Raises InputError if `hub.motion` is unknown, or the user gives both a position and parts of it.
-    """
     motion, height = hub.motion, hub.tower_height
     if motion not in get_args(MotionKind):
         raise InputError(f"columns.motion: {motion!r} is none of {', '.join(get_args(MotionKind))}")

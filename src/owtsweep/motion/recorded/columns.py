@@ -6,6 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
+import numpy as np
+
+from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.formats.text_layout import ISO_TIME
@@ -231,3 +234,22 @@ def find_scale(
         return find_factor(stated, dimension, f"{table.path}: channel {name} says its unit is")
     except InputError as error:
         raise InputError(f"{error}; or give the unit by {setting}") from None
+
+
+def to_si(
+    loaded: Mapping[str, Array], names: Mapping[str, str], factors: Mapping[str, float]
+) -> dict[str, Array]:
+    """Return role -> values in SI units, from channel -> values; infinite values become NaN.
+
+    Arrays are changed in place, to save memory, unless a channel has two roles.
+    """
+    result: dict[str, Array] = {}
+    for role, name in names.items():
+        values = loaded[name]
+        if list(names.values()).count(name) > 1 or not values.flags.writeable:
+            values = values.copy()
+        with np.errstate(over="ignore"):
+            values *= factors[role]
+        values[~np.isfinite(values)] = np.nan
+        result[role] = values
+    return result

@@ -24,8 +24,8 @@ from owtsweep.motion.recorded.recording import Recording
 #: Highest default cut-off of motion, Hz. It lies above the first two bending modes of a tower, and
 #: is low enough to keep rounding and noise small, which grow as f^2 in the acceleration.
 MOTION_CUTOFF = 5.0
-#: Samples of a segment, and the most segments, of which the spectrum is the mean.
-SEGMENT, MOST_SEGMENTS = 512, 400
+#: Samples of a segment of Welch's method, and of a long record that it takes, the first ones.
+SEGMENT, MOST_SAMPLES = 512, 100_000
 #: The motion stands out where the density is this many times that of the noise.
 CLEAR = 4.0
 
@@ -109,33 +109,18 @@ def find_clear_band(recording: Recording, roles: Sequence[str], lowest: float) -
     The noise is taken as white: its density is the median above 0.4 of the sampling rate. The
     result is that of the role with the widest band; `lowest` with fewer than 512 samples.
     """
+    from scipy.signal import welch
+
     found = lowest
     for role in roles:
         (_, values), step, _ = make_uniform(recording, role)
         if FULL_BAND / step <= lowest or len(values) < SEGMENT:
             continue
-        frequency, density = estimate_density(values, step)
+        used = values[:MOST_SAMPLES]
+        frequency, density = welch(used, 1.0 / step, nperseg=SEGMENT, detrend="linear")
         noise = np.median(density[frequency > FULL_BAND / step])
         kept = (frequency > lowest) & (frequency <= FULL_BAND / step)
         drowned = np.flatnonzero(kept & (density <= CLEAR * noise))
         clear = frequency[drowned[0] - 1] if len(drowned) else FULL_BAND / step
         found = max(found, clear)
     return float(found)
-
-
-def estimate_density(values: Array, step: float) -> tuple[Array, Array]:
-    """Estimate a spectral density by Welch's method; return frequencies (Hz) and densities.
-
-    `values` has at least 512 samples. Segments overlap by half or less and have a Hann window.
-    """
-    most = len(values) - SEGMENT
-    starts = np.unique(
-        np.linspace(0, most, min(2 * most // SEGMENT + 1, MOST_SEGMENTS)).astype(int)
-    )
-    segments = np.stack([values[start : start + SEGMENT] for start in starts])
-    line = np.linspace(-1.0, 1.0, SEGMENT)
-    segments -= segments.mean(axis=1, keepdims=True)
-    segments -= np.outer(segments @ line / (line @ line), line)
-    window = np.hanning(SEGMENT)
-    power = np.mean(np.abs(np.fft.rfft(segments * window, axis=1)) ** 2, axis=0)
-    return np.fft.rfftfreq(SEGMENT, step), 2.0 * step * power / np.sum(window**2)

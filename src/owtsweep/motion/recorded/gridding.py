@@ -53,7 +53,7 @@ class BandLimited:
         lines = rfft(series, overwrite_x=True)[: last + 1] * (2.0 / total)
         lines[0] *= 0.5
         self.frequency: Array = np.arange(last + 1) / self.period
-        self.lines: NDArray[np.complex128] = lines * lowpass(self.frequency, cutoff)
+        self.lines: NDArray[np.complex128] = lines * _lowpass(self.frequency, cutoff)
 
     def on_grid(self, start: float, rate: float, count: int, order: int = 0) -> Array:
         """Evaluate the function, or its first or second derivative, at the times start + k / rate.
@@ -88,8 +88,8 @@ class BandLimited:
         return values
 
 
-def lowpass(frequency: Array, cutoff: float) -> Array:
-    """Return the gain: 1 up to `cutoff` (Hz), then a raised cosine to 0 at `ROLL_OFF` * cutoff."""
+def _lowpass(frequency: Array, cutoff: float) -> Array:
+    # 1 up to the cut-off, then a raised cosine to 0 at `ROLL_OFF` times that
     part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
     return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))
 

@@ -6,8 +6,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
@@ -19,6 +17,7 @@ from owtsweep.motion.recorded.columns import (
     find_scale,
     list_names,
     refuse_without_time,
+    to_si,
 )
 from owtsweep.motion.recorded.composing import (
     TILT,
@@ -71,12 +70,10 @@ def read(
     angles = {} if "specific_force_x" in chosen else find_angles(table.names, chosen, out)
     loaded = _load(table, chosen.values(), angles.values())
     leans = _find_leans(table, loaded, {**angles, **chosen}, factors)
-    channels = {role: _scale_to_si(loaded, role, chosen, factors[role]) for role in chosen}
+    channels = to_si(loaded, chosen, factors)
     del loaded
     time = channels.pop("time")
     check_time(table.path, chosen["time"], time)
-    for values in channels.values():
-        values[~np.isfinite(values)] = np.nan
     if any(role in PARTS for role in chosen):
         said = _compose(table.path, channels, chosen, hub)
     bare = Recording(table.path, time, channels, chosen, ())
@@ -126,18 +123,6 @@ def _compose(path: Path, channels: dict[str, Array], chosen: dict[str, str], hub
     channels |= {use + axis: moved for axis, moved in composed.items()}
     chosen |= {use + axis: source for axis, source in sources.items()}
     return note
-
-
-def _scale_to_si(
-    loaded: Mapping[str, Array], role: str, chosen: Mapping[str, str], scale: float
-) -> Array:
-    values = loaded[chosen[role]]
-    shared = list(chosen.values()).count(chosen[role]) > 1  # one channel plays two roles
-    if shared or not values.flags.writeable:
-        values = values.copy()
-    with np.errstate(over="ignore"):  # infinite values count as missing
-        values *= scale
-    return values
 
 
 def _assign_roles(

@@ -30,6 +30,7 @@ from owtsweep.motion.recorded.columns import (
     guess_roles,
     list_names,
     refuse_without_time,
+    to_si,
 )
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
@@ -140,35 +141,35 @@ def _check_items(items: Sequence[str], files: Sequence[tuple[ChannelTable, Wante
     for item in items:
         signal, _, rest = item.partition(":")
         key = files[0][1].key
-        asked = [table for table, wanted in files if wanted.knows(signal)]
+        tables = [table for table, wanted in files if wanted.knows(signal)]
         require(
-            bool(asked) and bool(rest.strip()),
+            bool(tables) and bool(rest.strip()),
             f"{key}: {item!r} is not SIGNAL:NAME or SIGNAL:NAME:UNIT; signals are time, "
             f"{', '.join(dict.fromkeys(wanted.listed for _, wanted in files))}",
         )
-        if not any(_find(table, rest) for table in asked):
-            find_channel(asked[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
+        if not any(_find(table, rest) for table in tables):
+            find_channel(tables[0], rest.split(":")[0].strip(), f"{key}={item}")  # says which are
 
 
 def _load_signals(table: ChannelTable, wanted: Wanted, items: Sequence[str]) -> Signals:
     columns, units = _find_columns(table, wanted, items)
     loaded = table.load(list(dict.fromkeys(columns.values())), None)
-    values: dict[str, Array] = {}
-    for signal, name in columns.items():
-        dimension = wanted.dimension(signal) if signal != "time" else "time"
-        key = f"{wanted.key}=[{signal}:NAME:UNIT]"
-        scale = find_scale(table, name, str(dimension), units.get(signal), key)
-        with np.errstate(over="ignore"):  # infinite values count as missing
-            values[signal] = loaded[name] * (1.0 if scale is None else scale)
-        values[signal][~np.isfinite(values[signal])] = np.nan
-        if signal != "time":
-            require_possible(
-                f"{table.path}: {signal} (channel {name})",
-                values[signal],
-                "check its unit, and mend or cut out damaged rows",
-                load=dimension in ("force", "moment"),
-            )
+    dimensions = {s: "time" if s == "time" else str(wanted.dimension(s)) for s in columns}
+    factors = {
+        signal: find_scale(
+            table, name, dimensions[signal], units.get(signal), f"{wanted.key}=[{signal}:NAME:UNIT]"
+        )
+        for signal, name in columns.items()
+    }
+    values = to_si(loaded, columns, {s: 1.0 if f is None else f for s, f in factors.items()})
     time = values.pop("time")
+    for signal, each in values.items():
+        require_possible(
+            f"{table.path}: {signal} (channel {columns[signal]})",
+            each,
+            "check its unit, and mend or cut out damaged rows",
+            load=dimensions[signal] in ("force", "moment"),
+        )
     unused = tuple(name for name in table.names if name not in columns.values())
     notes = tuple(dict.fromkeys(table.notes))
     return Signals(table.path, time, float("nan"), values, columns, unused, notes)

@@ -70,8 +70,8 @@ def plan(
             scheme.name,
             [*find_ignored(declaration, scheme), *_find_expanded(declaration, config, scheme)],
             table.describe_content(config, entry, scheme),
-            table.explain_anew(scheme),
-            scheme.told_motion,
+            table.explain_recompute(scheme),
+            scheme.knows_motion,
         )
         for entry, scheme in zip(table.list_entries(config), table.choose(config), strict=True)
     ]

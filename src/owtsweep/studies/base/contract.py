@@ -76,7 +76,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
         record serves all values of these axes.
     sections: the keys of the configuration on which the scheme's estimates depend, e.g. ("mkf",
         "hme.mhe"), besides those on which the rows of all schemes do.
-    told_motion: whether the scheme knows the motion of a case, where a study tells it.
+    knows_motion: whether the scheme knows the motion of a case, where a study tells it.
     version: Stands for the scheme's code where that cannot be read; None: nothing does.
     simplicity: the number of its states plus that of its tuned numbers, as `Listed` counts them.
         Among schemes that are equally good, the one with the least is taken.
@@ -86,7 +86,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
     study: ClassVar[str] = ""
     ignores: Sequence[str] = ()
     sections: Sequence[str] = ()
-    told_motion: bool = False
+    knows_motion: bool = False
     version: str | None = None
     simplicity: int = LEAST_SIMPLE
 
@@ -119,7 +119,7 @@ class Scheme(ABC, Generic[Known, Measured, Estimates]):
             f"schemes: {self.name} has sections = {declared!r}; give a tuple of keys of the "
             'configuration, e.g. ("mkf", "hme")',
         )
-        require(isinstance(self.told_motion, bool), "it lacks told_motion (True or False)")
+        require(isinstance(self.knows_motion, bool), "it lacks knows_motion (True or False)")
         check_simplicity(self.name, self.simplicity)
         str(self.version)  # a property that raises would do so in a sweep
 

@@ -53,7 +53,7 @@ def estimate_record(
         measurements=shown.measurements,
         estimates={name: given.estimates for name, given in stated.items()},
         covariances={name: given.covariances for name, given in stated.items()},
-        waits={name: given.wait for name, given in stated.items()},
+        latencies={name: given.wait for name, given in stated.items()},
         units=shown.units,
         failures=failures,
         at_rest=shown.at_rest,

@@ -229,7 +229,7 @@ class SchemeTable:
         plain = entry if isinstance(entry, str) else {str(k): v for k, v in entry.items()}
         return {"entry": plain} | describe_source(type(scheme), scheme.version)
 
-    def explain_anew(self, scheme: AnyScheme) -> str:
+    def explain_recompute(self, scheme: AnyScheme) -> str:
         """Return why stored rows of a scheme must be recomputed; "" if they can be used."""
         ours = scheme.name in self.listed
         return "" if ours else explain_doubt(type(scheme), scheme.version)

@@ -83,7 +83,7 @@ def load_lift(config: BladeConfig) -> Lift:
     others = [(table, ANTENNA) for table in tables]
     inertial = read_signals(path, UNIT, recorded.columns, others)
     antennas = [read_antenna(table, recorded.columns) for table in tables]
-    placed, floating = place_fixes(antennas, inertial, recorded.shift)
+    placed, floating = _place_fixes(antennas, inertial, recorded.shift)
     there = np.flatnonzero(np.isfinite(placed[:, 0, 0]))
     require(
         len(there) > 1,
@@ -139,15 +139,12 @@ def read_antenna(table: ChannelTable, columns: Sequence[str]) -> Fixes:
     return Fixes(table.path, found.time, position, globe, quality == FLOAT, bare)
 
 
-def place_fixes(
+def _place_fixes(
     antennas: list[Fixes], inertial: Signals, shift: float
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return fixes at the nearest samples, m, shape (steps, k, 3), and where they are float.
 
     The frame is that of the files, or has x north, y west and z up from the first fix on the globe.
-
-    Raises InputError if files differ in kind or in what heights are above, GNSS is faster than the
-        samples, or a package is missing.
     """
     globe = {fixes.globe for fixes in antennas}
     require(

@@ -63,7 +63,7 @@ class Known(Knowledge):
 
     tuning: the configuration of one tuning; its sections ekf, mkf, hme1, hme2, hme, ... hold the
         numbers of the schemes.
-    natural_period, amplitude: of the motion, s and m, for schemes with `Scheme.told_motion`; else
+    natural_period, amplitude: of the motion, s and m, for schemes with `Scheme.knows_motion`; else
         None.
     """
 
@@ -93,7 +93,7 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
 
     linear: whether estimates are linear in the measurements, with gains that do not depend on them.
         If so, one run with the motion alone and one with the noise alone serve every amplitude.
-    told_motion: whether the scheme must know period and amplitude of the motion. It is run at each
+    knows_motion: whether the scheme must know period and amplitude of the motion. It is run at each
         amplitude.
     batched: how the engine `batch` runs records of the scheme: "chain", beside other chains, in the
         form that `kernel` gives; "own", by the kernel that `own_kernel` gives; "" step by step.
@@ -137,7 +137,7 @@ class Scheme(contract.Scheme[Known, Measured, Trajectory]):
 
     def tell(self, known: Known) -> Known:
         """Return what the scheme may use of what is known: the motion only if it must know it."""
-        return known if self.told_motion else replace(known, natural_period=None, amplitude=None)
+        return known if self.knows_motion else replace(known, natural_period=None, amplitude=None)
 
     def kernel(self, known: Known, steps: int | None = None) -> Chain:
         """Return the scheme as a chain for records of `steps` IMU steps; None: of any length.

@@ -111,10 +111,10 @@ def _score(
 def superposes(config: HubConfig, scheme: Scheme) -> bool:
     """Return whether a scheme runs once for all amplitudes, motion and noise apart.
 
-    A scheme with `told_motion` does not, for it has other gains at each; nor does one with a kernel
-    of its own.
+    A scheme with `knows_motion` does not, for it has other gains at each; nor does one with a
+    kernel of its own.
     """
-    alone = scheme.told_motion or scheme.batched == "own"
+    alone = scheme.knows_motion or scheme.batched == "own"
     return config.evaluation == "superposed" and scheme.linear and not alone
 
 

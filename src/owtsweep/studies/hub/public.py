@@ -37,12 +37,12 @@ if TYPE_CHECKING:
     )
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.study import HubKeys
-    from owtsweep.studies.hub.tuning_rules import believe, follow_sensors
+    from owtsweep.studies.hub.tuning_rules import assume_tilt, follow_sensors
 
 __all__ = [
     "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
     "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "Line", "NoiseFloor",
-    "OnePassSeries", "Scheme", "Sensors", "backend", "believe", "bias_of", "chunks",
+    "OnePassSeries", "Scheme", "Sensors", "assume_tilt", "backend", "bias_of", "chunks",
     "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
     "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_records",
     "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
@@ -64,7 +64,7 @@ _HOMES = {
     "records": ["Lanes", "make_records"],
     "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
-    "tuning_rules": ["believe", "follow_sensors"],
+    "tuning_rules": ["assume_tilt", "follow_sensors"],
     "describe": ["OTHER_WINDOW"],
 }
 #: Name here -> name in its module, where they differ.

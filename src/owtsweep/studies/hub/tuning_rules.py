@@ -220,7 +220,7 @@ def _replace(section: S, before: Plain, after: Plain, path: str) -> S:
     return changed(section, **new)
 
 
-def believe(config: C, tilt: float) -> C:
+def assume_tilt(config: C, tilt: float) -> C:
     """Return the configuration with filters that assume a tilt, rad/m."""
     filters = {name: changed(getattr(config, name), tilt=tilt) for name in FILTERS}
     return changed(config, **filters)

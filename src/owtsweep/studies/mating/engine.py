@@ -79,8 +79,8 @@ class MatingEngine(ContestEngine["MatingConfig"]):
                 except ValueError as error:
                     judged[scheme].append(Judgement(None, FAILED, str(error)))
                     continue
-                if of_blade.waits[scheme] > 0.0:
-                    found[WAIT] = of_blade.waits[scheme]
+                if of_blade.latencies[scheme] > 0.0:
+                    found[WAIT] = of_blade.latencies[scheme]
                 judged[scheme].append(Judgement(found))
         for block in blocks:
             scheme = block.content["scheme"]

@@ -30,7 +30,7 @@ class ReplayStudy(HubKeys, Engine):
 
     name = "replay"
     schema_version = 1
-    numerics_version = add_versions(1, *ROOMS)
+    numerics_version = add_versions(2, *ROOMS)
     samples = True
     #: Columns without which no table can be made.
     row_types: Mapping[str, type] = {
@@ -55,8 +55,8 @@ class ReplayStudy(HubKeys, Engine):
         known = None not in (config.skf.natural_period, config.skf.amplitude)
         for scheme in resolve_all(config.schemes):
             require(
-                known or not (scheme.told_motion and "skf" in scheme.sections),
-                f"skf.natural_period, skf.amplitude: {scheme.name} must be told the motion of the "
+                known or not (scheme.knows_motion and "skf" in scheme.sections),
+                f"skf.natural_period, skf.amplitude: {scheme.name} must know the motion of the "
                 "record; give the period of its peak and its amplitude, or leave "
                 f"{scheme.name} out of schemes",
             )
@@ -97,7 +97,7 @@ class ReplayStudy(HubKeys, Engine):
         return aggregate(config, rows)
 
     def terminal(self, config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        from owtsweep.studies.replay.terminal import render_answer
+        from owtsweep.studies.replay.report import render_answer
 
         return render_answer(config, tables)
 
@@ -110,7 +110,7 @@ class ReplayStudy(HubKeys, Engine):
     ) -> Mapping[str, Drawing]:
         from owtsweep.studies.replay.figures.listing import drawings
 
-        return drawings(config, tables, metadata)
+        return drawings(config, tables, rows, metadata)
 
     def overview(self, config: ReplayConfig) -> str:
         from owtsweep.studies.replay.figures.listing import overview

@@ -18,8 +18,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
-from owtsweep.studies.hub.public import BASELINES, INSTEAD
-from owtsweep.studies.replay.identification.words import ESTIMATED
+from owtsweep.studies.hub.public import BASELINES
 from owtsweep.studies.replay.measures import BASELINE_ROWS
 
 if TYPE_CHECKING:
@@ -31,12 +30,6 @@ COLUMNS = (
     "recommended", "value_recommended", "baseline", "value_baseline", "baseline_difference",
     "baseline_ci_low", "baseline_ci_high", "fit_share", "advises", "contradicts_record",
 )  # fmt: skip
-#: What the root of a criterion's mean square is called.
-ERRORS = {
-    "position": "position error",
-    "velocity": "velocity error",
-    "fix_residual": "distance from later fixes",
-}
 #: A margin (an error / the least error - 1) below this does not matter for the choice.
 LEAST_MARGIN = 0.05
 #: A margin of at least this matters even if the interval holds zero. The errors of a gap of fixes
@@ -135,36 +128,6 @@ def advise_from_record(
 def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
     table = rows.pivot_table(index="scheme", columns=column, values="value", sort=True)
     return np.asarray(table.reindex(list(schemes)).to_numpy(dtype=float))
-
-
-def recommend(advised: pd.DataFrame) -> str:
-    """Write the recommendation for the only record of a run as one sentence; "" if there is none.
-
-    A record's own errors count before the expected map, and those with the estimated noise first.
-    """
-    if advised.empty:
-        return ""
-    own = advised[advised["source"] != "map"]
-    if (own["noise"] == ESTIMATED).any():
-        own = own[own["noise"] == ESTIMATED]
-    row = (own if len(own) else advised).iloc[0].dropna().to_dict()
-    if not row["advises"]:
-        return ""  # the map covers too little of the record
-    unit = "m/s" if row["criterion"] == "velocity" else "m"
-    what = ERRORS.get(row["criterion"], f"error of {row['criterion']}")
-    chosen, size = row["recommended"], np.sqrt(row["value_recommended"])
-    what_to_do = f"{INSTEAD[chosen]} ({chosen})" if chosen in INSTEAD else f"run {chosen}"
-    if row["noise"] == ESTIMATED:
-        what_to_do += " with the noise that the record shows (noise.csv), not the stated one"
-    text = f"{what_to_do}; its {what} is {size:.3g} {unit}"
-    text = f"recommended: {text} (root mean square)"
-    best = [row["best"], *row.get("same_as", "").split()]
-    if chosen not in best:
-        return f"{text}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
-    if not row.get("runner_up"):
-        return text
-    text += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
-    return text if row["matters"] else f"{text}; the difference does not matter"
 
 
 def choose_simplest(

@@ -18,14 +18,13 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
-from owtsweep.studies.replay.identification.words import (
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.measures import (
     ESTIMATED,
     NOISE,
-    list_values,
+    measure_baselines,
     name_second_run,
 )
-from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measures import measure_baselines
 from owtsweep.studies.replay.record import (
     LONG,
     ReplayRecord,
@@ -98,9 +97,10 @@ def _plan_schemes(
 ) -> Iterator[Block]:
     for scheme, entry in zip(hub.resolve_all(config.schemes, config), config.schemes, strict=True):
         name = name_second_run(scheme.name) if "noise" in content else scheme.name
-        told, label = f"{content['file']}, {name}", str(content["file"])
+        shown, label = f"{content['file']}, {name}", str(content["file"])
         own = {**content, **hub.SCHEMES.describe_content(config, entry, scheme)}
-        yield Block(told if apart else label, told, own, 1, anew=hub.SCHEMES.explain_anew(scheme))
+        reason = hub.SCHEMES.explain_recompute(scheme)
+        yield Block(shown if apart else label, shown, own, 1, recompute=reason)
 
 
 def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
@@ -145,7 +145,7 @@ def _run_block(
     sensors = hub.make_sensors(config.sensors)
     settled = config.measures.find_settled(sensors.step)
     if name == NOISE:
-        rows = [_make_row(label, NOISE, 0, one) for one in list_values(noise)]
+        rows = [_make_row(label, NOISE, 0, one) for one in noise.measures()]
     elif name == RECORD:
         found = [] if again else facts.measure_record(config, record)
         rows = [_make_row(label, RECORD, 0, one) for one in found]
@@ -171,7 +171,7 @@ def _run_scheme(
     rows: list[Row] = []
     count = count_replicates(config, record)
     edges = measures.cut_into_parts(settled, record.steps)
-    at_once = choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
+    at_once = _choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
     for first in range(0, count, at_once):
         numbers = range(first, min(first + at_once, count))
         try:
@@ -189,12 +189,8 @@ def _run_scheme(
     return rows
 
 
-def choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest: int) -> int:
-    """Return how many replicates to run at once, for pieces of at most `longest` steps.
-
-    A kernel runs `WIDTH` series at once, two of a replicate; fewer if these would need too much
-    memory, and one by one without a kernel.
-    """
+def _choose_replicates_at_once(config: ReplayConfig, scheme: hub.Scheme, longest: int) -> int:
+    # a kernel runs `WIDTH` series at once, two of a replicate, fewer if they need too much memory
     if config.engine != "batch" or scheme.batched != "chain":
         return 1
     return max(1, min(hub.WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))

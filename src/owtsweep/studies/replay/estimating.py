@@ -31,7 +31,8 @@ from owtsweep.studies.replay.record import (
 )
 
 STATES = ("x", "y", "vx", "vy")
-COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
+DEVIATIONS = ("x_std", "y_std", "vx_std", "vy_std")
+COLUMNS = ("time", "scheme", *STATES, *DEVIATIONS)
 #: Rows written at once, and approximate bytes of a row in CSV and in Parquet.
 WRITTEN, ROW = 500_000, (160, 60)
 
@@ -139,17 +140,13 @@ class SchemeFailed(Exception):
         super().__init__(as_text(cause))
 
 
-def run_scheme(
+def _run_scheme(
     config: ReplayConfig,
     scheme: hub.Scheme,
     sensors: hub.Sensors,
     signals: Signals,
     edges: list[int],
 ) -> Iterator[Trajectory]:
-    """Run a scheme on one replicate of a record; yield its estimates from edge to edge.
-
-    Raises SchemeFailed for any error in the scheme, so that the caller can go on with the others.
-    """
     try:
         for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):
             yield piece
@@ -181,7 +178,7 @@ def write_estimates(
         )
     while True:
         pieces = {
-            name: run_scheme(
+            name: _run_scheme(
                 config, scheme, sensors, signals, cut_into_pieces(record.steps, WRITTEN)
             )
             for name, scheme in schemes.items()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +16,7 @@ from owtsweep.motion.whittle import Fit, fit_lines, periodogram
 from owtsweep.studies.hub.public import BASELINES, Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.files import hash_file
-from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.loading import Source, load_record, name_source
 from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.record import ReplayRecord, cut_into_pieces, listen, release_memory
 
@@ -69,26 +68,17 @@ class MotionSummary:
     fit: Fit | str
 
 
-#: The summaries of the records used last, at most `_MOST_KEPT`.
-_SUMMARIES: OrderedDict[tuple[str, ...], MotionSummary] = OrderedDict()
-_MOST_KEPT = 4
-
-
 def summarise_motion(config: ReplayConfig, file: str) -> MotionSummary:
     """Summarise the motion of the record in a file; the last few summaries stay in memory."""
-    key = (file, hash_file(file), repr(config))
-    summary = _SUMMARIES.get(key)
-    if summary is None:
-        summary = _SUMMARIES[key] = _summarise(config, file)
-        while len(_SUMMARIES) > _MOST_KEPT:
-            _SUMMARIES.popitem(last=False)
-    return summary
+    return _summarise(name_source(config, file, config))
 
 
-def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
-    record = load_record(config, file)
+@lru_cache(maxsize=4)
+def _summarise(key: Source) -> MotionSummary:
+    config = key.config
+    record = load_record(config, key.file)
     xy, source = _take_displacement(config, record)
-    angle, share = find_main_direction(xy)
+    angle, share = _find_main_direction(xy)
     size = {
         "rms": float(np.sqrt(np.mean(xy[:, 0] ** 2 + xy[:, 1] ** 2))),
         "peak": float(np.max(np.hypot(xy[:, 0], xy[:, 1]))),
@@ -112,7 +102,7 @@ def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Arra
     settled = config.measures.find_settled(record.step)
     if record.position is not None:
         begin = settled if config.measures.window == "settled" else 0
-        xy, source = bridge_gaps(record.position)[begin:], record.truth
+        xy, source = _bridge_gaps(record.position)[begin:], record.truth
     else:
         scheme = resolve_all(config.schemes, config)[choose_describer(config)]
         xy = _estimate_position(config, record, scheme)[settled:]
@@ -142,8 +132,8 @@ def choose_describer(config: ReplayConfig) -> int:
     return names.index(DESCRIBER if DESCRIBER in names else estimators[-1])
 
 
-def bridge_gaps(xy: Array) -> Array:
-    """Return a series (n, 2) with NaN rows filled by straight lines, at the ends by constants."""
+def _bridge_gaps(xy: Array) -> Array:
+    # by straight lines, at the ends by constants
     finite = np.isfinite(xy[:, 0])
     if np.all(finite):
         return xy
@@ -151,11 +141,8 @@ def bridge_gaps(xy: Array) -> Array:
     return np.stack([np.interp(at, at[finite], xy[finite, i]) for i in range(2)], axis=1)
 
 
-def find_main_direction(xy: Array) -> tuple[float, float]:
-    """Return the direction of greatest variance of centred displacements (n, 2), and its share.
-
-    It is an angle from x in degrees, in (-90, 90]; the share is 1 without motion.
-    """
+def _find_main_direction(xy: Array) -> tuple[float, float]:
+    """Return the angle from x in degrees, in (-90, 90], and the variance's share along it."""
     variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
     x, y = directions[:, 1]
     angle = float(np.rad2deg(np.arctan2(y, x)))

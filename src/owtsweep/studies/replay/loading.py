@@ -6,11 +6,9 @@ If the roles guessed for a file's channels give no record, the error says which 
 from __future__ import annotations
 
 import shlex
-from collections import OrderedDict
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from threading import Lock
-
-import numpy as np
 
 from owtsweep.config import require
 from owtsweep.errors import InputError
@@ -19,14 +17,12 @@ from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.of_motion import make_record_of_motion
-from owtsweep.studies.replay.of_sensors import make_record_of_sensors
+from owtsweep.studies.replay.of_sensors import make_record_of_sensors, measure_rates
 from owtsweep.studies.replay.record import ReplayRecord, release_memory
 
-#: Number of records kept in memory, and the bytes above which older ones are dropped.
-_MOST_KEPT, _MOST_BYTES = 2, 1 << 28
-_RECORDS: OrderedDict[tuple[object, ...], ReplayRecord] = OrderedDict()
-#: What each record that was read says of a platform that turns.
-_LEANS: dict[tuple[object, ...], str] = {}
+#: Bytes above which a record does not stay in memory beside another one.
+_MOST_BYTES = 1 << 28
+_KEPT: dict[Source, ReplayRecord] = {}
 _LOCK = Lock()
 #: Quantity that alone gives no record -> the quantity its channels can be instead, and when.
 INSTEAD = {
@@ -35,38 +31,46 @@ INSTEAD = {
 }
 
 
+@dataclass(frozen=True)
+class Source:
+    """A record's file as a key of caches: equal if its content and what is made of it are equal."""
+
+    file: str
+    digest: str
+    settings: str
+    config: ReplayConfig = field(compare=False)
+
+
+def name_source(config: ReplayConfig, file: str, *more: object) -> Source:
+    """Return the key of what depends on the record in a file and on `more`."""
+    settings = (config.columns, config.units, config.gaps, config.sensors, config.measures, *more)
+    return Source(file, hash_file(file), repr(settings), config)
+
+
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample the record in a file.
 
-    The last two records stay in memory, or only the last one if they are large.
+    The last record stays in memory, and perhaps one more if both are small.
     Raises InputError if anything is wrong with the file; the one-line message names it.
     """
-    key = _make_key(config, file)
-    with _LOCK:
-        if key not in _RECORDS:
-            while _RECORDS and (
-                len(_RECORDS) >= _MOST_KEPT
-                or sum(r.nbytes for r in _RECORDS.values()) > _MOST_BYTES
-            ):
-                _RECORDS.popitem(last=False)
-            _RECORDS[key] = _load(config, file)
-            _LEANS[key] = _RECORDS[key].lean
-            release_memory(_RECORDS[key])
-        return _RECORDS[key]
+    source = name_source(config, file, config.replay)
+    with _LOCK:  # threads share a record
+        if source not in _KEPT:
+            if len(_KEPT) > 1 or any(one.nbytes > _MOST_BYTES for one in _KEPT.values()):
+                _KEPT.clear()  # first, to save memory
+            _KEPT[source] = _load(config, file)
+            release_memory(_KEPT[source])
+        return _KEPT[source]
 
 
 def tell_lean(config: ReplayConfig, file: str) -> str:
     """Return `ReplayRecord.lean` of a file; read it only if it was not read before."""
-    key = _make_key(config, file)
-    if key not in _LEANS:
-        load_record(config, file)
-    return _LEANS[key]
+    return _tell_lean(name_source(config, file, config.replay))
 
 
-def _make_key(config: ReplayConfig, file: str) -> tuple[object, ...]:
-    settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
-    judged = (config.measures.settling_time, config.measures.window)
-    return (file, hash_file(file), repr(settings), *judged)
+@lru_cache(maxsize=4096)
+def _tell_lean(source: Source) -> str:
+    return load_record(source.config, source.file).lean
 
 
 def _load(config: ReplayConfig, file: str) -> ReplayRecord:
@@ -92,7 +96,7 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
         )
         recording = _rename(recording, "reference", "position")
         if not recording.has("position"):
-            raise InputError(explain_no_motion(config, recording))
+            raise InputError(_explain_no_motion(config, recording))
         record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
@@ -125,8 +129,7 @@ def _rename(recording: Recording, old: str, new: str) -> Recording:
     )
 
 
-def explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
-    """Return one line: there is no position, what the channels can be, and the command to type."""
+def _explain_no_motion(config: ReplayConfig, recording: Recording) -> str:
     found = [quantity for quantity in INSTEAD if recording.has(quantity)]
     if not found or recording.has("specific_force"):
         return f"{recording.path}: no position: set columns.position_x and columns.position_y"
@@ -148,13 +151,11 @@ def _write_command(config: ReplayConfig, recording: Recording, quantity: str) ->
     words = [f"columns.{new.get(role, role)}={name}" for role, name in columns.items()]
     words += [f"units.{new.get(role, role)}={u}" for role, u in config.units.given().items()]
     if quantity == "acceleration":
-        time, value = recording.series(f"fix_{_axes(recording, 'fix')[0]}")
-        came = time[np.flatnonzero(np.diff(value, prepend=np.nan))]  # a repeated fix is no new one
-        step = float(np.median(np.diff(came))) if len(came) > 1 else np.inf
-        imu = config.sensors.imu.rate
-        rate = imu / max(round(imu * step), 1) if np.isfinite(step) else config.sensors.gnss.rate
-        if rate != config.sensors.gnss.rate:
-            words.append(f"sensors.gnss.rate={rate:.12g}")
+        words += [
+            f"sensors.{sensor}.rate={rate:.12g}"
+            for sensor, rate in measure_rates(config, recording, quantity).items()
+            if rate != getattr(config.sensors, sensor).rate
+        ]
     return shlex.join(["owtsweep", "replay", str(recording.path), *words])
 
 

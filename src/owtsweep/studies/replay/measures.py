@@ -35,10 +35,20 @@ LINES = {
     "last_fix": Line(holds=True, moves=False),
     "last_two_fixes": Line(holds=True, moves=True),
 }
+#: Value of the column `scheme` of rows on a record's noise, and the measure of innovations that are
+#: not Gaussian: their excess kurtosis.
+NOISE, TAILS = "noise_of_record", "excess_kurtosis"
+#: Values of the column `noise` of the advice: the noise with which schemes ran.
+STATED, ESTIMATED = "stated", "estimated"
 #: The measures of baselines; HOLD has those of each axis too.
 SHOWN = ("position", "velocity", "fix_residual")
 #: Measure, window, value, number of samples.
 Measured = tuple[str, str, float, int]
+
+
+def name_second_run(scheme: str) -> str:
+    """Return the name, in rows of results, of a scheme that was run with the estimated noise."""
+    return f"{scheme} (estimated noise)"
 
 
 class Tally:
@@ -192,12 +202,8 @@ def _average(name: str, window: str, values: Array) -> Iterator[Measured]:
         yield (name, window, total / count, count)
 
 
-def draw_lines(line: Line, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
-    """Return positions (m) when fixes are due, and slopes (m/s), both (fixes, 2).
-
-    fixes: (fixes, 2), m; NaN where none came. Before the first one the position is zero, before
-        the second one the slope.
-    """
+def _draw_lines(line: Line, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
+    """Return positions (m) when fixes are due, and slopes (m/s), both (fixes, 2); zero at first."""
     nothing = np.zeros_like(fixes)
     came = np.flatnonzero(np.isfinite(fixes[:, 0]))
     if not line.holds or len(came) == 0:
@@ -218,7 +224,7 @@ def follow(
     line: Line, fixes: Array, sensors: Sensors, edges: Sequence[int]
 ) -> Iterator[Trajectory]:
     """Yield a baseline's estimates from each of the steps `edges` to the next."""
-    start, slope = draw_lines(line, fixes, sensors)
+    start, slope = _draw_lines(line, fixes, sensors)
     for begin, end in itertools.pairwise(edges):
         number, since = np.divmod(np.arange(begin, end), sensors.fix_interval)
         position = start[number] + (sensors.step * since)[:, None] * slope[number]

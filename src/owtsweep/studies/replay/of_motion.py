@@ -37,7 +37,7 @@ def make_record_of_motion(
         "replay.band",
     )
     settling = config.measures.settling_time if config.measures.window == "settled" else 0.0
-    lean = describe_lean(recording, gridded, settling)
+    lean = _describe_lean(recording, gridded, settling)
     position = gridded.pairs["position"]
     origin = position.mean(axis=0) if config.replay.remove_mean else np.zeros(2)
     position -= origin
@@ -86,11 +86,10 @@ def blame_cutoff(recording: Recording) -> Iterator[None]:
         raise
 
 
-def describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
-    """Say how large g sin(pitch) and g sin(roll) are beside the motion's acceleration; "": none.
+def _describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
+    """Compare standard deviations of g sin(pitch) and the acceleration, from `begin` (s) on.
 
-    Standard deviations are compared, from `begin` (s) on. A constant lean is a constant bias, which
-    schemes estimate; what changes cannot be told from motion.
+    A constant lean is a constant bias, which schemes estimate.
     """
     sentences = []
     start = gridded.grid.start + begin

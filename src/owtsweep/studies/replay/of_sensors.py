@@ -59,17 +59,18 @@ def make_record_of_sensors(
     whole = find_common_grid(recording, forces, rate)
     gnss = _choose_gnss(config, recording)
     notes = [*recording.notes]
-    slow = min(recording.rate(role) for role in forces)
-    if slow < 0.999 * rate:
+    measured = measure_rates(config, recording, "specific_force")
+    if measured["imu"] < rate:
         notes.append(
-            f"specific force comes at {slow:.4g} Hz and is run at {rate:g} Hz, its noise no longer "
-            "white; a lower sensors.imu.rate avoids that"
+            f"specific force comes at {measured['imu']:.4g} Hz and is run at {rate:g} Hz, its "
+            f"noise no longer white; sensors.imu.rate={measured['imu']:.6g} avoids that"
         )
     offset, fixes = sensors.delay, None
     if gnss == "recorded":
-        aligned = _align_fixes(recording, whole, sensors)
+        notes += _drop_repeated(recording)
+        aligned = _align_fixes(recording, whole, sensors, measured["gnss"])
         offset, fixes = round(aligned.offset * rate), aligned.values
-        notes += _note_fixes(aligned, sensors)
+        notes += _note_fixes(aligned, sensors, measured["gnss"])
     recording.let_go("fix")
     grid = TimeGrid(whole.start + offset / rate, rate, whole.steps - offset)
     gridded = to_grid(recording, forces, rate, grid=grid)
@@ -107,6 +108,25 @@ def make_record_of_sensors(
     )
 
 
+def measure_rates(config: ReplayConfig, recording: Recording, force: str) -> dict[str, float]:
+    """Return the rates (Hz) at which to run sensors, "imu" and "gnss", as a recording shows them.
+
+    That of the IMU is the stated one, or its own if that is lower; `force` is what holds the
+    specific force. Without fixes, that of GNSS is the stated one.
+    """
+    roles = [role for role in recording.channels if role.startswith(force)]
+    slow, imu = min(recording.rate(role) for role in roles), config.sensors.imu.rate
+    imu = imu if slow >= 0.999 * imu else float(f"{slow:.6g}")
+    gnss = config.sensors.gnss.rate
+    fix = next((role for role in recording.channels if role.startswith("fix")), None)
+    if fix is not None:
+        time, value = recording.series(fix)
+        came = time[np.flatnonzero(np.diff(value, prepend=np.nan))]  # a repeated fix is no new one
+        if len(came) > 1:
+            gnss = imu / max(round(imu * float(np.median(np.diff(came)))), 1)
+    return {"imu": imu, "gnss": gnss}
+
+
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
     wanted = config.replay.gnss
     if wanted == "auto":
@@ -124,7 +144,22 @@ def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
     return wanted
 
 
-def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Aligned:
+def _drop_repeated(recording: Recording) -> list[str]:
+    # a logger may repeat the last fix in each row of the IMU; rounded fixes repeat now and then
+    fixes = [values for role, values in recording.channels.items() if role.startswith("fix")]
+    there = np.flatnonzero(np.all(np.isfinite(fixes), axis=0))
+    fresh = np.any([np.diff(values[there], prepend=np.nan) != 0.0 for values in fixes], axis=0)
+    count = int(np.count_nonzero(fresh))
+    if not LEAST_FIXES <= count < 0.5 * len(there):
+        return []
+    for values in fixes:
+        values[there[~fresh]] = np.nan
+    return [f"fixes: {len(there) - count} rows repeat the fix before them and count as no fix"]
+
+
+def _align_fixes(
+    recording: Recording, grid: TimeGrid, sensors: Sensors, measured: float
+) -> Aligned:
     time = recording.time - grid.start
     axes = [recording.channels.get(f"fix_{axis}") for axis in "xy"]
     values = np.stack([np.zeros(len(time)) if a is None else a for a in axes], axis=1)
@@ -139,11 +174,10 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Alig
     )
     aligned = align(time[inside], values[inside], duration, sensors)
     if aligned.jitter > LARGEST_JITTER * sensors.fix_step:
-        median = np.median(np.diff(time[came]))
         raise InputError(
             f"{recording.path}: fixes arrive as much as {aligned.jitter:.3g} s before or after the "
-            f"moments that a rate of {1.0 / sensors.fix_step:g} Hz gives (the fixes' median "
-            f"interval is {median:.4g} s); set sensors.gnss.rate to the rate of the fixes"
+            f"moments that a rate of {1.0 / sensors.fix_step:g} Hz gives; they come every "
+            f"{1.0 / measured:.4g} s: set sensors.gnss.rate={measured:.6g}"
         )
     return aligned
 
@@ -174,7 +208,7 @@ def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Alig
     return Aligned(offset, result, jitter, dropped)
 
 
-def _note_fixes(aligned: Aligned, sensors: Sensors) -> list[str]:
+def _note_fixes(aligned: Aligned, sensors: Sensors, measured: float) -> list[str]:
     notes = []
     if aligned.jitter > 1e-6:
         notes.append(
@@ -183,10 +217,9 @@ def _note_fixes(aligned: Aligned, sensors: Sensors) -> list[str]:
         )
     missing = int(np.count_nonzero(~np.isfinite(aligned.values[:, 0])))
     if missing:
-        due = np.flatnonzero(np.isfinite(aligned.values[:, 0]))
-        often = float(np.median(np.diff(due))) if len(due) > 1 else 1.0
-        rate = 1.0 / (often * sensors.fix_step)
-        hint = f"; mostly they come at {rate:.4g} Hz: set sensors.gnss.rate" if often > 1 else ""
+        hint = ""
+        if measured < 0.999 / sensors.fix_step:
+            hint = f"; they come at {measured:.4g} Hz: set sensors.gnss.rate={measured:.6g}"
         notes.append(
             f"fixes: {missing} of {len(aligned.values)} are missing; the filters run through{hint}"
         )

@@ -1,34 +1,27 @@
-"""Write report.md of a replay: the advice, the records, the errors and the figures."""
+"""Write what a replay found: the terminal's output and report.md, from its tables."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
+from owtsweep.studies.replay import describe
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
-from owtsweep.studies.replay.identification.words import describe_table, warn_of_noise
 from owtsweep.studies.replay.loading import load_record, tell_lean
+from owtsweep.studies.replay.measures import BASELINE_ROWS
 from owtsweep.studies.replay.record import ReplayRecord
-from owtsweep.studies.replay.sentences import describe_modes, describe_tilt
-from owtsweep.studies.replay.terminal import (
-    BASELINES_NOTE,
-    list_fit_warnings,
-    make_error_cells,
-    make_sentences,
-    tell_scope,
-)
 
 if TYPE_CHECKING:
     import pandas as pd
+    from rich.console import RenderableType
 
 KINDS = {
     "simulated": "Recorded motion; GNSS and IMU are simulated, {n} draws of their noise.",
@@ -47,33 +40,121 @@ CAPTIONS = {
     "place_in_map": "Place in the expected map",
     "best_scheme_by_record": "Best scheme by record",
 }
+#: Measure -> heading, in the order of the columns. A measure without a value has no column.
+SHOWN = {
+    "position": "position MSE (m²)",
+    "velocity": "velocity MSE (m²/s²)",
+    "coverage_position": "in ±1.96 σ",
+    "fix_residual": "to later fix (m²)",
+    "nis": "NIS (2)",
+    "innovation_lag_1": "innov. lag 1",
+    "innovation_white_p": "white p",
+}
+BASELINES_NOTE = (
+    "NONE, HOLD, DELTA: no IMU, but zero, the last fix, or the line through the last two fixes."
+)
+ABOUT_ERRORS = (
+    "Mean squared errors of x + y; ± is the 95 % interval over the draws. *In ±1.96 σ*: how much "
+    "of the position error lies within what the scheme states (95 % if it knows its noise). *To "
+    "later fix*: squared distance of the estimate from the fix that tells of the same moment "
+    "later, noise of the fix included. *NIS* is 2 and *white p* not small where the filter's "
+    f"innovations are as it expects them to be. {BASELINES_NOTE}"
+)
+ABOUT_NOISE = (
+    "Maximum likelihood, from the positions minus the double integral of the specific force; "
+    "nothing is assumed of the motion. The delay of recorded fixes contains the offset between the "
+    "clocks of GNSS and IMU. *clock_offset* is how much later the reference's clock shows a moment "
+    "than the IMU's. A slow disturbance, such as gravity in a tilting IMU, counts as noise."
+)
+#: With more records than this the terminal prints counts of the advice, not each advice.
+MOST_RECORDS = 8
+
+
+def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+    """Make the terminal's output: the advice, and with a single record the table of errors."""
+    from rich.console import Group
+    from rich.text import Text
+
+    from owtsweep.io.parted_table import PartedTable
+
+    parts: list[RenderableType] = []
+    lines: list[str] = []
+    records, advised, files = tables["records"], tables["advice"], config.grid.files
+    if len(files) == 1:
+        title = f"errors, {config.measures.window} record, tuning {config.tuning}"
+        headings, rows = _make_error_cells(config, tables["errors"])
+        parts.append(PartedTable(headings, rows, title=title, caption=BASELINES_NOTE))
+        if len(records):
+            record = pick_facts(records)
+            lines.append(f"motion: {describe.describe_modes(config, record)}")
+            if tilt := describe.describe_tilt(config, record):
+                lines.append(f"tilt: {tilt}")
+        if lean := tell_lean(config, files[0]):
+            lines.append(f"lean: {lean}")
+    if len(files) <= MOST_RECORDS:
+        lines += describe.warn_of_noise(config, tables) + describe.make_sentences(advised)
+    else:
+        lines += [*describe.count_doubted(tables["noise"]), describe.count_advice(advised)]
+    lines += describe.tell_scope(config, tables)
+    if len(files) > 1:
+        lines += list_left_out(tables["refused"])
+    return Group(*parts, *map(Text, lines))
+
+
+def list_left_out(refused: pd.DataFrame) -> list[str]:
+    """Return a line with the reason per record left out; the last counts those not listed."""
+    lines = [f"left out: {row.reason}" for row in refused.head(MOST_RECORDS).itertuples()]
+    more = len(refused) - len(lines)
+    return [*lines, f"left out: {more} more (refused.csv)"] if more else lines
+
+
+def _make_error_cells(
+    config: ReplayConfig, errors: pd.DataFrame
+) -> tuple[list[str], list[list[str]]]:
+    shown = errors[errors["window"] == config.measures.window]
+    names = [name for name in SHOWN if name in set(shown["measure"])]
+    rows = []
+    for scheme, group in shown.groupby("scheme", sort=False):
+        by_measure = group.set_index("measure")
+        if (baseline := BASELINE_ROWS.get(str(scheme))) in config.schemes:
+            continue  # the baseline has a row among the schemes
+        cells = (_format(name, by_measure) if name in by_measure.index else "" for name in names)
+        rows.append([baseline or str(scheme), *cells])
+    return ["scheme", *(SHOWN[name] for name in names)], rows
+
+
+def _format(name: str, by_measure: pd.DataFrame) -> str:
+    line = by_measure.loc[name]
+    if name.startswith("coverage"):
+        return f"{100.0 * line['mean']:.1f} %"
+    text = f"{line['mean']:.3g}"
+    if line["n"] > 1 and name in ("position", "velocity", "fix_residual"):
+        text += f" ± {line['ci_high'] - line['mean']:.1g}"
+    return text
 
 
 def write(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
 ) -> Path:
     """Write report.md into a run folder, in which the figures lie; return the path of the file."""
-    parts = ["# Replay\n", "## Advice\n"]
-    parts += [f"- {_escape(line)}" for line in warn_of_noise(config, tables)]
-    parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
-        "- none: no scheme ran"
-    ]
-    parts += [f"- {_escape(line)}" for line in tell_scope(config, tables)]
+    advised = tables["advice"]
+    advice = [*describe.warn_of_noise(config, tables), *describe.make_sentences(advised)]
+    if advised.empty:
+        advice.append("none: no scheme ran")
+    advice += describe.tell_scope(config, tables)
     if len(config.grid.files) == 1:
         record = load_record(config, config.grid.files[0])
-        parts += [f"- {_escape(record.lean)}"] if record.lean else []
-        parts += ["", *_describe_one(config, tables, record)]
+        advice += [record.lean] if record.lean else []
+        sections = _describe_one(config, tables, record)
     else:
-        parts += ["", f"## Records\n\n{_describe_many(tables['records'])}"]
-        parts += _tell_leans(config)
-        parts += _tell_refused(tables["refused"])
-    parts.append("\n## Figures\n")
+        sections = _describe_many(config, tables)
     drawn = {path.stem: path for path in figures if path.suffix == ".png"}
-    parts += [
+    pictures = [
         f"**{caption}**\n\n![{caption}]({drawn[name].relative_to(folder).as_posix()})\n"
         for name, caption in CAPTIONS.items()
         if name in drawn
     ]
+    parts = ["# Replay\n", "## Advice\n", *_itemise(advice), *sections, "\n## Figures\n", *pictures]
     path = folder / "report.md"
     write_atomically(path, "\n".join(parts) + "\n")
     return path
@@ -82,93 +163,60 @@ def write(
 def _describe_one(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: ReplayRecord
 ) -> list[str]:
-    count = int(tables["errors"]["n"].max()) if len(tables["errors"]) else 0
-    headings, rows = make_error_cells(config, tables["errors"])
-    return [
-        "## The record\n",
-        f"- {_escape(Path(record.file).name)}: {KINDS[record.gnss].format(n=count)}",
-        f"- {record.steps} IMU steps at {1.0 / record.step:g} Hz "
+    errors, records, noise = tables["errors"], tables["records"], tables["noise"]
+    kind = KINDS[record.gnss].format(n=int(errors["n"].max()) if len(errors) else 0)
+    facts = [
+        f"{Path(record.file).name}: {kind}",
+        f"{record.steps} IMU steps at {1.0 / record.step:g} Hz "
         f"({record.steps * record.step:.6g} s), fixes at {config.sensors.gnss.rate:g} Hz, "
         f"{config.sensors.gnss.delay:g} s late; tuning {config.tuning}",
-        *(f"- {line}" for line in _state_facts(config, tables["records"])),
-        *(f"- {_escape(note)}" for note in record.notes),
-        "",
-        f"## Errors, {config.measures.window} record\n",
-        markdown.table(headings, rows),
-        "",
-        "Mean squared errors of x + y; ± is the 95 % interval over the draws. *In ±1.96 σ*: how "
-        "much of the position error lies within what the scheme states (95 % if it knows its "
-        "noise). *To later fix*: squared distance of the estimate from the fix that tells of the "
-        "same moment later, noise of the fix included. *NIS* is 2 and *white p* not small where "
-        f"the filter's innovations are as it expects them to be. {BASELINES_NOTE}.",
-        *describe_table(tables),
     ]
-
-
-def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
-    if records.empty:
-        return []
-    line = pick_facts(records)
-    facts = [
-        f"displacement: rms {line['rms']:.3g} m, largest {line['peak']:.3g} m along "
-        f"{line['direction']:.0f} deg from x, which carries "
-        f"{100 * line['direction_share']:.0f} % of the variance"
-    ]
-    facts.append(describe_modes(config, line))
-    if tilt := describe_tilt(config, line):
-        facts.append(tilt)
-    if np.isfinite(line["natural_period"]):
-        facts.append(
-            f"Eq. (1): natural period {line['natural_period']:.4g} ± "
-            f"{1.96 * line['natural_period_error']:.2g} s, half-bandwidth "
-            f"{line['half_bandwidth']:.3g} ± {1.96 * line['half_bandwidth_error']:.2g} Hz, "
-            + ", ".join(f"{name} = {line[name]:.4g}" for name in "abc")
-            + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
-            f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz, and "
-            f"{100 * line['fit_share']:.0f} % under the curve, which is what the expected "
-            "map judges"
-        )
-        facts += [
-            f"the fit of Eq. (1): {warning}"
-            for warning in list_fit_warnings(config, config.grid.files[0])
+    if len(records):
+        facts += describe.describe_motion(config, pick_facts(records))
+    parts = ["\n## The record\n", *_itemise([*facts, *record.notes])]
+    table = markdown.table(*_make_error_cells(config, errors))
+    parts += [f"\n## Errors, {config.measures.window} record\n", table, "", ABOUT_ERRORS]
+    if len(noise):
+        cells = [
+            [
+                row["parameter"],
+                row["source"],
+                "" if row["stated"] != row["stated"] else f"{row['stated']:.4g} {row['unit']}",
+                describe.format_estimate(row),
+                "yes" if row["inside"] else "no",
+            ]
+            for row in noise.to_dict("records")
         ]
-        low, high = config.fit_band
-        if not low <= 1.0 / line["natural_period"] <= high:
-            facts.append("its peak lies outside band, so it has no place in the expected map")
-    else:
-        facts.append("Eq. (1) could not be fitted, so the record has no place in the expected map")
-    return facts
+        headings = ["parameter", "from", "stated", "from the record (95 %)", "inside"]
+        table = markdown.table(headings, cells)
+        parts += ["\n## Noise of the recorded sensors\n", table, "", ABOUT_NOISE]
+    return parts
 
 
-def _describe_many(records: pd.DataFrame) -> str:
-    kept = [name for name in records.columns if not name.startswith("spectrum_") or
-            name == "spectrum_natural_period"]  # fmt: skip
+def _describe_many(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    leans = []
+    for label, file in label_files(config.grid.files).items():
+        with suppress(InputError):  # a record that was left out
+            leans += [f"{label}: {lean}"] if (lean := tell_lean(config, file)) else []
+    parts = [f"\n## Records\n\n{tabulate_records(tables['records'])}"]
+    parts += ["", *_itemise(leans)] if leans else []
+    refused = tables["refused"]
+    if len(refused):
+        lines = map("{}: {}".format, refused["file"], refused["reason"])
+        parts += ["\n## Records left out\n", *_itemise(lines)]
+    return parts
+
+
+def tabulate_records(records: pd.DataFrame) -> str:
+    """Write the table of records in Markdown."""
     rows = [
         [f"{v:.4g}" if isinstance(v, float) else printable(str(v)) for v in line]
-        for line in records[kept].itertuples(index=False)
+        for line in records.itertuples(index=False)
     ]
-    return markdown.table([printable(str(name)) for name in kept], rows)
+    return markdown.table([printable(str(name)) for name in records.columns], rows)
 
 
-def _tell_leans(config: ReplayConfig) -> list[str]:
-    lines = []
-    for label, file in label_files(config.grid.files).items():
-        try:
-            lean = tell_lean(config, file)
-        except InputError:  # a record that was left out
-            continue
-        lines += [f"- {_escape(f'{label}: {lean}')}"] if lean else []
-    return ["", *lines] if lines else []
-
-
-def _tell_refused(refused: pd.DataFrame) -> list[str]:
-    if refused.empty:
-        return []
-    both = zip(refused["file"], refused["reason"], strict=True)
-    lines = [f"- {_escape(str(file))}: {_escape(str(reason))}" for file, reason in both]
-    return ["\n## Records left out\n", *lines]
-
-
-def _escape(text: str) -> str:
-    """Escape a text of other people for Markdown: no link, picture, formula or HTML."""
-    return re.sub(r"([\\`*\[\]<>$&])", r"\\\1", printable(text))
+def _itemise(texts: Iterable[str]) -> list[str]:
+    # file names, reasons and names of schemes are other people's: no link, picture, formula or HTML
+    escaped = (re.sub(r"([\\`*\[\]<>$&])", r"\\\1", printable(text)) for text in texts)
+    return [f"- {text}" for text in escaped]

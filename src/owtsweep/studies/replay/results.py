@@ -16,13 +16,16 @@ from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import pick_facts
 from owtsweep.studies.replay.files import label_files
-from owtsweep.studies.replay.identification.words import (
+from owtsweep.studies.replay.identification.of_record import UNITS
+from owtsweep.studies.replay.measures import (
+    BASELINE_ROWS,
     ESTIMATED,
+    NOISE,
     STATED,
-    pick_second_run,
-    tabulate_noise,
+    TAILS,
+    WINDOWS,
+    name_second_run,
 )
-from owtsweep.studies.replay.measures import BASELINE_ROWS, WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
 
@@ -38,25 +41,24 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     labels = list(label_files(config.grid.files))
     shown = [*names, *BASELINE_ROWS]
-    errors = average_errors(done[done["scheme"].isin(shown)], labels, shown)
+    errors = _average_errors(done[done["scheme"].isin(shown)], labels, shown)
     kept = ["scheme", "measure", "window", "mean"]
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
-    records = list_records(config, done[done["scheme"] == RECORD], labels)
+    records = _list_records(config, done[done["scheme"] == RECORD], labels)
     advised = [*_advise(config, done, names, labels, records)]
     tables = {
         "replay": values.rename(columns={"mean": "value"}),
         "errors": errors,
         "records": records,
-        "noise": tabulate_noise(done, labels),
+        "noise": _tabulate_noise(done, labels),
         "advice": pd.DataFrame(advised, columns=list(advice.COLUMNS)),
     }
     if len(labels) > 1:  # a single record that cannot be used is refused before it is run
-        tables["refused"] = list_refused(rows, labels)
+        tables["refused"] = _list_refused(rows, labels)
     return tables
 
 
-def list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """List the records that cannot be used: columns file and reason, in the order of `files`."""
+def _list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     import pandas as pd
 
     failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
@@ -65,14 +67,9 @@ def list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame(listed, columns=["file", "reason"])
 
 
-def average_errors(
+def _average_errors(
     rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    """Average the results that did not fail over the replicates, with 95 % intervals.
-
-    Returns one row per file, scheme, measure and window ("full" or "settled"), in the given order;
-        columns file, scheme, measure, window, mean, ci_low, ci_high (NaN for n = 1), n.
-    """
     import pandas as pd
 
     kept = rows[rows["window"].isin(WINDOWS)]
@@ -96,8 +93,7 @@ def average_errors(
     )  # fmt: skip
 
 
-def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """Make the table of records: a row per label, with its sea state (`replay.table`) and facts."""
+def _list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
     table = wide.reindex([file for file in files if file in wide.index])
     table.columns.name = None
@@ -106,6 +102,23 @@ def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str])
     if states is not None:
         table = states.merge(table, on="file", how="right")
     return table
+
+
+def _tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
+    numbers = ["stated", "estimate", "low", "high"]
+    kept = rows[rows["scheme"] == NOISE]
+    wide = kept.pivot_table(index=["file", "measure"], columns="window", values="value")
+    table = wide.reindex(columns=numbers).reset_index()
+    table[["source", "parameter"]] = (
+        table["measure"].str.split(": ", expand=True).reindex(columns=[0, 1])
+    )
+    table["unit"] = table["parameter"].map(UNITS).fillna("")
+    table["inside"] = ~((table["stated"] < table["low"]) | (table["stated"] > table["high"]))
+    rank = {"file": list(files), "parameter": [*UNITS, TAILS]}
+    table = table.sort_values(
+        list(rank), key=lambda column: column.map(rank[str(column.name)].index), ignore_index=True
+    )
+    return table[["file", "parameter", "unit", "source", *numbers, "inside"]]
 
 
 def _advise(
@@ -125,27 +138,24 @@ def _advise(
         if not record.empty:
             by_record = advised[0] if advised else None
             with suppress(InputError):  # a scheme has no expectation; the report says so
-                advised.append(advise_from_map(config, schemes, pick_facts(record), by_record))
+                advised.append(_advise_from_map(config, schemes, pick_facts(record), by_record))
         yield from ({"file": file, **row, "noise": STATED} for row in advised if row is not None)
-        again = pick_second_run(rows[rows["file"] == file], [*schemes, *BASELINE_ROWS])
+        names = {name_second_run(scheme): scheme for scheme in [*schemes, *BASELINE_ROWS]}
+        again = rows[(rows["file"] == file) & rows["scheme"].isin(list(names))]
         if not again.empty:
+            again = again.assign(scheme=again["scheme"].map(names))
             row = advice.advise_from_record(again, schemes, criterion, window)
             if row is not None:
                 yield {"file": file, **row, "noise": ESTIMATED}
 
 
-def advise_from_map(
+def _advise_from_map(
     config: ReplayConfig,
     schemes: Sequence[str],
     record: Mapping[str, float],
     by_record: Mapping[str, object] | None,
 ) -> dict[str, object] | None:
-    """Advise which scheme to run, by the settled errors expected for a record's motion.
-
-    record, by_record: its facts, and its row of the table of advice by its own errors, if any.
-    Returns a row of that table without the file; None if the record has no place in the map, or
-        there is nothing to compare.
-    """
+    # SKFA and others without a chain have no place in the map
     from owtsweep.studies.replay.place import expect_at_record
 
     expected = expect_at_record(config, record)

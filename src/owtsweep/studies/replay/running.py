@@ -21,7 +21,7 @@ from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.of_record import estimate_noise
-from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.loading import load_record, tell_lean
 from owtsweep.studies.replay.place import check_band
 from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
@@ -97,7 +97,7 @@ def expand(words: Sequence[str]) -> list[str]:
         else:
             matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]
             matches = [match for match in matches if match.is_file()]
-            require(len(matches) > 0, tell_missing(word, path))
+            require(len(matches) > 0, _tell_missing(word, path))
         paths.update({str(match.resolve()): None for match in matches})
     return list(paths)
 
@@ -122,8 +122,7 @@ def _quote(word: str) -> str:
     return f"{key}='{escaped}'"
 
 
-def tell_missing(word: str, path: Path) -> str:
-    """Return why a word of the user, of this path, names no file, and the most similar one."""
+def _tell_missing(word: str, path: Path) -> str:
     if any(sign in word for sign in "*?["):
         return f"{word}: nothing matches this pattern"
     if "://" in word:
@@ -170,8 +169,8 @@ def verify(config: ReplayConfig) -> Verified:
         try:
             record = load_record(config, file)
             notes |= {f"{name}{note}": None for note in record.notes}
-            if record.lean and len(files) > 1:  # of a single record it stands beside the advice
-                notes[f"{name}{record.lean}"] = None
+            if (lean := tell_lean(config, file)) and len(files) > 1:  # of one: beside the advice
+                notes[f"{name}{lean}"] = None
             for scheme in schemes:
                 if record.steps * record.step < scheme.least_duration:
                     notes[

@@ -71,8 +71,8 @@ def _read_sentences(path: Path) -> tuple[list[tuple[float, ...]], set[bool]]:
         for _, said in NMEAReader(BytesIO(read_bytes(path, MOST_BYTES)), quitonerror=ERR_RAISE):
             if said is None or not said.identity.endswith("GGA"):
                 continue
-            told = vars(said)  # of a sentence that is cut, not all
-            quality = told.get("quality", "")
+            stated = vars(said)  # of a sentence that is cut, not all
+            quality = stated.get("quality", "")
             if quality == NO_FIX:
                 continue
             require(
@@ -80,11 +80,11 @@ def _read_sentences(path: Path) -> tuple[list[tuple[float, ...]], set[bool]]:
                 f"{path}: GGA sentence {len(rows) + 1} has the quality {quality}, and NMEA has 0 "
                 f"to {QUALITIES[-1]}; cut damaged sentences out",
             )
-            apart, altitude = told.get("sep", ""), told.get("alt", "")
+            apart, altitude = stated.get("sep", ""), stated.get("alt", "")
             separated.add(apart != "")
             height = "" if altitude == "" else altitude + (apart or 0.0)
-            place = (told.get("lat", ""), told.get("lon", ""), height)
-            at = told.get("time", "")
+            place = (stated.get("lat", ""), stated.get("lon", ""), height)
+            at = stated.get("time", "")
             found = {"time": at, "quality": quality, **dict(zip(PLACE, place, strict=True))}
             wrong = [name for name, value in found.items() if value in ("", None)]
             wrong += [name for name in PLACE if found[name] != found[name]]

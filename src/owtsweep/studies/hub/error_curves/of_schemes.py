@@ -113,7 +113,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
         chain = scheme.kernel(Known(sensors, config), steps)
         return vars(curves(chain, sensors, steps=steps, settled=settled, band=band))
 
-    if SCHEMES.explain_anew(scheme):
+    if SCHEMES.explain_recompute(scheme):
         return Curves(**compute())
     return Curves(**cached(what, compute))
 

@@ -43,16 +43,18 @@ def plan(config: HubConfig) -> list[Block]:
             "expected_version": EXPECTED_VERSION,
             "natural_periods": periods,
         }
-        anew = SCHEMES.explain_anew(scheme)
+        recompute = SCHEMES.explain_recompute(scheme)
         if scheme.expected_in_cell:
             for amplitude in map(float, config.grid.amplitude):
                 name = f"{scheme.name}, {amplitude:g} m"
                 of_cell = {**content, "amplitude": amplitude}
-                blocks.append(Block(name, f"{name}, expected", of_cell, len(periods), anew=anew))
+                blocks.append(
+                    Block(name, f"{name}, expected", of_cell, len(periods), recompute=recompute)
+                )
         else:
             cells = len(periods) * len(config.grid.amplitude)
             label = f"{scheme.name}, expected"
-            blocks.append(Block(scheme.name, label, content, cells, cells, anew))
+            blocks.append(Block(scheme.name, label, content, cells, cells, recompute))
     return blocks
 
 

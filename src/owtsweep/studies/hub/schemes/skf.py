@@ -35,7 +35,7 @@ class SpectralScheme(Scheme):
     #: Estimates are linear in the measurements, but the gains are those of one amplitude.
     linear = True
     sections = ("skf", "spectrum", "normalise", "band", "wave_direction")
-    told_motion = True
+    knows_motion = True
     expected_in_cell = True
     batched = "own"
     on_board = True

@@ -187,7 +187,7 @@ def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
         )
         for scheme in resolve_all(config.schemes):
             require(
-                not scheme.told_motion,
+                not scheme.knows_motion,
                 f"schemes: `vary` computes all amplitudes at once, and {scheme.name} has other "
                 f"gains at each; leave {scheme.name} out, or use `sweep engine=expected "
                 "measures.window=settled` for each value",

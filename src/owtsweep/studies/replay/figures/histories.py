@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,39 +13,36 @@ from owtsweep.figures.lines import POINTS, decimate, leaves
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.style import Look
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
-from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.figures.traces import Traces, collect_traces
+from owtsweep.studies.replay.figures.traces import Session, Traces, collect_traces
 from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.measures import QUANTILE
-from owtsweep.studies.replay.session import FilterStates, Session
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: The panel of innovations shows those up to this many standard deviations.
-INNOVATIONS = 6.0
+#: The panel of distances from later fixes shows those up to this many standard deviations.
+REACH = 6.0
 
 
 def draw(
-    config: ReplayConfig,
     session: Session,
-    states: Callable[[], FilterStates],
     quantity: str,
     *,
     zoom: bool,
     advised: str | None,
+    failed: Mapping[str, str],
 ) -> Figure:
     """Draw a quantity over time: a panel for x, a panel for y, and a panel for the errors of x.
 
-    If the truth is unknown, a panel of innovations stands for that of position errors.
+    If the truth is unknown, distances from later fixes take the place of position errors.
 
-    states: returns the filters' acceleration and bias; called for these two quantities only.
     zoom: whether to show only some seconds around the largest motion after settling.
     advised: the recommended scheme: it is drawn on top, its ±1.96 standard deviations as a band.
+    failed: scheme that failed -> the reason.
     Raises InputError if no scheme estimates the quantity.
     """
-    shown = collect_traces(session, states, quantity, zoom=zoom)
+    shown = collect_traces(session, quantity, zoom=zoom)
     if not shown.lines:
         hint = ""
         if quantity not in ("position", "velocity"):
@@ -54,13 +51,17 @@ def draw(
     panels = [_make_values_panel(session, quantity, axis, shown, advised) for axis in range(2)]
     if shown.truth is not None:
         panels.append(_make_errors_panel(session, quantity, shown, advised))
-    elif quantity == "position":
-        panels.append(_make_innovations_panel(session, shown))
+    elif shown.residuals:
+        panels.append(_make_residuals_panel(session, shown))
+    notes = [
+        *_explain(session, quantity, shown, advised),
+        *(f"{n} is left out: {why}." for n, why in failed.items() if n not in session.names),
+    ]
     return time_histories.draw(
         panels,
         title=f"{time_histories.describe(quantity)}{_name_part(session, shown, zoom=zoom)}\n"
-        f"{name_file(session.record.file)}, tuning: {config.tuning}",
-        footnote=_explain(session, quantity, shown, advised),
+        f"{name_file(session.record.file)}, tuning: {session.config.tuning}",
+        footnote=" ".join(notes),
         time_label="time on the file's clock (s)",
         shared=True,
     )
@@ -136,59 +137,55 @@ def _make_errors_panel(
     return Panel(label, [*marks, Level(0.0)], shown.view, (-reach, reach), "; ".join(notes))
 
 
-def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
+def _make_residuals_panel(session: Session, shown: Traces) -> Panel:
     marks: list[Curve | Level] = []
-    for name, (time, scaled) in shown.innovations.items():
+    for name, (time, scaled) in shown.residuals.items():
         scheme = style_of(name, session.names)
         look: Look = {
             "color": scheme.color, "marker": scheme.marker, "markersize": 3, "linewidth": 0.6,
         }  # fmt: skip
         marks.append(Curve([decimate(time, scaled, POINTS)], look))
     marks += [Level(bound, bound=True) for bound in (-QUANTILE, QUANTILE)]
-    label = "innovation of x\n(standard deviations)"
-    note = "dotted: 95 % lie inside if the filter knows its noise"
-    if any(np.any(np.abs(scaled) > INNOVATIONS) for _, scaled in shown.innovations.values()):
-        note += f"; not shown: innovations beyond ±{INNOVATIONS:g}"
-    return Panel(label, marks, shown.view, (-INNOVATIONS, INNOVATIONS), note)
+    note = "dotted: 95 % lie inside if the filter knows its noise and that of the fixes"
+    if any(np.any(np.abs(scaled) > REACH) for _, scaled in shown.residuals.values()):
+        note += f"; not shown: beyond ±{REACH:g}"
+    label = "later fix - estimate, x\n(standard deviations)"
+    return Panel(label, marks, shown.view, (-REACH, REACH), note)
 
 
-def _explain(session: Session, quantity: str, shown: Traces, advised: str | None) -> str:
-    sentences = []
+def _explain(session: Session, quantity: str, shown: Traces, advised: str | None) -> Iterator[str]:
     if advised in shown.lines and len(shown.lines) > 1:
-        sentences.append(f"Drawn on top: {advised}, the best scheme by the advice.")
+        yield f"Drawn on top: {advised}, the best scheme by the advice."
     left = [name for name in session.names if name not in shown.lines]
     if quantity in ("position", "velocity") and left:
-        sentences.append(f"{' and '.join(left)}: the same line as one that is drawn.")
+        yield f"{' and '.join(left)}: the same line as one that is drawn."
     if quantity == "position":
         delay = session.sensors.delay * session.sensors.step
-        sentences.append(f"A fix tells the position of {delay:g} s before it arrives.")
-        sentences += {
-            "recorded": [],
-            "from_reference": [
-                "Fixes were made from the reference, with simulated noise; the IMU is recorded."
-            ],
-            "simulated": ["Fixes and IMU are simulated from the recorded motion (replicate 0)."],
-        }[session.record.gnss]
+        yield f"A fix tells the position of {delay:g} s before it arrives."
+        if shown.residuals:
+            yield "Below: the fix that tells of a moment later, minus the estimate of that moment."
+        if session.record.gnss == "from_reference":
+            yield "Fixes were made from the reference, with simulated noise; the IMU is recorded."
+        elif session.record.gnss == "simulated":
+            yield "Fixes and IMU are simulated from the recorded motion (replicate 0)."
         if np.any(session.record.origin != 0.0):
             x, y = session.record.origin
-            sentences.append(f"The mean position ({x:.3g}, {y:.3g}) m is taken off.")
+            yield f"The mean position ({x:.3g}, {y:.3g}) m is taken off."
     if quantity in ("acceleration", "bias"):
-        sentences.append(
+        yield (
             "Estimates are drawn at the time to which they refer, not when the filter gives them."
         )
     if quantity == "bias" and session.record.steps > POINTS:
         every = 2.0 * session.record.steps / POINTS * session.record.step
-        sentences.append(f"Drawn are the least and the greatest value of every {every:.3g} s.")
+        yield f"Drawn are the least and the greatest value of every {every:.3g} s."
     if quantity == "bias" and any(
         leaves(pair[axis], *_find_limits(shown, axis))
         for pair in shown.lines.values()
         for axis in range(2)
     ):
-        sentences.append(
+        yield (
             "Panels of x and y are scaled to the values after the first fifth of the record;"
             " before, lines leave them."
         )
     if quantity == "bias" and shown.truth is None:
-        sentences.append("It holds whatever the IMU reports besides motion: leaks of gravity too.")
-    sentences += [f"{name} is left out: {why}." for name, why in session.failed.items()]
-    return " ".join(sentences)
+        yield "It holds whatever the IMU reports besides motion: leaks of gravity too."

@@ -1,16 +1,42 @@
-"""Collect the lines of the figures that show a record over time."""
+"""Collect the lines of the figures that show a record over time.
+
+Position and velocity are those of the stored estimates, of replicate 0. Acceleration and bias are
+not stored, so filters run again for them, piece by piece.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import itertools
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.figures.lines import Envelope, Line, Pair, make_line, make_pair
-from owtsweep.studies.replay.estimating import rotate_force
-from owtsweep.studies.replay.session import COLUMNS, FilterStates, Session, find_repeated
+from owtsweep.errors import InputError
+from owtsweep.figures.lines import POINTS, Envelope, Line, Pair, make_line, make_pair
+from owtsweep.studies.hub import public as hub
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.estimating import DEVIATIONS, STATES, make_lanes, rotate_force
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.record import (
+    ReplayRecord,
+    Signals,
+    cut_into_pieces,
+    listen,
+    simulate_true_bias,
+)
+
+#: Length of the longest "whole" view, s.
+SPAN = 200.0
+#: Zoomed view -> its length, s.
+ZOOMS = {"zoom": 15.0, "acceleration": 6.0}
+#: Zoomed views leave out this time at the start, while estimates settle, s.
+SETTLING = 20.0
+#: Quantity -> its columns of the state.
+COLUMNS = {"position": slice(0, 2), "velocity": slice(2, 4)}
 
 
 @dataclass(frozen=True)
@@ -23,7 +49,8 @@ class Traces:
     truth, imu: Lines of x and y of the true quantity and of the IMU's measurements.
     fixes: Times of arrival of the fixes, shape (n,), and the fixes, shape (n, 2).
     deviations: Scheme -> times, and standard deviations of x that the scheme states.
-    innovations: Scheme -> times, and innovations of x over their stated standard deviations.
+    residuals: Scheme -> times, and distances along x from the fix that tells of that time later,
+        over the standard deviation that is expected of them; empty if the truth is known.
     """
 
     view: tuple[float, float]
@@ -33,7 +60,7 @@ class Traces:
     imu: Pair | None = None
     fixes: tuple[Array, Array] | None = None
     deviations: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
-    innovations: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+    residuals: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
 
     def find_range(self, lines: Iterable[Line]) -> tuple[float, float]:
         """Return the least and the greatest value of lines after the first fifth of the view."""
@@ -43,100 +70,288 @@ class Traces:
         return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
 
-def collect_traces(
-    session: Session, states: Callable[[], FilterStates], quantity: str, *, zoom: bool
-) -> Traces:
-    """Collect the lines of a figure that shows one quantity over time; arguments as of `draw`.
+class Session:
+    """What the figures of a record share: its data of replicate 0, and the stored estimates."""
+
+    def __init__(self, config: ReplayConfig, file: str, estimates: Path) -> None:
+        """Read a record, and which schemes have estimates in `estimates`, a Parquet file.
+
+        Raises InputError if one of the two cannot be read.
+        """
+        from pyarrow import parquet
+
+        self.config, self.estimates = config, estimates
+        self.record = load_record(config, file)
+        self.sensors = hub.make_sensors(config.sensors)
+        self.signals: Signals = listen(config, self.sensors, self.record, 0)
+        #: Scheme -> its groups of rows in the file.
+        self.groups: dict[str, list[int]] = {}
+        try:
+            stored = parquet.read_metadata(estimates)
+        except (OSError, ValueError) as error:
+            raise InputError(f"{estimates}: the estimates cannot be read ({error})") from None
+        for number in range(stored.num_row_groups):
+            name = stored.row_group(number).column(1).statistics.min
+            self.groups.setdefault(name, []).append(number)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the schemes that have estimates."""
+        return list(self.groups)
+
+    def read(self, name: str, steps: slice[int]) -> tuple[Array, Array]:
+        """Return a scheme's states and their standard deviations in a slice, shape (n, 4) each."""
+        from pyarrow import parquet
+
+        first, last = self.record.time_at(steps)[[0, -1]]
+        half = 0.5 * self.record.step
+        inside = [("scheme", "==", name), ("time", ">", first - half), ("time", "<", last + half)]
+        table = parquet.read_table(
+            self.estimates, columns=[*STATES, *DEVIATIONS], filters=inside, use_threads=False
+        )
+        values = np.column_stack([column.to_numpy() for column in table.columns])
+        values[:, :2] -= self.record.origin
+        return values[:, :4], values[:, 4:]
+
+    @cached_property
+    def windows(self) -> dict[str, slice[int]]:
+        """The parts of the record that figures show, with their steps (see `choose_windows`)."""
+        if self.record.position is not None:
+            pieces = itertools.pairwise(cut_into_pieces(self.record.steps))
+            positions = (self.record.position[first:last] for first, last in pieces)
+            return choose_windows(self.record, positions)
+        return choose_windows(self.record, self._read_positions(self.names[0]))
+
+    def _read_positions(self, name: str) -> Iterator[Array]:
+        from pyarrow import parquet
+
+        with parquet.ParquetFile(self.estimates) as file:
+            for batch in file.iter_batches(row_groups=self.groups[name], columns=["x", "y"]):
+                yield np.column_stack([c.to_numpy() for c in batch.columns]) - self.record.origin
+
+    @cached_property
+    def filters(self) -> FilterStates:
+        """The filters' acceleration and bias."""
+        return FilterStates(self)
+
+
+def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, slice[int]]:
+    """Choose the parts of a record that figures show: name of the part -> its steps.
+
+    "whole" is the record's beginning, at most `SPAN` s; "zoom" and "acceleration" lie around the
+    largest motion after `SETTLING` s, or around the middle of a record that is too short.
+
+    positions: true or estimated ones, in pieces of shape (n, 2), m; NaN where unknown.
+    """
+    found = dict.fromkeys(ZOOMS, (0.0, record.steps // 2))
+    begin = 0
+    for xy in positions:
+        time = record.time_at(slice(begin, begin + len(xy)))
+        size = np.where(np.isfinite(xy[:, 0]), np.hypot(xy[:, 0], xy[:, 1]), -1.0)
+        for name, length in ZOOMS.items():
+            first, last = record.begin + SETTLING + length / 2, record.end - length / 2
+            here = np.where((time >= first) & (time <= last), size, -1.0)
+            at = int(np.argmax(here))
+            if here[at] > found[name][0]:
+                found[name] = (float(here[at]), begin + at)
+        begin += len(xy)
+    windows = {"whole": _select(record, record.begin, record.begin + SPAN)}
+    for name, (_, step) in found.items():
+        start = max(record.begin + record.step * step - ZOOMS[name] / 2, record.begin)
+        windows[name] = _select(record, start, start + ZOOMS[name])
+    return windows
+
+
+def _select(record: ReplayRecord, start: float, end: float) -> slice[int]:
+    first = int(np.ceil((start - record.begin) / record.step - 1e-6))
+    last = int(np.floor((end - record.begin) / record.step + 1e-6))
+    return slice(first, min(last + 1, record.steps))
+
+
+def find_repeated(series: Mapping[str, Array]) -> set[str]:
+    """Return the names of series that equal a later one but for rounding."""
+    return {
+        one
+        for one, other in itertools.combinations(series, 2)
+        if series[one].shape == series[other].shape
+        and np.allclose(series[one], series[other], rtol=1e-9, atol=1e-12, equal_nan=True)
+    }
+
+
+def collect_traces(session: Session, quantity: str, *, zoom: bool) -> Traces:
+    """Collect the lines of a figure that shows one quantity over time.
 
     `zoom` applies to position and velocity; the acceleration is always zoomed in, the bias never.
     """
     if quantity == "bias":
-        return _trace_bias(session, states())
+        return _trace_bias(session)
     if quantity == "acceleration":
-        return _trace_acceleration(session, states())
-    return _trace_state(session, quantity, "zoom" if zoom else "whole")
+        return _trace_acceleration(session)
+    return _trace_state(session, quantity, session.windows["zoom" if zoom else "whole"])
 
 
-def _trace_state(session: Session, quantity: str, name: str) -> Traces:
-    record, window, columns = session.record, session.windows[name], COLUMNS[quantity]
-    time, seen = record.time_at(window), session.seen[name]
-    same = find_repeated({scheme: each.state[:, columns] for scheme, each in seen.items()})
+def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
+    record, sensors, columns = session.record, session.sensors, COLUMNS[quantity]
+    time, seen = record.time_at(steps), {name: session.read(name, steps) for name in session.names}
+    same = find_repeated({name: state[:, columns] for name, (state, _) in seen.items()})
     series: Array | None = getattr(record, quantity)
-    truth = None if series is None else series[window]
-    lines, errors, deviations, innovations = {}, {}, {}, {}
-    for scheme, estimated in seen.items():
-        scaled = estimated.scaled_innovation[:, 0]
-        there = np.isfinite(scaled)
-        if np.any(there):
-            innovations[scheme] = time[there], scaled[there]
+    truth = None if series is None else series[steps]
+    M = sensors.fix_interval
+    number = np.arange(-(-steps.start // M), -(-steps.stop // M))
+    reported = M * np.arange(len(session.signals.fixes)) - sensors.delay
+    judged = np.flatnonzero(
+        (reported >= steps.start) & (reported < steps.stop) & (sensors.delay > 0)
+    )
+    lines, errors, deviations, residuals = {}, {}, {}, {}
+    for scheme, (state, deviation) in seen.items():
         if scheme in same:
             continue
-        lines[scheme] = make_pair(time, estimated.state[:, columns])
+        lines[scheme] = make_pair(time, state[:, columns])
         if truth is not None:
-            errors[scheme] = make_line(time, estimated.state[:, columns.start] - truth[:, 0])
-            deviations[scheme] = time, estimated.deviation[:, columns.start]
+            errors[scheme] = make_line(time, state[:, columns.start] - truth[:, 0])
+            deviations[scheme] = time, deviation[:, columns.start]
+        elif quantity == "position":
+            at = reported[judged] - steps.start
+            apart = session.signals.fixes[judged, 0] - state[at, 0]
+            scaled = apart / np.hypot(deviation[at, 0], sensors.position_sigma)
+            if np.any(there := np.isfinite(scaled)):
+                residuals[scheme] = time[at][there], scaled[there]
     return Traces(
         (float(time[0]), float(time[-1])),
         lines,
         errors,
         truth=None if truth is None else make_pair(time, truth),
-        fixes=_take_fixes(session, window) if quantity == "position" else None,
+        fixes=(time[M * number - steps.start], session.signals.fixes[number])
+        if quantity == "position"
+        else None,
         deviations=deviations,
-        innovations=innovations,
+        residuals=residuals,
     )
 
 
-def _take_fixes(session: Session, window: slice[int]) -> tuple[Array, Array]:
-    M = session.sensors.fix_interval
-    number = slice(-(-window.start // M), -(-window.stop // M))
-    due = M * np.arange(number.start, number.stop)
-    return session.record.time_at(window)[due - window.start], session.signals.fixes[number]
-
-
-def _trace_acceleration(session: Session, states: FilterStates) -> Traces:
-    record, window = session.record, session.windows["acceleration"]
-    time = record.time_at(window)
-    truth = None if record.acceleration is None else record.acceleration[window]
-    known = {name: s.acceleration for name, s in states.of.items() if s.acceleration is not None}
+def _trace_acceleration(session: Session) -> Traces:
+    record, steps = session.record, session.windows["acceleration"]
+    time = record.time_at(steps)
+    truth = None if record.acceleration is None else record.acceleration[steps]
+    known = session.filters.acceleration
     same = find_repeated(known)
     shown = {name: values for name, values in known.items() if name not in same}
-    measured = _take_force(session, window) + np.array(session.sensors.gravity)
+    force, begin = [], 0
+    for piece in rotate_force(session.signals, session.sensors):
+        force.append(_cut(piece, steps, begin))
+        begin += len(piece)
+        if begin >= steps.stop:
+            break
+    errors = {}
+    if truth is not None:
+        errors = {name: make_line(time, each[:, 0] - truth[:, 0]) for name, each in shown.items()}
     return Traces(
         (float(time[0]), float(time[-1])),
         {name: make_pair(time, values) for name, values in shown.items()},
-        {}
-        if truth is None
-        else {name: make_line(time, each[:, 0] - truth[:, 0]) for name, each in shown.items()},
+        errors,
         truth=None if truth is None else make_pair(time, truth),
-        imu=make_pair(time, measured),
+        imu=make_pair(time, np.concatenate(force) + np.array(session.sensors.gravity)),
     )
 
 
-def _take_force(session: Session, window: slice[int]) -> Array:
-    parts, begin = [], 0
-    for piece in rotate_force(session.signals, session.sensors):
-        parts.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0)])
-        begin += len(piece)
-        if begin >= window.stop:
-            break
-    return np.concatenate(parts)
-
-
-def _trace_bias(session: Session, states: FilterStates) -> Traces:
-    record = session.record
+def _trace_bias(session: Session) -> Traces:
+    record, states = session.record, session.filters
 
     def to_line(envelope: Envelope) -> Line:
         steps, values = envelope.points()
         return [(record.begin + record.step * steps, values)]
 
-    lines = {n: (to_line(s.bias[0]), to_line(s.bias[1])) for n, s in states.of.items()}
+    lines = {name: (to_line(x), to_line(y)) for name, (x, y) in states.bias.items()}
     same = find_repeated({name: pair[0][0][1] for name, pair in lines.items()})
     truth = states.true_bias
+    errors = {name: to_line(each) for name, each in states.bias_error.items() if name not in same}
     return Traces(
         (record.begin, record.end),
         {name: pair for name, pair in lines.items() if name not in same},
-        {}
-        if truth is None
-        else {n: to_line(s.bias_error) for n, s in states.of.items() if n not in same},
+        errors,
         truth=None if truth is None else (to_line(truth[0]), to_line(truth[1])),
     )
+
+
+def _cut(piece: Array, steps: slice[int], begin: int) -> Array:
+    # of a piece that begins at a step, what lies in a slice of steps
+    return piece[max(steps.start - begin, 0) : max(steps.stop - begin, 0)]
+
+
+class FilterStates:
+    """The filters' estimates of acceleration and accelerometer bias, in NED and m/s^2.
+
+    An estimate is stored at the time to which it refers, not when the filter computed it. Only
+    schemes with a kernel are run, and none if fixes are missing, because kernels need every fix.
+
+    acceleration: scheme -> that in the part of the record that its figure shows, shape (n, 2);
+        without schemes whose model has no acceleration.
+    bias: scheme -> envelopes of x and y of the bias R b^b over the whole record.
+    bias_error: scheme -> envelope of the error of the bias along x; empty for recorded sensors.
+    true_bias: envelopes of the simulated bias; None for recorded sensors.
+    """
+
+    def __init__(self, session: Session) -> None:
+        config, record, sensors = session.config, session.record, session.sensors
+        steps, simulated = record.steps, record.gnss == "simulated"
+        self.acceleration: dict[str, Array] = {}
+        self.bias: dict[str, tuple[Envelope, Envelope]] = {}
+        self.bias_error: dict[str, Envelope] = {}
+        self.true_bias: tuple[Envelope, Envelope] | None = None
+        complete = bool(np.all(np.isfinite(session.signals.fixes)))
+        known = hub.Known(sensors, config)
+        for scheme in hub.resolve_all(config.schemes, config):
+            if not complete or scheme.name not in session.names or scheme.batched != "chain":
+                continue
+            chain = scheme.kernel_for_runs(known, steps)
+            truths = simulate_true_bias(config, sensors, steps, 0) if simulated else None
+            self._add(scheme.name, chain, session, truths)
+        if simulated:
+            self.true_bias = (Envelope(steps), Envelope(steps))
+            for truth in simulate_true_bias(config, sensors, steps, 0) if self.bias else ():
+                _add_both(self.true_bias, truth)
+
+    def _add(
+        self, name: str, chain: hub.Chain, session: Session, truths: Iterator[Array] | None
+    ) -> None:
+        steps, window = session.record.steps, session.windows["acceleration"]
+        estimated = steps - hub.lag_of(chain)
+        points = POINTS if estimated == steps else max(int(POINTS * estimated / steps), 8)
+        x, y, error = (Envelope(estimated, points) for _ in range(3))
+        shown, begin = [], 0
+        for piece in _run_shifted(chain, session):
+            shown.append(_cut(piece[:, 2], window, begin))
+            _add_both((x, y), piece[:, 3])
+            if truths is not None:
+                error.add(piece[:, 3, 0] - next(truths)[:, 0])
+            begin += len(piece)
+        self.bias[name] = (x, y)
+        if truths is not None:
+            self.bias_error[name] = error
+        if hub.has_acceleration(chain):
+            self.acceleration[name] = np.concatenate(shown)
+
+
+def _add_both(envelopes: tuple[Envelope, Envelope], values: Array) -> None:
+    for axis, envelope in enumerate(envelopes):
+        envelope.add(values[:, axis])
+
+
+def _run_shifted(chain: hub.Chain, session: Session) -> Iterator[Array]:
+    """Yield a filter's states in pieces of shape (n, 4, 2).
+
+    The second axis holds position, velocity, acceleration and the bias R b^b; the third x and y.
+    The filter computes a state `lag_of(chain)` steps late; it is moved back to the step to which it
+    refers, so the last steps of the record are NaN.
+    """
+    lag, steps = hub.lag_of(chain), session.record.steps
+    chunks = hub.state_chunks(chain, *make_lanes([session.signals], session.sensors))
+    late = hub.OnePassSeries(
+        (chunk[:count].reshape(count, 8) for _, count, chunk in chunks), (steps, 8)
+    )
+    for begin, end in itertools.pairwise(cut_into_pieces(steps)):
+        result = np.full((end - begin, 4, 2), np.nan)
+        piece = late[begin + lag : end + lag].reshape(-1, 4, 2)
+        result[: len(piece)] = piece
+        result[:, 3] = hub.bias_of(result, session.sensors)
+        yield result

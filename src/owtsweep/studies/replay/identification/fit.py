@@ -60,7 +60,7 @@ def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
     floor: IMU sigma (m/s^2) of the IMU's own spectrum; used if positions do not contradict it, for
         then the IMU's noise is white, and known to a few per cent.
     """
-    best, value = find_most_likely(problem, stated)
+    best, value = _find_most_likely(problem, stated)
     if np.isfinite(floor) and _allows(problem, best, value, _bounds(stated[3]), np.log(floor)):
         problem = replace(problem, floor=floor)
         best, value = _climb(problem, best, _bounds(stated[3]))
@@ -78,30 +78,26 @@ def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
     )  # fmt: skip
 
 
-def find_most_likely(
+def _find_most_likely(
     problem: Problem, stated: Array, gain: Array | None = None
 ) -> tuple[Array, float]:
-    """Return the most likely parameters, encoded for the search, and their log likelihood.
-
-    stated: the values at which the search begins, shape (4,).
-    gain: what multiplies the acceleration first, shape (2, 2).
-    """
+    """Return the most likely parameters, encoded, and their log likelihood; `gain`: (2, 2)."""
     best: Array = np.empty(0)
     value = -np.inf
-    for start in scan_delays(problem, stated, gain, SCAN)[0]:
+    for start in _scan_delays(problem, stated, gain, SCAN)[0]:
         found, reached = _climb(problem, start, _bounds(stated[3]), gain=gain)
         if reached > value:
             best, value = found, reached
     return best, value
 
 
-def scan_delays(
+def _scan_delays(
     problem: Problem, stated: Array, gain: Array | None, step: float
 ) -> tuple[list[Array], float]:
-    """Return the most likely delays, without any search for the noise, and their log likelihood.
+    """Return the most likely delays, as encoded parameters, and their log likelihood.
 
-    These are encoded parameters for the stated noise, and for ten times as much: a delay can be
-    recognised only at about the right size of the noise. `step` is that between tried delays, s.
+    The noise is the stated one, and ten times as much: a delay can be recognised only at about the
+    right size of the noise. `step` is that between tried delays, s.
     """
     delays = np.arange(-REACH, REACH + 0.5 * step, step) + stated[3]
     residuals = [problem.residual(delay, gain) for delay in delays]
@@ -199,8 +195,8 @@ def _find_edge(
     return float(outside)
 
 
-def list_readings() -> dict[str, Array]:
-    """Return what may be wrong, in words -> the matrix (2, 2) that corrects the acceleration."""
+def _list_readings() -> dict[str, Array]:
+    # what may be wrong, in words -> the matrix (2, 2) that corrects the acceleration
     unit = np.eye(2)
     swapped = unit[::-1]
     readings = {
@@ -230,13 +226,12 @@ def describe_disagreement(problem: Problem, stated: Array, fit: Fit, source: str
     size, expected = _measure_misfit(problem, fit.values), _measure_misfit(problem, stated)
     if not size > DOUBTED * expected:
         return ""
-    _, without = find_most_likely(problem, stated, np.zeros((2, 2)))
-    readings = list_readings()
-    likely = {
-        reading: scan_delays(problem, stated, gain, COARSE)[1] for reading, gain in readings.items()
-    }
-    words = max(likely, key=lambda reading: likely[reading])
-    found, value = find_most_likely(problem, stated, readings[words])
+    _, without = _find_most_likely(problem, stated, np.zeros((2, 2)))
+    readings = _list_readings()
+    words = max(
+        readings, key=lambda reading: _scan_delays(problem, stated, readings[reading], COARSE)[1]
+    )
+    found, value = _find_most_likely(problem, stated, readings[words])
     best = _measure_misfit(problem, decode(found))
     if value < max(fit.log_likelihood, without) + EVIDENCE or SMALLER * best > size:
         words = ""

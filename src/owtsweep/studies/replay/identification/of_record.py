@@ -6,8 +6,9 @@ The estimates may take the place of what the configuration states.
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from threading import Lock
 
 import numpy as np
@@ -18,11 +19,10 @@ from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, follow_sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.files import hash_file
 from owtsweep.studies.replay.identification.fit import Fit, describe_disagreement, fit_noise
 from owtsweep.studies.replay.identification.likelihood import integrate_twice, pose
-from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.loading import Source, load_record, name_source
+from owtsweep.studies.replay.measures import TAILS, Measured
 
 #: Positions and IMU samples that are used; of a longer record, the first ones.
 MOST_POSITIONS, MOST_STEPS = 2000, 1 << 20
@@ -89,14 +89,21 @@ class Noise:
     heavy_tails: float = 0.0
     disagreement: str = ""
 
+    def measures(self) -> Iterator[Measured]:
+        """Yield the numbers as ("source: parameter", the number's name, value, 1)."""
+        for one in self.parameters:
+            for name in ("stated", "estimate", "low", "high"):
+                if np.isfinite(value := getattr(one, name)):
+                    yield (f"{one.source}: {one.parameter}", name, float(value), 1)
+        if self.heavy_tails:
+            yield (f"innovations: {TAILS}", "estimate", self.heavy_tails, 1)
+
     @property
     def agrees(self) -> bool:
         """Whether all stated values of sensors lie in their intervals."""
         return all(one.inside for one in self.parameters if one.parameter != "clock_offset")
 
 
-_KEPT: OrderedDict[tuple[object, ...], Noise] = OrderedDict()
-_MOST_KEPT = 256
 _LOCK = Lock()
 
 
@@ -108,14 +115,8 @@ def estimate_noise(config: ReplayConfig, file: str) -> Noise:
         unless `replay.disagreement` is "accept".
     """
     replay = changed(config.replay, disagreement="accept", noise="estimate")
-    settings = (config.columns, config.units, config.gaps, replay, config.sensors)
-    key = (file, hash_file(file), repr(settings), config.measures.settling_time)
-    with _LOCK:
-        noise = _KEPT.get(key)
-        if noise is None:
-            noise = _KEPT[key] = _estimate(config, load_record(config, file))
-            while len(_KEPT) > _MOST_KEPT:
-                _KEPT.popitem(last=False)
+    with _LOCK:  # so that threads do not estimate the same
+        noise = _estimate(name_source(config, file, replay))
     if noise.disagreement and config.replay.disagreement == "refuse":
         raise InputError(
             f"{file}: {noise.disagreement}; correct columns, units or sensors.yaw, or insist with "
@@ -124,7 +125,9 @@ def estimate_noise(config: ReplayConfig, file: str) -> Noise:
     return noise
 
 
-def _estimate(config: ReplayConfig, record: ReplayRecord) -> Noise:
+@lru_cache(maxsize=256)
+def _estimate(key: Source) -> Noise:
+    config, record = key.config, load_record(key.config, key.file)
     if record.specific_force is None:
         return Noise()
     sensors = make_sensors(config.sensors)
