@@ -72,10 +72,7 @@ def list_maps(
 
 def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
     """Return the map by the key `criterion`, and who wins by each one."""
-    from rich.console import Group
-    from rich.text import Text
-
-    from owtsweep.figures.terminal import grid
+    from owtsweep.figures.terminal import frame, grid
 
     best, summary = tables["best_scheme"], tables["summary"]
     origin = [
@@ -103,10 +100,7 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if len(schemes) < len(names):
         lines.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
-    lines += contest.tell_more(config, tables)
-    return Group(
-        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in lines)
-    )
+    return frame(origin, shown, [*lines, *contest.tell_more(config, tables)])
 
 
 def tell_unable(unable: pd.DataFrame) -> list[str]:

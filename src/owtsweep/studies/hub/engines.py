@@ -79,10 +79,7 @@ class _Engine(Engine):
         return [*names, "scheme", "measure", "window", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        from rich.console import Group
-        from rich.text import Text
-
-        from owtsweep.figures.terminal import grid
+        from owtsweep.figures.terminal import frame, grid
 
         criterion, window = config.measures.criterion, config.measures.window
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
@@ -92,7 +89,7 @@ class _Engine(Engine):
             table, names, conditions, criterion, window,
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
-        lines = []
+        lines: list[str] = []
         if len(table):
             lines += tell_answer(table, judged, conditions)
             further = [name for name in scheme_names(config) if name not in REGISTERED]
@@ -100,11 +97,10 @@ class _Engine(Engine):
         lines += _tell_bound(config)
         if "SKFA" not in scheme_names(config) and self.world.has_spectrum:
             lines.append(NOT_ASKED)
-        sentences = [Text(line) for line in [*lines, OTHER_WINDOW[window]]]
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         if not self.world.has_spectrum:
             origin.insert(1, self.world.describe(config))
-        return Group(*(Text(line, style="bold") for line in origin), shown, *sentences)
+        return frame(origin, shown, [*lines, OTHER_WINDOW[window]])
 
     def overview(self, config: HubConfig) -> str:
         """Return the name of the map, figure 18 of Ren et al. (2019)."""

@@ -13,8 +13,7 @@ from owtsweep.arrays import Array
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.conditions import show_value
 from owtsweep.studies.base.contest import WAIT, describe_draws
-from owtsweep.studies.mating.contest import CONTEST
-from owtsweep.studies.mating.describe import describe_hold
+from owtsweep.studies.mating.contest import CONTEST, describe_hold
 
 if TYPE_CHECKING:
     import pandas as pd
