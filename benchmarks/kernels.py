@@ -108,14 +108,14 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
 
 @cache
 def _driver() -> Any:
-    """Compile the function that runs tiles through `runs.run` without Python between them.
+    """Compile the function that runs tiles through `kernels.chain.run` without Python between them.
 
     Each tile starts with the memory that the previous tile left; the time does not depend on its
     values.
     """
     from owtsweep.compiled import njit
+    from owtsweep.studies.hub.kernels.chain import run
     from owtsweep.studies.hub.kernels.layout import Fed, Truth
-    from owtsweep.studies.hub.kernels.runs import run
 
     @njit
     def work_through(first, stop, every, stretch, series, chain, memory, sums, squared):

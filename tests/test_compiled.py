@@ -11,7 +11,7 @@ import pytest
 
 from owtsweep import compiled
 
-IMPORTED = "import owtsweep.studies.hub.kernels.runs, owtsweep.studies.hub.kernels.online"
+IMPORTED = "import owtsweep.studies.hub.kernels.chain, owtsweep.studies.hub.kernels.online"
 CALLED = """
 import numpy as np
 from owtsweep.studies.hub.kernels.feeding import keep_rows
@@ -29,7 +29,7 @@ def test_sources_are_all_that_kernels_are_made_of() -> None:
     names = {str(path.relative_to(package)) for path in compiled.kernel_sources()}
     assert {
         "compiled.py", "estimation/riccati.py", "estimation/windowing.py",
-        "studies/hub/kernels/runs.py", "studies/hub/error_curves/kernels.py",
+        "studies/hub/kernels/chain.py", "studies/hub/error_curves/kernels.py",
     } <= names  # fmt: skip
     assert not any("figures" in name or "config" in name for name in names)
     assert len(names) < 50

@@ -131,7 +131,7 @@ def absolute_errors(
     """
     lanes = Lanes(records)
     force, fixes = lanes.at(amplitude)
-    position, velocity, _ = estimates.trajectories(chain, records.sensors, force, fixes)
+    position, velocity, _ = estimates.trajectories(chain, force, fixes)
     # The predictor keeps the bias constant, so the filter's newest estimate is the present one.
     estimated_bias = bias_of(estimates.states(chain, force, fixes), records.sensors)
     along = amplitude * records.direction

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 from owtsweep._version import __version__
 
 if TYPE_CHECKING:
-    from owtsweep.api import estimate, load, replay, run
+    from owtsweep.api import estimate, load, online, replay, run
     from owtsweep.errors import InputError
     from owtsweep.evaluation.estimate import Estimate, EstimatedRecord, Innovation, Reading
-    from owtsweep.studies.hub.on_board import online
     from owtsweep.sweep.runs import Run
 
 __all__ = [
@@ -32,7 +31,7 @@ _HOMES = {
     "Run": "owtsweep.sweep.runs",
     "estimate": "owtsweep.api",
     "load": "owtsweep.api",
-    "online": "owtsweep.studies.hub.on_board",
+    "online": "owtsweep.api",
     "replay": "owtsweep.api",
     "run": "owtsweep.api",
 }

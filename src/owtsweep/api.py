@@ -8,15 +8,22 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep import studies
-from owtsweep.errors import require
-from owtsweep.studies.estimating import estimate
+from owtsweep.errors import InputError, require
+from owtsweep.studies import registry
+from owtsweep.sweep.study import blame
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from owtsweep.evaluation.estimate import EstimatedRecord
+    from owtsweep.studies.hub.contract import Estimator
     from owtsweep.studies.replay.running import Replay
     from owtsweep.sweep.runs import Run
 
-__all__ = ["estimate", "load", "replay", "run"]
+__all__ = ["estimate", "load", "online", "replay", "run"]
+
+#: The sensors and the tuning of an estimator whose user names none.
+DEFAULTS = ("tuning=matched", "sensors=strong_bias")
 
 
 def run(overrides: Sequence[str] = ()) -> Run:
@@ -32,8 +39,8 @@ def run(overrides: Sequence[str] = ()) -> Run:
     """
     from owtsweep.sweep.run import sweep
 
-    config = studies.compose(overrides)
-    return sweep(studies.get_study(config.study), config).run
+    config = registry.compose(overrides)
+    return sweep(registry.get_study(config.study), config).run
 
 
 def load(path: str | PathLike[str]) -> Run:
@@ -46,6 +53,37 @@ def load(path: str | PathLike[str]) -> Run:
 
     require(isinstance(path, str | PathLike), f"path: {path!r} is no path; give that of a folder")
     return open_run(Path(os.path.expanduser(path)))
+
+
+def estimate(overrides: Sequence[str] = (), replicate: int = 0) -> EstimatedRecord:
+    """Make one record of a study, run all schemes of the configuration on it; write nothing.
+
+    Truth and measurements are those of a sweep with the same configuration.
+
+    overrides: Hydra overrides as on the command line, which leave one cell of the grid and one
+        tuning, e.g. `["study=blade", "grid.sigma=[0.01]", "grid.outage=[20]", "schemes=[MEKF]"]`.
+    replicate: Number of the record, from 0 on.
+    Raises InputError if an override is wrong, several cells or tunings are left, or the study has
+        no records of its own.
+    """
+    require(
+        isinstance(replicate, int) and replicate >= 0,
+        f"replicate: {replicate!r} is no number of a record; give 0, 1, ...",
+    )
+    config = registry.compose(overrides)
+    study = registry.get_study(config.study)
+    able = [name for name in registry.OURS if "estimate" in registry.get_study(name).commands]
+    require(
+        "estimate" in study.commands,
+        f"study: {config.study!r} has no records of its own; use one of {', '.join(able)}",
+    )
+    tunings = list(config.by_tuning())
+    require(
+        len(tunings) == 1,
+        f"tuning: {' and '.join(tunings)} are several tunings; choose, e.g. tuning={tunings[-1]}",
+    )
+    with blame(study):
+        return study.estimate(config, replicate)
 
 
 def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] = ()) -> Replay:
@@ -61,7 +99,6 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Raises InputError if no file can be used, a file does not exist, or an override is wrong.
         Nothing has been written in this case.
     """
-    from owtsweep.studies.registry import require_texts
     from owtsweep.studies.replay.running import Replay, configure, execute
 
     named = [files] if isinstance(files, str | PathLike) else files
@@ -69,6 +106,43 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
         isinstance(named, Sequence) and all(isinstance(file, str | PathLike) for file in named),
         f"files: {files!r} is no path; give one, or a list of paths",
     )
-    require_texts(overrides)
+    registry.require_texts(overrides)
     words = [str(file) for file in named]
     return Replay(execute(configure(words, overrides)).run)
+
+
+def online(
+    scheme: str, overrides: Sequence[str] = (), *, origin: ArrayLike | None = None
+) -> Estimator:
+    """Make an estimator that runs on board: each IMU sample gives one estimate.
+
+    Its method is `update(specific_force, position=None) -> Estimate`. Position fixes may be
+    missing: gains and covariances follow the fixes that arrived. On a machine, the first estimator
+    takes some 15 s to make, in which its kernels are compiled.
+
+    scheme: EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH. SKF and SKFA need the origin, SKF the motion
+        too: see the keys of the section `skf`.
+    overrides: the sensors and the tuning, as on the command line, e.g. `["tuning=paper",
+        "sensors.gnss.delay=0.3"]`. Without an override, the tuning is `matched`.
+    origin: the point about which the scheme starts from zero, x and y in m, in the coordinates of
+        the fixes; it must lie near the hub. None stands for the first fix: until it comes,
+        estimates are NaN. Estimates are in the coordinates of the fixes for any origin.
+    Raises InputError if the scheme cannot run on board, or the overrides or the origin are wrong.
+    """
+    from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.contract import Known
+    from owtsweep.studies.hub.listed import resolve
+    from owtsweep.studies.hub.sensors import sensors
+
+    registered = resolve(scheme)
+    if not registered.on_board:
+        raise InputError(
+            f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1, HME2, SKF, SKFA or SWITCH"
+        )
+    registry.require_texts(overrides)
+    given = {override.partition("=")[0] for override in overrides}
+    ours = [word for word in DEFAULTS if word.partition("=")[0] not in given]
+    config = registry.compose([*ours, *overrides, f"schemes=[{scheme}]"])
+    if not isinstance(config, HubConfig):
+        raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
+    return registered.stream(Known(sensors(config.sensors), config), origin)

@@ -51,9 +51,9 @@ class Sea:
         )
         require(self.gamma >= 1.0, f"gamma: {self.gamma:g} must be 1 or more")
 
-    def steepness(self, gravity: float = GRAVITY) -> float:
+    def steepness(self) -> float:
         """Compute H_s over the length of a deep-water wave of the period T_p."""
-        return self.hs / (gravity * self.tp**2 / (2.0 * np.pi))
+        return self.hs / (GRAVITY * self.tp**2 / (2.0 * np.pi))
 
     @property
     def breaks(self) -> bool:

@@ -40,6 +40,7 @@ class Model(Config):
     inner: Inner = key("a section", default=Inner())
     kind: Literal["a", "b"] = key("one of two", default="a")
     count: int = key("a whole number", default=3, ge=1, le=9, unit="steps")
+    ratio: Positive = key("a number below one", default=0.5, lt=1.0)
     label: str = key("a text", default="")
     kinds: list[Literal["a", "b"]] = key("some of two", default=["a"])
     pair: list[Positive] = key(
@@ -81,6 +82,7 @@ def test_whole_numbers(value: object, expected: int | None) -> None:
         ("kinds", ["a", "c"], "kinds[1]: 'c' is none of a, b"),
         ("count", 0, "count: 0 must be at least 1 steps"),
         ("count", 10, "count: 10 is more than 9; lower it"),
+        ("ratio", 1, "ratio: 1 must be below 1"),
         ("pair", [1.0], "pair: [1.0] must be two numbers"),
         ("pair", [1.0, 0.0],
          "pair[1]: 0 must be a finite number above zero; use two numbers"),

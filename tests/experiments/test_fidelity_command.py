@@ -153,7 +153,7 @@ def write_claims(file: str, measure: str, fields: str, head: str = "") -> None:
         ("select.sea = 1", "", "the rows of a run judge none of these statements"),
         ("", "", "natural_period has several values in these scores"),
         ("", 'study = "blade"', "its claims are about study 'blade'"),
-        ("king = 1", "", "statements.1.claims.1.king: 'king' is not known; did you mean kind?"),
+        ("king = 1", "", "statement 1, claim 1: 'king' is not known; did you mean kind?"),
         (None, "", "there is no such file"),
     ],
 )

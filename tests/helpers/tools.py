@@ -100,7 +100,7 @@ def run_batch(scheme: Scheme, config: HubConfig, data: Measured, sensors: Sensor
     """The batch engine on one series, with what its filter holds inside."""
     chain: Chain = scheme.kernel(Known(sensors, config), len(data.specific_force))
     force, fixes = ned(data, sensors)
-    position, velocity, innovation = estimates.trajectories(chain, sensors, force, fixes)
+    position, velocity, innovation = estimates.trajectories(chain, force, fixes)
     gains = chain.gains
     row = gains.row(np.arange(len(force)))
     fresh = gains.fresh[row]

@@ -156,6 +156,8 @@ def _beyond(kind: str, limits: Mapping[str, object], value: object, unit: str, a
             text = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
             return f"{number} {text}"
         return f"{shown} must be at least {f'{limit:g} {unit}'.strip()}"
-    if kind in ("less_than", "less_than_equal"):
+    if kind == "less_than":
+        return f"{number} must be below {f'{limit:g} {unit}'.strip()}"
+    if kind == "less_than_equal":
         return f"{value} is more than {limit}; lower it"
     return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"

@@ -17,7 +17,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: A singular value below this part of the largest one counts as zero, if nothing else is said.
+#: A singular value below this part of the largest one counts as zero.
 TOLERANCE = 1e-9
 #: Eigenvalues are the same if they differ by less than this (above 1: by this part of themselves).
 #: Rounding splits the eigenvalues of a Jordan block of size 2 by the root of the floating-point
@@ -67,14 +67,13 @@ class Observability:
     unseen: tuple[Unseen, ...]
 
 
-def find_unobservable(A: Array, G: Array, tolerance: float = TOLERANCE) -> Observability:
+def find_unobservable(A: Array, G: Array) -> Observability:
     """Find the directions of state that sensors never see, by the test of Popov-Belevitch-Hautus.
 
     A: matrix of a model in discrete time (x[k+1] = A x[k]) or in continuous time (x' = A x), shape
         (n, n). For inputs too, give the augmented matrices (`augmented.augment`).
     G: measurement matrix, shape (m, n).
-    tolerance: a singular value counts as zero below this part of the largest one. Rows of G are
-        divided by their norms before, since the unit of a sensor does not matter.
+        Rows are divided by their norms, since the unit of a sensor does not matter.
     """
     from scipy.linalg import matrix_balance
 
@@ -88,12 +87,12 @@ def find_unobservable(A: Array, G: Array, tolerance: float = TOLERANCE) -> Obser
     ranks, conditions, unseen = [], [], []
     for value, count in zip(values, counts, strict=True):
         shifted = scaled - (value if value.imag else value.real) * np.eye(n)
-        null, singular = _null_space(np.vstack([shifted, rows]), tolerance)
+        null, singular = _null_space(np.vstack([shifted, rows]))
         ranks.append(n - null.shape[1])
         seen = singular[: n - null.shape[1]]
         conditions.append(seen[0] / seen[-1] if len(seen) else np.inf)
         if null.shape[1]:
-            chain = _follow_chains(shifted, rows, null, count, tolerance)
+            chain = _follow_chains(shifted, rows, null, count)
             directions = np.linalg.qr(size[:, None] * chain)[0]
             unseen.append(Unseen(complex(value), null.shape[1], directions))
     return Observability(
@@ -126,16 +125,14 @@ def _distinct(A: Array) -> tuple[Array, list[int]]:
     return np.array(values), counts
 
 
-def _null_space(matrix: Array, tolerance: float) -> tuple[Array, Array]:
+def _null_space(matrix: Array) -> tuple[Array, Array]:
     """Return an orthonormal basis (n, directions) of the null space, and the singular values."""
     _, singular, vectors = np.linalg.svd(matrix)
-    zero = singular <= tolerance * singular[0]
+    zero = singular <= TOLERANCE * singular[0]
     return vectors[zero].conj().T, singular
 
 
-def _follow_chains(
-    shifted: Array, rows: Array, null: Array, multiplicity: int, tolerance: float
-) -> Array:
+def _follow_chains(shifted: Array, rows: Array, null: Array, multiplicity: int) -> Array:
     """Return all unseen directions (n, directions) of an eigenvalue, the given null space first.
 
     A direction v belongs to them if `rows` v = 0 and `shifted` v is one of them.
@@ -143,7 +140,7 @@ def _follow_chains(
     found = null
     while found.shape[1] < multiplicity:
         outside = shifted - found @ (found.conj().T @ shifted)
-        wider, _ = _null_space(np.vstack([outside, rows]), tolerance)
+        wider, _ = _null_space(np.vstack([outside, rows]))
         if wider.shape[1] <= found.shape[1]:
             break
         new = wider - found @ (found.conj().T @ wider)

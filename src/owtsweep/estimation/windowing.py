@@ -40,6 +40,18 @@ def schedule_row(k, rows, cycle):
     return settled + (k - settled) % cycle
 
 
+@part
+def next_row(row, rows, cycle):
+    """Return the schedule's row of the next step, if `row` is that of a step."""
+    return row + 1 if row + 1 < rows else rows - cycle
+
+
+@part
+def row_before(k, row, rows, cycle):
+    """Return the schedule's row of step k - 1, if `row` is that of step k."""
+    return rows - 1 if row == rows - cycle and k > row else row - 1
+
+
 @njit
 def leaving(first, stop, C, K, window, cycle, D):
     """Compute D_k = -C_k C_{k+1} ... C_{k+window-1} K_{k+window} for k = first ... stop - 1.

@@ -22,8 +22,9 @@ from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.margin import Shades, add_legend, list_in_legend
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Plane, Row, show_error
+from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
+from owtsweep.results.criteria import show_error
 
 __all__ = ["draw"]
 

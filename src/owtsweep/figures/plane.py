@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from math import floor, log10
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -105,12 +104,6 @@ class Plane:
         axes.set_yticks(range(len(self.lines)), [show_value(value) for value in self.lines])
         axes.set_xlabel(self.across.title)
         axes.set_ylabel(self.side_label)
-
-
-def show_error(error: float) -> str:
-    """Return an error with three digits that count, e.g. "0.0141" or "1.20"."""
-    digits = 2 - floor(log10(error)) if error > 0.0 else 0
-    return f"{error:.{digits}f}" if 0 <= digits <= 5 else f"{error:.3g}"
 
 
 def _place_between(values: Array, centres: Sequence[Value], scale: str) -> Array:

@@ -22,8 +22,9 @@ from rich.text import Text
 
 from owtsweep.figures import margin
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Plane, Row, show_error
+from owtsweep.figures.plane import Plane, Row
 from owtsweep.results.conditions import Condition
+from owtsweep.results.criteria import show_error
 
 __all__ = ["grid"]
 
@@ -41,6 +42,13 @@ LONGEST_LINE = 10
 #: 8 or 16 colours of other terminals are those of the user's theme, on which text may be
 #: unreadable: there, the map has no colour.
 SHADED = {"truecolor": True, "256": False}
+
+
+def frame(origin: Sequence[str], shown: RenderableType, lines: Sequence[str]) -> RenderableType:
+    """Return lines on the origin of a map, bold, the map, and lines that tell what it shows."""
+    return Group(
+        *(Text(line, style="bold") for line in origin), shown, *(Text(line) for line in lines)
+    )
 
 
 def grid(

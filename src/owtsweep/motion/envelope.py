@@ -128,10 +128,10 @@ def _sample(bins: NDArray[np.complex128], duration: float) -> Array:
     return np.asarray(interleaved(bins, 2 * steps).T.reshape(-1)[:steps])
 
 
-def find_region(points: pd.DataFrame, share: float = SHARE) -> tuple[Array, Array, Array]:
-    """Find the region of natural periods and amplitudes that holds a share of all points.
+def find_region(points: pd.DataFrame) -> tuple[Array, Array, Array]:
+    """Find the region of natural periods and amplitudes that holds the part `SHARE` of all points.
 
-    At each natural period the region reaches from the (1 - share)/2 to the (1 + share)/2 quantile
+    At each natural period the region reaches from the (1 - SHARE)/2 to the (1 + SHARE)/2 quantile
     of the amplitudes of the points with about this natural period (`POOLED`); all points count
     alike. Points with the same blades and soil have the same natural period. Between these periods
     the edges are straight lines. `points` are those of `compute_points`.
@@ -140,7 +140,7 @@ def find_region(points: pd.DataFrame, share: float = SHARE) -> tuple[Array, Arra
     """
     period, amplitude = points["natural_period"].to_numpy(), points["amplitude"].to_numpy()
     places = np.unique(period)
-    ends = [0.5 * (1.0 - share), 0.5 * (1.0 + share)]
+    ends = [0.5 * (1.0 - SHARE), 0.5 * (1.0 + SHARE)]
     near = [amplitude[np.abs(period - place) <= POOLED] for place in places]
     low, high = np.array([np.quantile(sizes, ends) for sizes in near]).T
     return places, low, high

@@ -238,9 +238,9 @@ def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, flo
     }
 
 
-def _measure_overlap(observed: Array, fitted: Array, lines: int = 9) -> float:
+def _measure_overlap(observed: Array, fitted: Array) -> float:
     """Return the area under both smoothed curves, divided by that under the observed one."""
-    window = np.ones(lines) / lines
+    window = np.ones(9) / 9  # lines
     smooth, curve = (np.convolve(series, window, "valid") for series in (observed, fitted))
     return float(np.minimum(smooth, curve).sum() / smooth.sum())
 

@@ -12,9 +12,10 @@ from typing import NamedTuple
 from owtsweep.errors import printable
 from owtsweep.figures.margin import fill_cell, ratio_of
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.figures.plane import Row, show_error
+from owtsweep.figures.plane import Row
 from owtsweep.results.conditions import Condition, Grid, Value, show_value
 from owtsweep.results.contents import Contents
+from owtsweep.results.criteria import show_error
 
 #: Least width and height of a cell with text, width and height of one without, the rooms left of
 #: the map and below it, and the distance of lines, in pixels.

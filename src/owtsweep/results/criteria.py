@@ -44,7 +44,12 @@ class Criterion:
 
     def show(self, error: float) -> str:
         """Return an error as text with three digits that count and its unit."""
-        return f"{error:.3g} {self.unit}".strip()
+        return f"{show_error(error)} {self.unit}".strip()
+
+
+def show_error(error: float) -> str:
+    """Return an error with three digits that count, e.g. "0.0141", "1.20" or "0"."""
+    return f"{error:#.3g}".rstrip(".") if error else "0"
 
 
 #: Floors of lengths and speeds, with the reason.

@@ -242,14 +242,14 @@ def compose(
     return _checked(plain, study)
 
 
-def from_mapping(mapping: Any, study: str | None = None) -> Config:
+def from_mapping(mapping: Any) -> Config:
     """Return a composed or stored configuration with its types converted and its values checked.
 
-    The model is that of `study`, or else of the mapping's key `study`, or of "hub".
+    The model is that of the mapping's key `study`, or else of "hub".
     Raise `InputError` for an unknown study, an unknown key (the message suggests the nearest known
     one), a wrong type or an impossible value.
     """
-    return _checked(resolved(mapping), study)
+    return _checked(resolved(mapping))
 
 
 def _checked(plain: dict[str, Any], study: str | None = None) -> Config:

@@ -169,9 +169,8 @@ def check_kernel(scheme: Scheme, known: Known) -> None:
 
     force, fixes = _data(known.sensors)
     expected = _states(_run(scheme, known, force, fixes))
-    position, velocity, _ = trajectories(
-        scheme.kernel(known, STEPS), known.sensors, force @ known.sensors.rotation.T, fixes
-    )
+    turned = force @ known.sensors.rotation.T
+    position, velocity, _ = trajectories(scheme.kernel(known, STEPS), turned, fixes)
     error = _relative(np.hstack([position, velocity]), expected)
     assert error <= TOLERANCE, (
         f"{scheme.name}: its kernel differs from update by {error:.1e} of the estimate"

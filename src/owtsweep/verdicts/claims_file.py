@@ -292,9 +292,18 @@ def _tell(error: ValidationError) -> str:
     """Say in one line what is wrong first, with the number of its statement, claim and part."""
     faults = error.errors(include_url=False)
     first = min(faults, key=lambda fault: fault["type"] != "extra_forbidden")
-    *above, name = (part + 1 if isinstance(part, int) else part for part in first["loc"])
-    where = ".".join(map(str, [*above, name]))
+    steps: list[str] = []
+    for part in first["loc"]:
+        if isinstance(part, int):
+            steps[-1] = f"{steps[-1].removesuffix('s')} {part + 1}"  # e.g. statement 1
+        else:
+            steps.append(str(part))
+    *above, name = steps
+    where = f"{', '.join(above)}: " if above else ""
     if first["type"] == "extra_forbidden":
         known = (*FIELDS, *ClaimsFile.model_fields, *Statement.model_fields, "parts")
-        return f"{where}: {name!r} is not known; {suggest_name(str(name), known)}"
-    return f"{where}: {first['msg'].removeprefix('Value error, ')}"
+        return f"{where}{name!r} is not known; {suggest_name(name, known)}"
+    if first["type"] == "missing":
+        return f"{where}{name} is missing; write {name} = ..."
+    told = first["msg"].removeprefix("Value error, ").replace("Input should be", "it must be")
+    return f"{where}{name}: {told.replace('tuple', 'list').replace('dictionary', 'table')}"

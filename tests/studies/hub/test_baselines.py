@@ -71,7 +71,7 @@ def test_both_forms_are_the_definition(name: str, changes: tuple[str, ...]) -> N
     exact = defined(name, data.fixes, steps, sensors)
     stepwise = run_estimator(scheme.start(Known(sensors, config)), *data, sensors.fix_interval)
     chain = scheme.kernel(Known(sensors, config), steps)
-    compiled = np.hstack(estimates.trajectories(chain, sensors, *ned(data, sensors))[:2])
+    compiled = np.hstack(estimates.trajectories(chain, *ned(data, sensors))[:2])
     scale = np.maximum(np.max(np.abs(exact), axis=0), 1e-300)
     assert np.all(np.abs(stepwise.state - exact) <= 1e-12 * scale)
     assert np.all(np.abs(compiled - exact) <= 1e-9 * scale)

@@ -43,7 +43,7 @@ def simulated(
     phases = np.array([0.0, np.pi / 2])
     truth = np.cos(omega * time[:, None] - phases)
     position, velocity, _ = estimates.trajectories(
-        chain, sensors, -(omega**2) * truth, np.cos(omega * fix_time[:, None] - phases)
+        chain, -(omega**2) * truth, np.cos(omega * fix_time[:, None] - phases)
     )
     rate = -omega * np.sin(omega * time[:, None] - phases)
     part = slice(-round(last / sensors.step), None)

@@ -60,7 +60,7 @@ def test_noise_is_that_of_the_dense_covariance(name: str, tuning: str) -> None:
     fixes = fix_count(steps, sensors.fix_interval)
     force = np.hstack([np.zeros((steps, fixes)), np.eye(steps)])
     positions = np.hstack([np.eye(fixes), np.zeros((fixes, steps))])
-    answer = estimates.trajectories(chain, sensors, force, positions)[:2]
+    answer = estimates.trajectories(chain, force, positions)[:2]
     found = curves_of(name, config)
     for measure in range(2):
         for window, first in enumerate((0, settled)):
@@ -90,7 +90,7 @@ def test_one_line_simulated(name: str, hold: str) -> None:
     truth = np.cos(omega * time[:, None] + phases)
     rate = -omega * np.sin(omega * time[:, None] + phases)
     position, velocity, _ = estimates.trajectories(
-        chain, sensors, -(omega**2) * truth, np.cos(omega * late[:, None] + phases)
+        chain, -(omega**2) * truth, np.cos(omega * late[:, None] + phases)
     )
     found = curves_of(name, config).at(np.array([0.2345]))[..., 0]
     for measure, error in enumerate((position - truth, velocity - rate)):
@@ -123,7 +123,7 @@ def test_sinusoids_made_while_the_chain_runs_are_those_made_before(
     late = time[:: sensors.fix_interval] - sensors.delay * sensors.step
     truth = np.stack([np.cos(omega * time), np.sin(omega * time)], axis=1)
     fixes = np.stack([np.cos(omega * late), np.sin(omega * late)], axis=1)
-    position = estimates.trajectories(chain, sensors, -(omega**2) * truth, fixes)[0]
+    position = estimates.trajectories(chain, -(omega**2) * truth, fixes)[0]
     monkeypatch.setattr(probing, "TOLERANCE", -1.0)  # run to the end
     probe = inputs.motion(np.array([0.3]), sensors)
     found = probing.Workspace(chain, sensors, steps, settled).energies(probe)[0, :, 0]

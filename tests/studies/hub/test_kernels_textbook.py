@@ -157,7 +157,7 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
     assert records.steps > batch.CHUNK
     chain = resolve(name).kernel(Known(records.sensors, config), records.steps)
     force, fixes = Lanes(records).at(AMPLITUDE)
-    found = estimates.trajectories(chain, records.sensors, force, fixes)
+    found = estimates.trajectories(chain, force, fixes)
     expected = plain(chain, force, fixes)
     for what, ours, theirs in zip(("position", "velocity"), found, expected, strict=False):
         assert_same(ours, theirs, what)
@@ -174,7 +174,7 @@ def test_chunks_that_are_shorter_than_the_smoothers_window(steps: int) -> None:
     chain = resolve("HME1").kernel_for_runs(Known(records.sensors, config), records.steps)
     assert chain.filter.window == 40
     force, fixes = Lanes(records).at(AMPLITUDE)
-    found = estimates.trajectories(chain, records.sensors, force[:steps], fixes)
+    found = estimates.trajectories(chain, force[:steps], fixes)
     expected = plain(chain, force[:steps], fixes)
     for what, ours, theirs in zip(("position", "velocity"), found, expected, strict=False):
         assert_same(ours, theirs, what)

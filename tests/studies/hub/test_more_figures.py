@@ -91,7 +91,7 @@ def test_states_are_what_the_estimates_come_from(name: str, tuning: str) -> None
     force, fixes = ned(data, sensors)
     chain = resolve(name).kernel(Known(sensors, config))
     states = estimates.states(chain, force, fixes)
-    position, velocity, _ = estimates.trajectories(chain, sensors, force, fixes)
+    position, velocity, _ = estimates.trajectories(chain, force, fixes)
     if chain.filter.window == 0:
         expected = filtered_states(chain, force, fixes).reshape(states.shape)
         assert_same(states.reshape(len(force), -1), expected.reshape(len(force), -1), "", 1e-12)

@@ -31,7 +31,7 @@ def squares(chain: Chain, sensors: Sensors, probe: Probe, steps: int) -> Array:
     for turn in (0.5 * np.pi, 0.0) if probe.phasor else (0.0,):
         phase = probe.angle * k + probe.shift + turn
         fixes = np.sin(probe.angle * (q - late) + probe.shift + turn) * probe.fix
-        found = estimates.trajectories(chain, sensors, np.sin(phase) * probe.force, fixes)
+        found = estimates.trajectories(chain, np.sin(phase) * probe.force, fixes)
         rate = probe.angle / sensors.step
         truth = (np.sin(phase), rate * np.cos(phase)) if probe.truth else (0.0, 0.0)
         for measure in range(2):

@@ -58,7 +58,7 @@ def test_the_error_spectrum_has_the_faults_of_the_sensors() -> None:
     measured = sensing.observe(
         sensing.couple(sensing.lean(motion, sensors), sensors), ALONG, sensors
     )
-    position, _, _ = estimates.trajectories(chain, sensors, measured.specific_force, measured.fixes)
+    position, _, _ = estimates.trajectories(chain, measured.specific_force, measured.fixes)
     last = slice(-round(100.0 / sensors.step), None)  # whole periods of motion and fixes
     error = np.mean((position[:, 0] - motion.position)[last] ** 2) / 0.5
     of_theory = error_spectrum(chain, sensors, np.array([0.37])).position[0]

@@ -12,6 +12,7 @@ from matplotlib.text import Text
 from scipy.stats import t as student
 from tools import Streaming, assert_same, configure, measured, rows_of
 
+from owtsweep.api import online
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
 from owtsweep.studies.hub import spectral_model
@@ -22,7 +23,6 @@ from owtsweep.studies.hub.expected.spectral import find_expected_errors
 from owtsweep.studies.hub.figures.time_histories import draw as draw_histories
 from owtsweep.studies.hub.histories import simulate_histories
 from owtsweep.studies.hub.listed import resolve
-from owtsweep.studies.hub.on_board import online
 from owtsweep.studies.hub.schemes.skf import find_motion
 from owtsweep.studies.hub.spectral_model import make_axis
 from owtsweep.studies.hub.study import HubStudy

@@ -12,12 +12,13 @@ from typing import Any, Generic, TypeVar
 from owtsweep.config import Config, require
 from owtsweep.config.records import Records
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.grid_size import check_blocks
 
 #: Value of each axis of the grid in one cell; an axis without a value is missing.
 Cell = Mapping[str, float]
 #: Records of a block where records are not long.
 RECORDS = 4
+#: Most blocks of a plan: each block is a file, and planning it takes some 0.1 ms.
+MOST_BLOCKS = 100_000
 
 
 C = TypeVar("C", bound=Config)
@@ -112,3 +113,15 @@ def _combine(values: Values) -> list[Cell]:
         {axis: value for axis, value in zip(values, cell, strict=True) if value is not None}
         for cell in product(*(of_axis or [None] for of_axis in values.values()))
     ]
+
+
+def check_blocks(blocks: int) -> None:
+    """Raise `InputError` if a sweep would have more than `MOST_BLOCKS` blocks.
+
+    Before the sweep is planned. (The hub has bounds of its own.)
+    """
+    require(
+        blocks <= MOST_BLOCKS,
+        f"grid: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
+        "fewer values, schemes or replicates",
+    )

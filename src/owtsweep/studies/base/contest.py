@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from owtsweep.config import Config
 from owtsweep.config.records import Records
+from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.deciding import ENOUGH
 from owtsweep.studies.base.axes import Axes
@@ -68,6 +70,21 @@ class Contest(Axes[C]):
 
 #: The contest of any study: its functions take the configuration of that study alone.
 AnyContest = Contest[Any]
+
+
+def tell_single(
+    conditions: Iterable[Condition], config: Any, usual: Mapping[str, object] = MappingProxyType({})
+) -> list[str]:
+    """Return in words the conditions with one value, but those that are as `usual`: name -> value.
+
+    `config` has the section `grid`, and `axes`: the names of the conditions with several values.
+    """
+    words = []
+    for condition in conditions:
+        values = getattr(config.grid, condition.name)
+        if condition.name not in config.axes and values and values[0] != usual.get(condition.name):
+            words.append(f"{condition.label} {condition.show(values[0])}")
+    return words
 
 
 def describe_draws(config: ContestConfig) -> str:

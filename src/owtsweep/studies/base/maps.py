@@ -72,10 +72,7 @@ def list_maps(
 
 def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
     """Return the map by the key `criterion`, and who wins by each one."""
-    from rich.console import Group
-    from rich.text import Text
-
-    from owtsweep.figures.terminal import grid
+    from owtsweep.figures.terminal import frame, grid
 
     chosen = contest.criteria[config.criterion]
     schemes, _ = _split_waiting(config, tables["summary"])
@@ -83,8 +80,7 @@ def show(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
         tables["best_scheme"], schemes, contest.find_conditions(config), config.criterion, WINDOW,
         quantity=chosen.title, unit=chosen.unit,
     )  # fmt: skip
-    origin = [Text(line, style="bold") for line in list_origin_lines(contest, config)]
-    return Group(*origin, shown, *map(Text, tell(contest, config, tables)))
+    return frame(list_origin_lines(contest, config), shown, tell(contest, config, tables))
 
 
 def list_origin_lines(contest: Contest[C], config: C) -> list[str]:

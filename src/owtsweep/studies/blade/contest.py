@@ -1,13 +1,16 @@
-"""What is the blade study's own in the contest of its schemes: axes and criteria."""
+"""What is the blade study's own in the contest of its schemes: axes, criteria, a run in words."""
 
 from __future__ import annotations
 
-from functools import partial
+from typing import TYPE_CHECKING
 
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.blade.describe import describe_sensors, describe_truth
+from owtsweep.studies.base.contest import Contest, tell_single
 from owtsweep.studies.blade.measures import CRITERIA, list_measures
+from owtsweep.studies.blade.recorded import REFERENCE
+
+if TYPE_CHECKING:
+    from owtsweep.studies.blade.config import BladeConfig
 
 #: The axes that the grid may have, of which a map shows two.
 CONDITIONS = (
@@ -19,12 +22,39 @@ CONDITIONS = (
     Condition("lever", "error of the antenna's place", "m", enters="sensors"),
     Condition("heading", "standard deviation of the heading", "deg", scale="log"),
 )
+#: Values of axes of which nothing needs to be said.
+USUAL = {"outage": 0.0, "offset": 0.0, "lever": 0.0}
+
+
+def describe_truth(config: BladeConfig) -> str:
+    """Return the motion and the length of the records in words."""
+    record, swing = config.record, config.motion.freedoms["u"]
+    if config.recorded.imu is not None:
+        return (
+            f"recorded lift, {record.duration:g} s at {record.rate:g} Hz; its reference is "
+            f"{REFERENCE} with all fixes"
+        )
+    parts = []
+    if "period" not in config.axes:
+        parts.append(f"{(config.grid.period or [swing.period])[0]:g} s")
+    if "amplitude" not in config.axes:
+        parts.append(f"{(config.grid.amplitude or [swing.sigma])[0]:g} m rms")
+    text = f", swing of {' and '.join(parts)}" if parts else ""
+    return f"rigid blade on a hook{text}; {record.duration:g} s at {record.rate:g} Hz"
+
+
+def describe_sensors(config: BladeConfig) -> str:
+    """Return in words what sensors do, the axes that have one value among it."""
+    words = [f"inertial unit of grade {config.grade}", f"GNSS at {config.sensors.fix_rate:g} Hz"]
+    return ", ".join([*words, *tell_single(CONDITIONS, config, USUAL)])
+
+
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
     list_measures=list_measures,
     describe_truth=describe_truth,
-    describe_sensors=partial(describe_sensors, CONDITIONS),
+    describe_sensors=describe_sensors,
     # keys of sensors scale noise, and move or leave out reports, but draw no other numbers
     pairing=("seed", "record", "motion", "boom", "unit"),
 )

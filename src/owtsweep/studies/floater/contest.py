@@ -1,13 +1,16 @@
-"""What is the floater study's own in the contest of its schemes: axes and criteria."""
+"""What is the floater study's own in the contest of its schemes: axes, criteria, a run in words."""
 
 from __future__ import annotations
 
-from functools import partial
+from typing import TYPE_CHECKING
 
 from owtsweep.results.conditions import Condition
-from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.floater.describe import describe_sensors, describe_truth
+from owtsweep.studies.base.contest import Contest, tell_single
 from owtsweep.studies.floater.measures import CRITERIA, list_measures
+from owtsweep.studies.floater.worlds import WORLDS
+
+if TYPE_CHECKING:
+    from owtsweep.studies.floater.config import FloaterConfig
 
 #: The axes that the grid may have, of which a map shows two.
 CONDITIONS = (
@@ -20,12 +23,46 @@ CONDITIONS = (
     Condition("believed", "believed over true variance of noise", scale="log", enters="knowledge"),
     Condition("roll", "standard deviation of roll", "deg", scale="log"),
 )
+#: Values of axes of which nothing needs to be said.
+USUAL = {"delay": 0.0, "bias": 0.0, "loss": 0.0, "believed": 1.0}
+#: Keys of the section `sensors` -> what is said if they are set.
+SENSORS = {
+    "exact_inertial": "accelerations without noise",
+    "bias_drift": "drift {:g} in 100 s",
+    "optical_rate": "reports at {:g} Hz",
+    "jitter": "jitter {:g} of a sample",
+}
+
+
+def describe_truth(config: FloaterConfig) -> str:
+    """Return the motion and the length of the records in words."""
+    record, kind = config.record, WORLDS[config.motion.kind].describe(config.motion)
+    return f"{kind}; {record.duration:g} s at {record.rate:g} Hz"
+
+
+def describe_sensors(config: FloaterConfig) -> str:
+    """Return in words what sensors do, the axes that have one value among it."""
+    sensors, parts = config.sensors, tell_single(CONDITIONS, config, USUAL)
+    parts.append("accelerometers fixed to the body" if sensors.frame == "body" else "global frame")
+    if sensors.sigma is not None:
+        noise = ", ".join(f"{sigma:g}" for sigma in sensors.sigma)
+        parts.append(f"noise of positions in m and deg {noise}")
+    elif sensors.power == "square":
+        parts.append("noise to the mean square")
+    given = {key: getattr(sensors, key) for key in SENSORS}
+    parts += [words.format(given[key]) for key, words in SENSORS.items() if given[key]]
+    if sensors.loss_every is not None:
+        parts.append(f"{sensors.loss_length:g} s lost every {sensors.loss_every:g} s")
+    parts.append("lost reports arrive as zeros" if sensors.lost_as == "zeros" else "losses missing")
+    return ", ".join(parts)
+
+
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
     list_measures=list_measures,
     describe_truth=describe_truth,
-    describe_sensors=partial(describe_sensors, CONDITIONS),
+    describe_sensors=describe_sensors,
     # keys of sensors scale noise, and move or leave out reports, but draw no other numbers
     pairing=("seed", "record", "motion"),
 )

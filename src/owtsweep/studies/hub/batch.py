@@ -136,13 +136,13 @@ class ChainRun:
         Kernels take whole chunks. Steps at the end of the span that fill no chunk wait for the next
         span, unless the record ends with this one.
         """
-        from owtsweep.studies.hub.kernels import runs
+        from owtsweep.studies.hub.kernels.chain import run
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
         stretch = (self.done, ready, self.chunk, self.settled)
         fed, truth = Fed(span.force, span.base, self.feed.fixes), Truth(span.motion, self.direction)
         work = (stretch, fed, truth, self.arrays, self.weights, self.memory)
-        runs.run(*work, self.sums, self.squared)
+        run(*work, self.sums, self.squared)
         self.done = ready
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -82,28 +81,6 @@ def predictor_arrays(model: Discrete | None, steps: int, step: float) -> Predict
 #: Longest transient that is stored, in steps (2621 s at 100 Hz). The covariance of a bias without
 #: noise falls as a power of time and never settles; after so many steps the last cycle is repeated.
 LONGEST_TRANSIENT = 2**18
-
-
-class Line(NamedTuple):
-    """The straight line that an estimate follows from one position fix to the next.
-
-    holds: whether the line starts from the last fix; otherwise it is zero.
-    moves: whether the line has the slope between the last two fixes, and is at the present, a delay
-        ahead of the last fix; otherwise its slope is zero.
-    """
-
-    holds: bool
-    moves: bool
-
-    def through(self, fixes: Array, sensors: Sensors) -> tuple[Array, Array]:
-        """Return the lines' positions when a fix arrives, m, and slopes, m/s, shaped as `fixes`.
-
-        Before the second fix the slope is zero.
-        """
-        slope = np.zeros_like(fixes)
-        if self.moves:
-            slope[..., 1:] = np.diff(fixes) / sensors.fix_step
-        return float(self.holds) * fixes + sensors.delay * sensors.step * slope, slope
 
 
 @dataclass(frozen=True, eq=False)

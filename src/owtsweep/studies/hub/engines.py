@@ -82,10 +82,7 @@ class _Engine(Engine):
         return [*names, "scheme", "measure", "window", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        from rich.console import Group
-        from rich.text import Text
-
-        from owtsweep.figures.terminal import grid
+        from owtsweep.figures.terminal import frame, grid
 
         criterion, window = config.measures.criterion, config.measures.window
         table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
@@ -95,8 +92,7 @@ class _Engine(Engine):
             table, names, conditions, criterion, window,
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
-        origin = [Text(line, style="bold") for line in self._list_origin(config)]
-        return Group(*origin, shown, *map(Text, self._tell(config, table, tables["ratios"])))
+        return frame(self._list_origin(config), shown, self._tell(config, table, tables["ratios"]))
 
     def contents(
         self, config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame

@@ -11,7 +11,6 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub.batch import arrays_of, chunk_of, lead_of
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.kernels.layout import WIDTH, Fed, Memory, new_memory
-from owtsweep.studies.hub.sensors import Sensors
 
 #: Number of lanes that are run together: as in a direct run of the batch engine, whose compiled
 #: kernels then serve here too.
@@ -26,15 +25,11 @@ class Estimates(NamedTuple):
     innovation: Array
 
 
-def trajectories(
-    chain: Chain, sensors: Sensors, force: Array, fixes: Array
-) -> tuple[Array, Array, Array]:
+def trajectories(chain: Chain, force: Array, fixes: Array) -> tuple[Array, Array, Array]:
     """Run a chain over whole records; return position, velocity and innovation at each step.
 
-    They are in m, m/s and m, shape (steps, lanes) each.
-
-    sensors: not used.
-    force, fixes: in NED, m/s^2 and m, shapes (steps, lanes) and (fixes, lanes).
+    They are in m, m/s and m, shape (steps, lanes) each. `force` and `fixes` are in NED, m/s^2 and
+    m, shapes (steps, lanes) and (fixes, lanes).
     """
     result = (np.empty(force.shape), np.empty(force.shape), np.empty(force.shape))
     for k0, n, output in chunks(chain, force, fixes):
@@ -52,19 +47,19 @@ def chunks(
     are the chunk's first step, its number of steps n, and the estimates, of which the first n rows
     are valid. The next chunk overwrites them.
     """
-    from owtsweep.studies.hub.kernels import runs
+    from owtsweep.studies.hub.kernels.chain import estimate, leave
 
     width, window, arrays = force.shape[1], chain.filter.window, arrays_of(chain)
     flat = Estimates(*(np.zeros((chunk_of(chain)[0], width)) for _ in Estimates._fields))
     for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        runs.estimate(k0, n, fed, arrays, memory, False)
+        estimate(k0, n, fed, arrays, memory, False)
         rows, own = memory.steps, slice(lanes.stop - lanes.start)
         flat.position[:n, lanes] = rows["p"][1 : 1 + n, own]
         flat.velocity[:n, lanes] = rows["v"][1 : 1 + n, own]
         applied = chain.gains.applied[chain.gains.row(np.arange(k0, k0 + n))]
         innovation = rows["s"][1 + window : 1 + window + n, own]
         flat.innovation[:n, lanes] = np.where(applied[:, None], innovation, np.nan)
-        runs.leave(n, window, rows)
+        leave(n, window, rows)
         if lanes.stop == width:
             yield k0, n, flat
 
@@ -92,16 +87,16 @@ def state_chunks(
     Yielded are the number of the chunk's first row, its number of rows n, and the states, shape
     (rows, 4, lanes), of which the first n rows are valid. The next chunk overwrites them.
     """
-    from owtsweep.studies.hub.kernels import runs
+    from owtsweep.studies.hub.kernels.chain import estimate, leave
 
     width, arrays = force.shape[1], arrays_of(chain)
     flat = np.empty((chunk_of(chain)[0], 4, width))
     for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        runs.estimate(k0, n, fed, arrays, memory, True)
+        estimate(k0, n, fed, arrays, memory, True)
         for state, field in enumerate("pvab"):
             rows = memory.steps[field][1 : 1 + n]
             flat[:n, state, lanes] = rows[:, : lanes.stop - lanes.start]
-        runs.leave(n, chain.filter.window, memory.steps)
+        leave(n, chain.filter.window, memory.steps)
         if lanes.stop == width:
             yield k0, n, flat
 

@@ -177,7 +177,7 @@ def _shift_by_one(sums: Array) -> Array:
 
 
 def _estimate(chain: Chain, sensors: Sensors, force: Array, fixes: Array) -> SchemeHistory:
-    position, velocity, _ = estimates.trajectories(chain, sensors, force, fixes)
+    position, velocity, _ = estimates.trajectories(chain, force, fixes)
     state = estimates.states(chain, force, fixes)
     lag = lag_of(chain)
     state[:lag] = np.nan  # these times lie before the record

@@ -12,7 +12,7 @@ from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import backend, sum_errors
-    from owtsweep.studies.hub.chain import Chain, Line, bias_of, has_acceleration, lag_of
+    from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.conditions import find_world
     from owtsweep.studies.hub.config import Grid, HubConfig
     from owtsweep.studies.hub.contract import Known, Scheme
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.records import Lanes, make_records
+    from owtsweep.studies.hub.schemes.baselines import Line
     from owtsweep.studies.hub.sensors import (
         ForceNoise,
         Sensors,
@@ -52,7 +53,7 @@ __all__ = [
 #: Module -> names that it provides.
 _HOMES = {
     "batch": ["backend", "sum_errors"],
-    "chain": ["Chain", "Line", "bias_of", "has_acceleration", "lag_of"],
+    "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
     "conditions": ["find_world"],
     "config": ["Grid", "HubConfig"],
     "contract": ["Known", "Scheme"],
@@ -62,6 +63,7 @@ _HOMES = {
     "listed": ["BASELINES", "INSTEAD", "SCHEMES", "resolve", "resolve_all"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "records": ["Lanes", "make_records"],
+    "schemes.baselines": ["Line"],
     "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
     "tuning_rules": ["assume_tilt", "follow_sensors"],

@@ -15,8 +15,7 @@ from owtsweep.results.conditions import show_value
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contest import WAIT, describe_draws
 from owtsweep.studies.base.tables import make_cube
-from owtsweep.studies.mating.contest import CONTEST
-from owtsweep.studies.mating.describe import describe_hold
+from owtsweep.studies.mating.contest import CONTEST, describe_hold
 
 if TYPE_CHECKING:
     import pandas as pd

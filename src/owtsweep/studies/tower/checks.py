@@ -9,7 +9,7 @@ import numpy as np
 
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
-from owtsweep.studies.grid_size import check_blocks
+from owtsweep.studies.base.axes import check_blocks
 from owtsweep.studies.tower.measuring import count_rotations, list_places
 from owtsweep.studies.tower.recorded import load_motions
 from owtsweep.studies.tower.schemes import SCHEMES

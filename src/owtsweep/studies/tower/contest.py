@@ -1,18 +1,16 @@
-"""What is the tower study's own in the contest of its schemes: axes and criteria."""
+"""What is the tower study's own in the contest of its schemes: axes, criteria, a run in words."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from owtsweep.gravity import GRAVITY
+from owtsweep.motion.recorded import tell_alone
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest
-from owtsweep.studies.tower.describe import (
-    describe_noise,
-    describe_sensors,
-    describe_sight,
-    describe_truth,
-)
-from owtsweep.studies.tower.measures import CRITERIA, list_measures
+from owtsweep.studies.tower.contract import INPUTS, Kind
+from owtsweep.studies.tower.measures import CRITERIA, QUIETEST, list_measures
+from owtsweep.studies.tower.sight import LEAN, SHIFT, find_missed, observe, set_up
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,6 +29,108 @@ CONDITIONS = (
     ),
     Condition("noise", "sensor noise", "%", scale="log", plural="noises", enters="sensors"),
 )
+#: Keys of the section `model` that are factors -> what they scale.
+FACTORS = {
+    "stiffness": "stiffness", "mass": "mass", "damping": "damping", "rotor_mass": "rotor mass",
+}  # fmt: skip
+#: Keys of the section `faults` -> what is said of a fault.
+FAULTS = {
+    "bias": "bias {:g} of sigma",
+    "drift": "drift {:g} of sigma",
+    "loss": "loss {:g}",
+    "tilted_accelerometers": "accelerometers feel tilt",
+    "accelerated_inclinometers": "inclinometers feel acceleration",
+}
+#: Measures of the smallest noise -> whose it is, its unit, and the size of the unit in SI.
+NOISES = {
+    QUIETEST["theta"]: ("inclinometer", "microrad", 1e-6),
+    QUIETEST["a"]: ("accelerometer", "micro-g", 1e-6 * GRAVITY),
+}
+#: What no sensor sees, and the kind of sensor that would -> what is said of it.
+UNSEEN: dict[tuple[str, Kind], str] = {
+    (SHIFT, "x"): "Position and velocity of the rigid translation are unseen (one Jordan block at "
+    "the eigenvalue 1), because no sensor feels where the structure stands or a constant velocity: "
+    "displacements drift, bending does not. A displacement sensor or a GNSS receiver stops the "
+    "drift.",
+    (LEAN, "theta"): "Angle and angular velocity of the rigid rotation are unseen, because no "
+    "sensor tells a constant lean apart. An inclinometer does.",
+}
+
+
+def describe_truth(config: TowerConfig) -> str:
+    """Return structure, loads or recorded motion, and length of the records in words."""
+    if config.recorded.file is not None:
+        motion = tell_alone(config.recorded.file)
+        return f"{config.structure.name}, {motion}, {config.record.duration:g} s"
+    sea = config.waves
+    waves = f"waves Hs {sea.hs:g} m, Tp {sea.tp:g} s, yaw {sea.yaw:g}°" if sea.hs else "no waves"
+    wind = f"loads of {config.wind.file}" if config.wind.file else f"wind {config.wind.speed:g} m/s"
+    gravity = "" if config.truth.gravity else ", without gravity"
+    return f"{config.structure.name}, {wind}, {waves}{gravity}, {config.record.duration:g} s"
+
+
+def describe_sensors(config: TowerConfig) -> str:
+    """Return the set-up of sensors, and what is wrong with sensors and model."""
+    wrong = describe_errors(config)
+    return f"{config.sensors.name}{f'; wrong: {wrong}' if wrong else ''}"
+
+
+def describe_errors(config: TowerConfig) -> str:
+    """Return what is wrong with the schemes' model and with the sensors, in words."""
+    model, faults = vars(config.model), vars(config.faults)
+    errors = [f"{words} x {model[key]:g}" for key, words in FACTORS.items() if model[key] != 1.0]
+    if model["water_level"]:
+        errors.append(f"water level {model['water_level']:+g} m")
+    errors += [words.format(faults[key]) for key, words in FAULTS.items() if faults[key]]
+    return ", ".join(errors)
+
+
+def describe_noise(config: TowerConfig, summary: pd.DataFrame) -> list[str]:
+    """Return in words what 1 % of noise is, and the assumed noise of inclinometers."""
+    lines: list[str] = []
+    sentences = []
+    for name, (words, unit, size) in NOISES.items():
+        part = summary[summary["measure"] == name]
+        if len(part):
+            sentences.append(
+                f"{words} has {(part['mean'] / part['noise']).mean() / size:.2g} {unit}"
+            )
+    if sentences:
+        lines.append(
+            f"At 1 % of noise the quietest {', the quietest '.join(sentences)}, fore-aft "
+            f"(standard deviation per sample at {config.record.rate:g} Hz)."
+        )
+    if config.sensors.inclinometers or "inclinometers" in config.sensors.every_node:
+        lines.append(
+            "The inclinometers here read theta - a/g, and no scheme knows it."
+            if config.faults.accelerated_inclinometers
+            else "A real inclinometer reads theta - a/g, which no scheme here knows: "
+            "faults.accelerated_inclinometers=true says what that costs."
+        )
+    return lines
+
+
+def describe_sight(config: TowerConfig) -> list[str]:
+    """Say in a few lines what the set-up sees in each direction, and why it misses the rest."""
+    setting, places = set_up(config)
+    seen, names = observe(setting)
+    missed = find_missed(seen, names)
+    kinds = {place.kind for place in places}
+    lines = [
+        f"Of a direction's motion and loads, sensors {config.sensors.name} see {seen.rank} of "
+        f"{seen.states} states (rank by PBH); what is seen has a condition number of up to "
+        f"{seen.conditions.max():.0f}."
+    ]
+    lines += [
+        words for (name, kind), words in UNSEEN.items() if name in missed and kind not in kinds
+    ]
+    loads = [name for name in INPUTS if name in missed]
+    if loads:
+        lines.append(
+            f"Constant {', '.join(loads)} that balance each other are unseen, because no sensor "
+            "tells the bent shape at rest apart. Inclinometers do."
+        )
+    return lines
 
 
 def _tell_more(config: TowerConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:

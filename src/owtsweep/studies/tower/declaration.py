@@ -21,9 +21,8 @@ from owtsweep.studies.base.declaration import Declaration, Quantity, Shown, Stat
 from owtsweep.studies.tower.case import Case, list_channels, make_case, measure, name_channel, tell
 from owtsweep.studies.tower.checks import warn_of_few_inclinometers
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.contest import CONTEST
+from owtsweep.studies.tower.contest import CONTEST, describe_sight
 from owtsweep.studies.tower.contract import DIRECTIONS, INPUTS, Channel, Estimates, Setting
-from owtsweep.studies.tower.describe import describe_sight
 from owtsweep.studies.tower.measures import Fatigue, compare, find_quietest, find_true_fatigue
 from owtsweep.studies.tower.recorded import measure as compare_with_record
 from owtsweep.studies.tower.recorded import read_record

@@ -11,8 +11,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import NEAR
 from owtsweep.studies.tower.config import TowerConfig
+from owtsweep.studies.tower.contest import describe_truth
 from owtsweep.studies.tower.contract import Kind
-from owtsweep.studies.tower.describe import describe_truth
 from owtsweep.studies.tower.placement import Choice, Criterion
 from owtsweep.studies.tower.placement_case import PlacementCase
 

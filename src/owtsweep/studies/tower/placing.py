@@ -11,7 +11,7 @@ from owtsweep.config.hints import suggest_name
 from owtsweep.errors import require
 from owtsweep.io.steps import tell_step
 from owtsweep.studies.tower.config import TowerConfig
-from owtsweep.studies.tower.describe import describe_errors
+from owtsweep.studies.tower.contest import describe_errors
 from owtsweep.studies.tower.placed import QUANTITIES, PlacedSensors
 from owtsweep.studies.tower.placement import choose_greedily, extend, predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
@@ -44,8 +44,7 @@ def list_defaults(given: Collection[str]) -> list[str]:
         for end in range(1, len(parts) + 1):
             why = NO_PART.get(".".join(parts[:end]), "")
             require(not why, f"{key}: `place` does not take it, because {why}; leave it out")
-    start = ["grid.replicates=1"]
-    start += [] if "grid.noise" in given else ["grid.noise=[1]"]
+    start = [] if "grid.noise" in given else ["grid.noise=[1]"]
     start += [] if "tuning" in given else ["tuning=paper"]  # loads are declared, not told
     if "sensors" not in given:
         start.append("sensors=accelerometers")

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit, part
+from owtsweep.studies.hub.kernels.chain import estimate, leave
 from owtsweep.studies.hub.kernels.feeding import keep_rows
 from owtsweep.studies.hub.kernels.layout import WIDTH, Fed
-from owtsweep.studies.hub.kernels.runs import estimate, leave
 
 
 @njit

@@ -7,12 +7,13 @@ the run.
 
 | file | what of Ren et al. (2019) |
 | --- | --- |
-| `filtering` | multirate Kalman filter: Algorithm 6, and Algorithm 2 with the MHE |
-| `smoothing` | online smoother: Algorithm 8 |
-| `predicting` | predictor: Algorithm 9 |
+| `chain` | Algorithm 1, chunk by chunk: filter (6, with the MHE 2), smoother (8), predictor (9) |
 | `horizon` | MHE: Eq. (11), Algorithms 4 and 5 |
 | `sums` | squared errors: Eq. (12), NEES, NIS |
-| `runs` | Algorithm 1: one after the other, chunk by chunk |
+| `feeding` | what sensors report, Eqs. (3) to (5), into lanes |
+| `online` | Algorithms 6, 8 and 9 sample by sample, with gains for the fixes that came |
+| `window` | MHE as `online` runs it: Eq. (11) |
+| `layout`, `online_layout` | the arrays that the kernels take |
 """
 
 #: Version of the kernels' numbers. Raise it whenever a change of the kernels alters a number that a

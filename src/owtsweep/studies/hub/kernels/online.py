@@ -3,8 +3,7 @@
 These kernels serve all four schemes on two axes. All parts but the filter are recomputed from their
 registers at every step, so rounding errors do not accumulate. Memory is constant: registers have
 one row per step, and when they are full, the newest rows are moved to the front. In all kernels f,
-h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`. Smoother and predictor are in
-`online_output`.
+h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
 """
 
 from __future__ import annotations
@@ -13,73 +12,27 @@ import numpy as np
 
 from owtsweep.compiled import njit, part
 from owtsweep.estimation.riccati import MASK_ROWS, TwoRates, riccati_step
-from owtsweep.studies.hub.kernels.filtering import correct, predict_and_correct
-from owtsweep.studies.hub.kernels.horizon import (
-    FIXED,
-    NO_ARRIVAL,
-    PRIOR,
-    choose_input,
-    older_nodes,
+from owtsweep.estimation.windowing import FilterRows, covariances
+from owtsweep.studies.hub.kernels.chain import (
+    add_correction,
+    add_force,
+    add_input,
+    add_position,
+    carry_back,
+    correct,
+    predict,
+    predict_and_correct,
+)
+from owtsweep.studies.hub.kernels.online_layout import BEYOND, GATE, PICK, PLAIN, ROW, STEP
+from owtsweep.studies.hub.kernels.window import (
+    after_filter,
+    distance,
+    horizon_has_position,
+    horizon_position,
     put,
-    solve_window,
-    square_root_information,
-    violates,
+    take,
+    take_fix,
 )
-from owtsweep.studies.hub.kernels.online_layout import (
-    BEYOND,
-    DETERMINED,
-    GATE,
-    HUBER,
-    LEAST_CHANGE,
-    LINKS,
-    MOST_WEIGHINGS,
-    PICK,
-    PLAIN,
-    ROW,
-    STEP,
-)
-from owtsweep.studies.hub.kernels.online_output import output
-from owtsweep.studies.hub.kernels.predicting import add_input
-
-
-@njit
-def distance(fix, state, variance):
-    """Return the distance of a fix (2,) from a state (states, 2), in standard deviations.
-
-    `variance`, m^2, is that of the difference along each axis.
-    """
-    x, y = fix[0] - state[0, 0], fix[1] - state[0, 1]
-    return np.sqrt((x * x + y * y) / variance)
-
-
-@njit
-def judge(far, settings, counter):
-    """Return the weight, from 0 to 1, of a new fix that is `far` standard deviations away."""
-    if far <= settings.fix_limit:
-        counter[BEYOND] = 0
-        return 1.0
-    counter[BEYOND] += 1
-    if settings.fix_rule == GATE:
-        return 0.0 if counter[BEYOND] <= settings.fix_patience else 1.0
-    return settings.fix_limit / far
-
-
-@njit
-def weigh_again(n, h, m):
-    """Weigh the fixes of the MHE's window, of n links, by their distances from its nodes.
-
-    The square roots of the weights go to m.weight. Return whether a weight changed by more than
-    `LEAST_CHANGE`.
-    """
-    variance = 1.0 / (h.inverse_sigma * h.inverse_sigma)
-    changed = 0.0
-    for i in range(n + 1):
-        if m.have[i]:
-            far = distance(m.z[i], m.nodes[i], variance)
-            weight = 1.0 if far <= h.fix_limit else h.fix_limit / far
-            changed = max(changed, abs(weight - m.weight[i] * m.weight[i]))
-            m.weight[i] = np.sqrt(weight)
-    return changed >= LEAST_CHANGE
 
 
 @njit
@@ -189,119 +142,118 @@ def predicted_variance(f, m):
 
 
 @njit
-def take_fix(fresh, fix, f, h, m):
-    """Add a node to the MHE's window, with a fix (2,) if `fresh`; solve the window.
+def judge(far, settings, counter):
+    """Return the weight, from 0 to 1, of a new fix that is `far` standard deviations away."""
+    if far <= settings.fix_limit:
+        counter[BEYOND] = 0
+        return 1.0
+    counter[BEYOND] += 1
+    if settings.fix_rule == GATE:
+        return 0.0 if counter[BEYOND] <= settings.fix_patience else 1.0
+    return settings.fix_limit / far
 
-    It is solved only if its fixes determine its states. Nodes are kept in registers 2 and 3 of Ren
-    et al. (2019).
+
+@njit
+def output(f, m, state, covariance):
+    """Smooth and predict (Algorithms 8 and 9 of Ren et al. 2019); write the present estimate.
+
+    x, y, v_x, v_y are written to `state` (4,), the covariance of position and velocity along an
+    axis to `covariance` (2, 2). Without a predictor, the filter's state is the estimate.
     """
-    n = m.counter[LINKS]
-    if m.counter[STEP] > 0:
-        if n == h.length:
-            for i in range(n):
-                m.have[i] = m.have[i + 1]
-                m.z[i, 0], m.z[i, 1] = m.z[i + 1, 0], m.z[i + 1, 1]
-                put(m.states[i], 0, 0, m.states[i + 1])
-                put(m.covariances[i], 0, 0, m.covariances[i + 1])
-                if i > 0:
-                    put(m.effects[i - 1], 0, 0, m.effects[i])
-        else:
-            n += 1
-            m.counter[LINKS] = n
-        for axis in range(2):
-            m.effects[n - 1, 0, axis] = m.now[0].p[axis]
-            m.effects[n - 1, 1, axis] = m.now[0].v[axis]
-            m.effects[n - 1, 2, axis] = 0.0
-    for axis in range(2):
-        m.now[0].p[axis] = m.now[0].v[axis] = 0.0
-    m.have[n] = fresh
-    for axis in range(2):
-        m.z[n, axis] = fix[axis] if fresh else 0.0
-    uses_filter = h.arrival != NO_ARRIVAL and m.counter[STEP] >= h.length * f.fix_interval
-    first = 1 if uses_filter else 0
-    there = 0
-    for i in range(first, n + 1):
-        there += m.have[i]
-    m.counter[DETERMINED] = there >= (3 if h.arrival == NO_ARRIVAL else 1)
-    if not m.counter[DETERMINED]:
+    row, k, window = m.counter[ROW], m.counter[STEP], f.window
+    if not f.predicts:
+        write(m.steps[row], state)
+        take(covariance, m.P, 0, 0)
         return
-    kind = h.arrival
-    x0, prior = m.zero, h.prior
-    if uses_filter:
-        x0 = m.states[0]
-        if kind == PRIOR:
-            square_root_information(m.covariances[0], m.prior)
-            prior = m.prior
-    elif kind == FIXED:
-        kind = PRIOR  # while the window fills, its oldest state is uncertain
-    for i in range(n + 1):
-        m.weight[i] = 1.0
-    solve_window(n, h, m, x0, prior, kind, first)
-    if h.fix_rule == HUBER:
-        for _ in range(MOST_WEIGHINGS):
-            older_nodes(n, m.blocks, m.nodes)
-            if not weigh_again(n, h, m):
-                break
-            solve_window(n, h, m, x0, prior, kind, first)
-    put(m.node, 0, 0, m.nodes[n])
-    if h.constrained:
-        older_nodes(n, m.blocks, m.nodes)
-
-
-@part
-def horizon_has_position(f, h, m):
-    """Return whether the MHE has a position for the filter at this step."""
-    since = m.counter[STEP] % f.fix_interval
-    if m.counter[DETERMINED]:
-        return m.counter[STEP] % h.interval == 0
-    return since == 0 and m.have[m.counter[LINKS]]
-
-
-@part
-def horizon_position(f, h, m):
-    """Put the MHE's position, if there is one, into m.given; return whether constraints hold."""
-    n = m.counter[LINKS]
-    since = m.counter[STEP] % f.fix_interval
-    if not m.counter[DETERMINED]:
-        if since == 0 and m.have[n]:
-            # too few fixes for a window: the filter gets the fix itself
-            m.given[0, 0], m.given[0, 1] = m.z[n, 0], m.z[n, 1]
-        return True
-    if m.counter[STEP] % h.interval != 0:
-        return True
-    g = h.growth[since]
-    last = m.nodes[n + 1]
+    if window > 0 and k > 0:
+        smoother_gain(f.A, m.Pf[row - 1], m.Pm[row], m.work, m.C[row - 1])
+    x, S, sums = m.estimate[0], m.back[0], m.inputs[0]
+    clear(x)
+    if k >= window:  # until then the smoother's register is not full
+        clear(S)
+        for j in range(row, row - window, -1):
+            add_position(S, m.steps[j], m.K, j)
+            add_force(S, m.steps[j], m.K, j)
+            carry_back(S, m.C, j - 1)
+        add_correction(x, m.steps[row - window])
+        add_correction(x, S)
     for axis in range(2):
-        p, v, b = m.node[0, axis], m.node[1, axis], m.node[2, axis]
-        last[0, axis] = p + g[0, 1] * v + g[0, 2] * b + m.now[0].p[axis] + g[0, 0] * p
-        last[1, axis] = v + g[1, 2] * b + m.now[0].v[axis] + (g[1, 0] * p + g[1, 1] * v)
-        last[2, axis] = b
-        m.given[0, axis] = last[0, axis]
-    if h.constrained:
-        if since > 0:  # the nodes at fixes were checked, and solved again, at the last fix
-            # with a tolerance: this node is predicted from one that may be on its bound
-            return not violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
-        start = 1 if h.arrival == FIXED and m.counter[STEP] >= h.length * f.fix_interval else 0
-        for i in range(start, n + 1):
-            if violates(m.nodes[i], h.bounds, f.rotation, f.gravity):
-                return False
-    return True
+        sums.p[axis] = sums.v[axis] = 0.0
+    for j in range(row - f.predictor.steps, row):
+        add_input(sums, m.force[j], f.predictor.step, f.predictor.half, f.predictor.lean)
+    predict(x, sums, m.force, row, f.predictor)
+    write(x, state)
+    output_covariance(f, m, covariance)
 
 
 @part
-def after_filter(f, h, m):
-    """Store the filter's state for the MHE, and integrate this step's specific force.
+def clear(x):
+    """Set a state to zero."""
+    for axis in range(2):
+        x.p[axis] = x.v[axis] = x.a[axis] = x.b[axis] = 0.0
 
-    State and covariance go to register 3 of Ren et al. (2019), but only at steps at which a fix may
-    come. The force is integrated as the MHE takes it: all samples, averaged or sampled.
+
+@part
+def write(x, state):
+    """Write a state's positions and velocities to `state` (4,)."""
+    for axis in range(2):
+        state[axis], state[2 + axis] = x.p[axis], x.v[axis]
+
+
+@njit
+def smoother_gain(A, filtered, predicted, work, C):
+    """Compute the smoother's gain C = P_{k|k} A' P_{k+1|k}^-1 by Gaussian elimination.
+
+    `filtered` is P_{k|k}, `predicted` is P_{k+1|k}; all matrices are (n, n). `work` is memory for
+    at least two. There is no pivoting, since covariances do not need it.
     """
-    n, x = m.counter[LINKS], m.steps[m.counter[ROW]]
-    if m.counter[STEP] % f.fix_interval == 0:
-        for i in range(3):
-            for axis in range(2):
-                m.states[n, i, axis] = (x.p[axis], x.v[axis], x.b[axis])[i]
-            for j in range(3):
-                m.covariances[n, i, j] = m.P[PICK[i], PICK[j]]
-    now, u = m.now[0], m.force[m.counter[ROW] - f.delay]
-    choose_input(now, u, h.inputs, m.counter[STEP] % h.interval == 0, h.interval)
-    add_input(now, now.sample, h.step, 0.5 * h.step * h.step, h.lean)
+    n = len(A)
+    M, X = work[0], work[1]
+    put(M, 0, 0, predicted)
+    for i in range(n):
+        for j in range(n):
+            total = 0.0
+            for m in range(n):
+                total += A[i, m] * filtered[m, j]
+            X[i, j] = total
+    for c in range(n):
+        for i in range(c + 1, n):
+            factor = M[i, c] / M[c, c]
+            for j in range(c, n):
+                M[i, j] -= factor * M[c, j]
+            for j in range(n):
+                X[i, j] -= factor * X[c, j]
+    for i in range(n - 1, -1, -1):
+        for j in range(n):
+            total = X[i, j]
+            for m in range(i + 1, n):
+                total -= M[i, m] * C[j, m]
+            C[j, i] = total / M[i, i]
+
+
+@njit
+def output_covariance(f, m, covariance):
+    """Write the covariance (2, 2) of predicted position and velocity, equal for both axes.
+
+    `hub.chain` uses the same formula for the batch engine.
+    """
+    row, window = m.counter[ROW], f.window
+    if f.delay + window == 0:
+        take(covariance, m.P, 0, 0)
+        return
+    smoothed, coupling = m.smoothed, m.coupling
+    if m.counter[STEP] >= window:
+        begin = row - window
+        rows = FilterRows(m.Pf[begin : row + 1], m.Pm[begin : row + 1], m.C[begin : row + 1])
+        covariances(rows, window, f.h, f.response, smoothed, coupling)
+        P, cross = smoothed[window], coupling[window]
+    else:
+        P, cross = f.P0, m.no_coupling
+    for a in range(2):
+        for b in range(2):
+            total = f.added[a, b]
+            for i in range(3):
+                total += f.ahead[a, i] * cross[PICK[i], b] + f.ahead[b, i] * cross[PICK[i], a]
+                for j in range(3):
+                    total += f.ahead[a, i] * P[PICK[i], PICK[j]] * f.ahead[b, j]
+            covariance[a, b] = total

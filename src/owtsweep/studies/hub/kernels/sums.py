@@ -13,8 +13,7 @@ both are sums over the axes. `layout.new_sums` explains the row t of the sums.
 from __future__ import annotations
 
 from owtsweep.compiled import njit, part
-from owtsweep.estimation.windowing import schedule_row
-from owtsweep.studies.hub.kernels.filtering import next_row
+from owtsweep.estimation.windowing import next_row, schedule_row
 from owtsweep.studies.hub.kernels.layout import WIDTH
 
 
