@@ -1,7 +1,10 @@
 // Reads a stretch of one record: the truth and the estimates of all schemes over time.
 
-/** Return the numbers of a series. */
+/** Return the numbers of a series; none of a damaged one. */
 function decodeSeries([name, scale, text]) {
+  if (text.length % 4 || !/^[A-Za-z0-9+/]*={0,2}$/.test(text) || atob(text).length % 2) {
+    return {name, values: new Float64Array()};
+  }
   const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   return {name, values: Float64Array.from(new Int16Array(bytes.buffer), (n) => n * scale)};
 }

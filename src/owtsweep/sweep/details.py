@@ -10,15 +10,17 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError
-from owtsweep.io.reading import read_json
+from owtsweep.io.reading import read_bytes
 from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Value
 from owtsweep.results.contents import Contents
@@ -130,15 +132,35 @@ def dump_details(details: Mapping[str, object]) -> str:
     return json.dumps(details) + "\n"
 
 
-def read_details(place: Path) -> dict[str, object]:
+@dataclass
+class _Cell:
+    at: list[int]
+    start: float
+    step: float
+    series: list[tuple[str, float, str]]
+
+
+@dataclass
+class _Details:
+    label: str
+    cells: list[_Cell]
+    spectra: list[tuple[str, str, list[float], list[float]]]
+
+
+def read_details(place: Path) -> dict[str, Any]:
     """Return what is kept of a run, by tuning; {} if nothing is.
 
-    Raises InputError if the file cannot be read.
+    Raises InputError if the file, which may be another person's, holds anything else.
     """
     path = place / DETAILS
     if not path.is_file():
         return {}
-    kept = read_json(path, MOST_BYTES)
-    if not isinstance(kept, dict):
-        raise InputError(f"{path}: this holds no details; delete it")
+    kind = TypeAdapter(dict[str, _Details])
+    try:
+        kept: dict[str, Any] = kind.dump_python(kind.validate_json(read_bytes(path, MOST_BYTES)))
+        json.dumps(kept, allow_nan=False)  # NaN is no JSON, and a page has JSON
+    except ValueError as error:  # as pydantic's errors are
+        raise InputError(
+            f"{path}: this holds no details of a run; delete it, or write it again by --details"
+        ) from error
     return kept

@@ -15,7 +15,8 @@ from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.report.gallery_page import make_gallery
 from owtsweep.results.criteria import Criterion
-from owtsweep.sweep.details import DETAILS, pack
+from owtsweep.sweep.asked import DETAILS
+from owtsweep.sweep.details import pack
 from owtsweep.sweep.run import sweep
 
 SMALL = [
@@ -90,6 +91,26 @@ def test_details_are_the_estimates_of_record_0(hub_run):
     page = hub_run.write_report().read_text(encoding="utf-8")
     code = "return findStretch(part, [0, 1], null).errors.length"
     assert run_script(read_data(page), code) == len(record.estimates)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[]", "{", '{"": {"label": 3}}', '{"": {"label": "x", "cells": [NaN], "spectra": []}}',
+     '{"": {"label": "x", "cells": [{"at": [0], "start": Infinity}], "spectra": []}}'],
+)  # fmt: skip
+def test_details_of_a_stranger_are_refused_in_one_line(hub_run, text, capsys):
+    (hub_run.place / DETAILS).write_text(text, encoding="utf-8")
+    assert main(["report", str(hub_run.folder)]) == 2
+    assert "this holds no details of a run; delete it" in capsys.readouterr().err
+
+
+def test_a_damaged_series_is_left_out(hub_run):
+    cell = {"at": [0, 0], "start": 0.0, "step": 0.1, "series": [["", 1.0, "A"], ["MKF", 1.0, "??"]]}
+    kept = {"": {"label": "x", "cells": [cell], "spectra": []}}
+    (hub_run.place / DETAILS).write_text(json.dumps(kept), encoding="utf-8")
+    page = hub_run.write_report().read_text(encoding="utf-8")
+    code = "return findStretch(part, [0, 0], null).errors[0].points"
+    assert run_script(read_data(page), code) == []
 
 
 def test_numbers_of_16_bits_keep_zero_and_the_largest():
