@@ -92,8 +92,8 @@ MOTIONS = [
     (["motion.freedoms.psi.resonance.sigma=0", "motion.freedoms.psi.waves=0"],
      r"motion\.freedoms\.psi: it does not move, .* give it a small motion",
      ["motion.freedoms.psi.resonance.sigma=0", "motion.freedoms.psi.waves=1e-6"]),
-    (["motion.freedoms.z.resonance.damping=1"], r"motion\.freedoms\.z\.resonance\.damping: 1 is "
-     r"more than 1", None),
+    (["motion.freedoms.z.resonance.damping=1"], r"motion\.freedoms\.z\.resonance\.damping: 1 must "
+     "be below 1", None),
     (["motion=buoy", "record.duration=60", "record.rate=4"], r"record\.rate: 4 Hz cannot show "
      r"motion up to 2\.308 Hz \(z\); give 4\.616 Hz or more",
      ["motion=buoy", "record.duration=60", "record.rate=4.616"]),
