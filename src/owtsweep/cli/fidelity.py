@@ -23,8 +23,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     Without a file, the claims are those of the paper of the run's study, which stand beside the
     package in a checkout. Verdicts and a page are written into the subfolder fidelity/ of the run's
-    folder; with several tunings, each has a folder of its own: fidelity/<tuning>/. `argv` is not
-    used.
+    folder; with several tunings, each has a folder of its own: fidelity/<tuning>/. The page of the
+    run is written again, with the verdicts. `argv` is not used.
 
     Raises InputError if there is no such file, it cannot be used, it is about another study, or the
         rows of a run can judge none of its statements; if the run holds expected values instead of
@@ -70,6 +70,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         if beyond:
             print(f"not judged by the rows of a run: {', '.join(beyond)}; {rest} judges them")
         print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
+    with refuse_in_one_line(opened.place):
+        opened.write_report()  # with the verdicts
     return DONE
 
 

@@ -54,7 +54,7 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
   const points = curves.flatMap((curve) => curve.points);
   const usable = (value) => Number.isFinite(value) && (!yLog || value > 0);
   const xs = points.map((p) => p[0]);
-  let ys = points.map((p) => p[1]).filter(usable);
+  const ys = points.map((p) => p[1]).filter(usable);
   if (!ys.length) return null;
   const ends = points.flatMap((p) => [p[2], p[3]]).filter(usable);
   let [yLow, yHigh] = [Math.min(...ys), Math.max(...ys)];
@@ -66,7 +66,11 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
   const x = makeScale(Math.min(...xs), Math.max(...xs), left, width - right, xLog);
   const y = makeScale(yLow, yHigh, height - bottom, top, yLog);
   const svg = draw("svg", {
-    class: "chart", viewBox: `0 0 ${width} ${height}`, width, height, role: "img",
+    class: "chart",
+    viewBox: `0 0 ${width} ${height}`,
+    width,
+    height,
+    role: "img",
     "aria-label": label,
   });
   for (const value of y.ticks) {
@@ -84,7 +88,9 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
     svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
   }
   const middle = (left + width - right) / 2;
-  svg.append(draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel));
+  svg.append(
+    draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel),
+  );
   svg.append(draw("text", {class: "axis", x: 4, y: 14}, yLabel));
   if (at !== null && Number.isFinite(x.place(at))) {
     const place = x.place(at);
@@ -104,22 +110,39 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
       svg.append(draw("polygon", {points: all, fill: curve.color, "fill-opacity": 0.18}));
     }
     const line = shown.map((p) => `${x.place(p[0])},${y.place(p[1])}`).join(" ");
-    svg.append(draw("polyline", {
-      points: line, fill: "none", stroke: curve.color, "stroke-width": curve.bold ? 3 : 1.8,
-      "stroke-dasharray": curve.dash,
-    }));
+    svg.append(
+      draw("polyline", {
+        points: line,
+        fill: "none",
+        stroke: curve.color,
+        "stroke-width": curve.bold ? 3 : 1.8,
+        "stroke-dasharray": curve.dash,
+      }),
+    );
     for (const p of curve.dots ? shown : shown.length === 1 ? shown : []) {
       svg.append(draw("circle", {cx: x.place(p[0]), cy: y.place(p[1]), r: 2.6, fill: curve.color}));
     }
-    labels.push({name: curve.name, color: curve.color, end: y.place(shown.at(-1)[1]),
-      y: y.place(shown.at(-1)[1]), x: x.place(shown.at(-1)[0])});
+    labels.push({
+      name: curve.name,
+      color: curve.color,
+      end: y.place(shown.at(-1)[1]),
+      y: y.place(shown.at(-1)[1]),
+      x: x.place(shown.at(-1)[0]),
+    });
   }
   spread(labels, 13, height - bottom);
   for (const each of labels) {
     const from = width - right + 4;
-    svg.append(draw("line", {
-      x1: each.x, x2: from + 8, y1: each.end, y2: each.y, stroke: each.color, "stroke-width": 1,
-    }));
+    svg.append(
+      draw("line", {
+        x1: each.x,
+        x2: from + 8,
+        y1: each.end,
+        y2: each.y,
+        stroke: each.color,
+        "stroke-width": 1,
+      }),
+    );
     const text = each.name.length > 14 ? `${each.name.slice(0, 13)}…` : each.name;
     svg.append(draw("text", {class: "tick", x: from + 12, y: each.y + 4}, text));
   }
@@ -140,7 +163,11 @@ function drawDots({lines, xLabel, label}) {
   const x = makeScale(low - spare, high + spare, left, width - right, low > 0 && !spare);
   const height = step * lines.length + bottom;
   const svg = draw("svg", {
-    class: "chart", viewBox: `0 0 ${width} ${height}`, width, height, role: "img",
+    class: "chart",
+    viewBox: `0 0 ${width} ${height}`,
+    width,
+    height,
+    role: "img",
     "aria-label": label,
   });
   for (const value of x.ticks) {
@@ -150,7 +177,9 @@ function drawDots({lines, xLabel, label}) {
     svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
   }
   const middle = (left + width - right) / 2;
-  svg.append(draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel));
+  svg.append(
+    draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel),
+  );
   lines.forEach(({name, color, values: all}, number) => {
     const y = step * (number + 0.5);
     const text = name.length > 16 ? `${name.slice(0, 15)}…` : name;

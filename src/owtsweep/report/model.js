@@ -108,7 +108,15 @@ function runContest(part, criterionName, window, at, records, amplitude) {
     line.paired = look ? look[0] : 0;
     line.close = false;
     if (scheme !== best && look) {
-      const pair = summarise(part, look, [[scheme, 1], [best, -1]], N);
+      const pair = summarise(
+        part,
+        look,
+        [
+          [scheme, 1],
+          [best, -1],
+        ],
+        N,
+      );
       const base = summarise(part, look, [[best, 1]], N).mean;
       const reach = (part.t[look[0]] ?? NaN) * pair.error;
       const asRatio = (value) => express(criterion, Math.max(1 + value / base, 0));
@@ -135,7 +143,10 @@ function listRecords(part, criterionName, window, at, amplitude) {
     const first = offset + (place * schemes + scheme) * width * records;
     const errors = [];
     for (let n = 0; n < records; n += 1) {
-      const square = weights.reduce((sum, w, i) => sum + w * part.numbers[first + i * records + n], 0);
+      const square = weights.reduce(
+        (sum, w, i) => sum + w * part.numbers[first + i * records + n],
+        0,
+      );
       if (!Number.isNaN(square)) errors.push(express(criterion, Math.max(square, 0)));
     }
     return errors;
@@ -149,17 +160,24 @@ function judgeCell(part, state, at) {
   if (isJudged(part, state)) {
     if (row === undefined) return null;
     return {
-      best: row.best, next: row.runner_up, verdict: row.verdict, error: row.error_best,
-      nextError: row.error_runner_up, row,
+      best: row.best,
+      next: row.runner_up,
+      verdict: row.verdict,
+      error: row.error_best,
+      nextError: row.error_runner_up,
+      row,
     };
   }
   const lines = runContest(part, state.criterion, state.window, at, state.records, null);
   if (!lines.length) return null;
   const next = lines[1];
   return {
-    best: names[lines[0].scheme], next: next ? names[next.scheme] : "",
-    verdict: next && next.close ? "close" : "apart", error: lines[0].error,
-    nextError: next ? next.error : null, row,
+    best: names[lines[0].scheme],
+    next: next ? names[next.scheme] : "",
+    verdict: next && next.close ? "close" : "apart",
+    error: lines[0].error,
+    nextError: next ? next.error : null,
+    row,
   };
 }
 
@@ -196,7 +214,9 @@ function showNumber(value) {
   if (typeof value !== "number") return String(value);
   if (value === 0 || !Number.isFinite(value)) return String(value);
   const digits = 2 - Math.floor(Math.log10(Math.abs(value)));
-  return digits >= 0 && digits <= 5 ? value.toFixed(digits) : Number(value.toPrecision(3)).toString();
+  return digits >= 0 && digits <= 5
+    ? value.toFixed(digits)
+    : Number(value.toPrecision(3)).toString();
 }
 
 /** Return a value of a condition as text, with its unit. */
@@ -210,7 +230,8 @@ function showValue(condition, value) {
 function nameCell(part, at, amplitude = null) {
   const words = part.conditions.map((condition, i) => {
     const last = i === part.conditions.length - 1;
-    const value = last && amplitude !== null ? Number(amplitude.toPrecision(3)) : condition.values[at[i]];
+    const value =
+      last && amplitude !== null ? Number(amplitude.toPrecision(3)) : condition.values[at[i]];
     return `${condition.word} ${showValue(condition, value)}`;
   });
   return words.join(", ");

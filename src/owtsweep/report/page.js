@@ -68,7 +68,8 @@ class Page {
     const records = Number(given.get("records"));
     const amplitude = Number(given.get("amplitude"));
     return {
-      tuning, at,
+      tuning,
+      at,
       criterion: names.includes(given.get("criterion")) ? given.get("criterion") : names[0],
       window: part.windows.includes(given.get("window")) ? given.get("window") : part.window,
       records: records > 0 ? records : Infinity,
@@ -119,33 +120,74 @@ class Page {
     const focus = document.activeElement ? document.activeElement.id : "";
     const choose = (id, label, options, chosen, act) => {
       if (options.length < 2) return null;
-      const select = make("select", {id, on: {change: () => act(select.value)}},
-        ...options.map(([value, text]) => make("option", {value, selected: value === chosen}, text)));
+      const select = make(
+        "select",
+        {id, on: {change: () => act(select.value)}},
+        ...options.map(([value, text]) =>
+          make("option", {value, selected: value === chosen}, text),
+        ),
+      );
       return make("label", {}, `${label} `, select);
     };
-    const looks = new Set(Object.values(part.looks[state.criterion] || {})
-      .flatMap((cells) => cells.flatMap((cell) => cell.map((look) => look[0]))));
+    const looks = new Set(
+      Object.values(part.looks[state.criterion] || {}).flatMap((cells) =>
+        cells.flatMap((cell) => cell.map((look) => look[0])),
+      ),
+    );
     const counts = [...looks].sort((a, b) => a - b).map((n) => [String(n), `what if ${n}`]);
-    place.replaceChildren(...[
-      choose("tuning", "tuning", this.parts.map((each, i) => [String(i), each.tuning]),
-        String(state.tuning), (value) => this.change({tuning: Number(value)})),
-      choose("criterion", "error of", part.criteria.map((each) => [each.name, each.name.replaceAll("_", " ")]),
-        state.criterion, (criterion) => this.change({criterion})),
-      choose("window", "part of a record",
-        part.windows.map((name) => [name, name === part.window ? `${name} (judged)` : `${name} (what if)`]),
-        state.window, (name) => this.change({window: name})),
-      part.exact || counts.length < 2 ? null : choose("records", "records of a cell",
-        [["judged", "as judged"], ...counts],
-        state.records === Infinity ? "judged" : String(state.records),
-        (value) => this.change({records: value === "judged" ? Infinity : Number(value)})),
-      ...part.further.map((axis) => choose(`axis${axis}`, part.conditions[axis].word,
-        part.conditions[axis].values.map((value, i) => [String(i), showValue(part.conditions[axis], value)]),
-        String(state.at[axis]), (value) => {
-          const at = [...state.at];
-          at[axis] = Number(value);
-          this.change({at});
-        })),
-    ].filter((each) => each !== null));
+    place.replaceChildren(
+      ...[
+        choose(
+          "tuning",
+          "tuning",
+          this.parts.map((each, i) => [String(i), each.tuning]),
+          String(state.tuning),
+          (value) => this.change({tuning: Number(value)}),
+        ),
+        choose(
+          "criterion",
+          "error of",
+          part.criteria.map((each) => [each.name, each.name.replaceAll("_", " ")]),
+          state.criterion,
+          (criterion) => this.change({criterion}),
+        ),
+        choose(
+          "window",
+          "part of a record",
+          part.windows.map((name) => [
+            name,
+            name === part.window ? `${name} (judged)` : `${name} (what if)`,
+          ]),
+          state.window,
+          (name) => this.change({window: name}),
+        ),
+        part.exact || counts.length < 2
+          ? null
+          : choose(
+              "records",
+              "records of a cell",
+              [["judged", "as judged"], ...counts],
+              state.records === Infinity ? "judged" : String(state.records),
+              (value) => this.change({records: value === "judged" ? Infinity : Number(value)}),
+            ),
+        ...part.further.map((axis) =>
+          choose(
+            `axis${axis}`,
+            part.conditions[axis].word,
+            part.conditions[axis].values.map((value, i) => [
+              String(i),
+              showValue(part.conditions[axis], value),
+            ]),
+            String(state.at[axis]),
+            (value) => {
+              const at = [...state.at];
+              at[axis] = Number(value);
+              this.change({at});
+            },
+          ),
+        ),
+      ].filter((each) => each !== null),
+    );
     if (focus && document.getElementById(focus)) document.getElementById(focus).focus();
   }
 
@@ -176,8 +218,13 @@ class Page {
         const ratio = shown.nextError / shown.error;
         fill = fillOf(scheme.color, shown.next ? ratio : NaN, this.shades);
         const short = (name) => (name.length > 16 ? `${name.slice(0, 15)}…` : name);
-        const next = shown.next && Number.isFinite(ratio) ? `${short(shown.next)} ×${showNumber(ratio)}` : "";
-        texts = [short(shown.best) + (shown.verdict === "tie" ? " =" : ""), showNumber(shown.error), next];
+        const next =
+          shown.next && Number.isFinite(ratio) ? `${short(shown.next)} ×${showNumber(ratio)}` : "";
+        texts = [
+          short(shown.best) + (shown.verdict === "tie" ? " =" : ""),
+          showNumber(shown.error),
+          next,
+        ];
         counts.set(shown.best, (counts.get(shown.best) || 0) + 1);
       }
       box.setAttribute("fill", fill);
@@ -211,8 +258,10 @@ class Page {
     const {unit} = part.criteria.find((each) => each.name === state.criterion);
     const error = `${showNumber(shown.error)} ${unit}`.trim();
     const ratio = shown.nextError / shown.error;
-    const next = shown.next && Number.isFinite(ratio)
-      ? `; next ${shown.next}, ${showNumber(ratio)} times as much` : "";
+    const next =
+      shown.next && Number.isFinite(ratio)
+        ? `; next ${shown.next}, ${showNumber(ratio)} times as much`
+        : "";
     return `${shown.best}, ${nameVerdict(shown.verdict)}, error ${error}${next}`;
   }
 
@@ -271,11 +320,13 @@ class Page {
     if (!shown) return "No result in this cell.";
     const {row} = shown;
     const said = {
-      won: "is best", tie: "is the simplest of a tie", open: "is best so far, not decided",
+      won: "is best",
+      tie: "is the simplest of a tie",
+      open: "is best so far, not decided",
     }[shown.verdict];
     const others = (row.left || "").split("; ").filter((name) => name && name !== shown.best);
-    const left = shown.verdict !== "won" && others.length
-      ? ` Not surely worse: ${others.join(", ")}.` : "";
+    const left =
+      shown.verdict !== "won" && others.length ? ` Not surely worse: ${others.join(", ")}.` : "";
     const more = row.more ? ` Some ${showNumber(row.more)} more records would decide.` : "";
     const seen = row.n > 0 ? `, ${row.n} record${row.n === 1 ? "" : "s"}` : "";
     const look = row.look > 0 ? `, look ${row.look}` : "";
@@ -297,23 +348,43 @@ class Page {
     const {part, state} = this;
     const {unit} = part.criteria.find((each) => each.name === state.criterion);
     const heads = [
-      "scheme", unit ? `error (${unit})` : "error", "95 %", "× best", "95 %, paired", "records",
+      "scheme",
+      unit ? `error (${unit})` : "error",
+      "95 %",
+      "× best",
+      "95 %, paired",
+      "records",
     ];
-    const range = (low, high) => (Number.isFinite(high) ? `${showNumber(low)} to ${showNumber(high)}` : "–");
+    const range = (low, high) =>
+      Number.isFinite(high) ? `${showNumber(low)} to ${showNumber(high)}` : "–";
     const rows = lines.map((line, n) => {
       const {name, baseline} = part.schemes[line.scheme];
       const cells = [
-        showNumber(line.error), range(line.low, line.high), n ? showNumber(line.ratio) : "best",
+        showNumber(line.error),
+        range(line.low, line.high),
+        n ? showNumber(line.ratio) : "best",
         n ? range(line.ratioLow, line.ratioHigh) : "",
-        part.exact ? "expected" : n && line.paired < lines[0].n ? `${line.paired} paired` : String(line.n),
+        part.exact
+          ? "expected"
+          : n && line.paired < lines[0].n
+            ? `${line.paired} paired`
+            : String(line.n),
       ];
-      return make("tr", {}, make("th", {scope: "row"}, baseline ? `${name} (no estimator)` : name),
-        ...cells.map((text) => make("td", {}, text)));
+      return make(
+        "tr",
+        {},
+        make("th", {scope: "row"}, baseline ? `${name} (no estimator)` : name),
+        ...cells.map((text) => make("td", {}, text)),
+      );
     });
     const caption = `${whatIf ? "What if: e" : "E"}rrors of all schemes in this cell`;
-    return make("table", {}, make("caption", {}, caption),
+    return make(
+      "table",
+      {},
+      make("caption", {}, caption),
       make("thead", {}, make("tr", {}, ...heads.map((text) => make("th", {scope: "col"}, text)))),
-      make("tbody", {}, ...rows));
+      make("tbody", {}, ...rows),
+    );
   }
 
   /** Show the slider of the last condition: any value for linear schemes, else those of the grid. */
@@ -350,8 +421,12 @@ class Page {
   /** Show errors over one axis of the map, through the chosen cell. */
   showCurves() {
     const {part, state} = this;
-    const axes = [part.across, part.upwards].filter((axis) => axis >= 0
-      && part.conditions[axis].values.length > 1 && typeof part.conditions[axis].values[0] === "number");
+    const axes = [part.across, part.upwards].filter(
+      (axis) =>
+        axis >= 0 &&
+        part.conditions[axis].values.length > 1 &&
+        typeof part.conditions[axis].values[0] === "number",
+    );
     const place = document.getElementById("curves");
     if (!axes.length) {
       place.replaceChildren();
@@ -360,7 +435,8 @@ class Page {
     const along = axes.includes(state.along) ? state.along : axes[0];
     const condition = part.conditions[along];
     const {unit, title} = part.criteria.find((each) => each.name === state.criterion);
-    const continuous = part.superposed && along === part.conditions.length - 1 && condition.values[0] > 0;
+    const continuous =
+      part.superposed && along === part.conditions.length - 1 && condition.values[0] > 0;
     const points = condition.values.map((value, i) => ({value, i, amplitude: null}));
     if (continuous) {
       const [low, high] = [condition.values[0], condition.values.at(-1)].map(Math.log);
@@ -370,7 +446,13 @@ class Page {
       }
       points.sort((a, b) => a.value - b.value);
     }
-    const curves = part.schemes.map(({name, color, dash}) => ({name, color, dash, points: [], dots: !continuous}));
+    const curves = part.schemes.map(({name, color, dash}) => ({
+      name,
+      color,
+      dash,
+      points: [],
+      dots: !continuous,
+    }));
     for (const {value, i, amplitude} of points) {
       const at = [...state.at];
       at[along] = i;
@@ -384,23 +466,40 @@ class Page {
     for (const curve of curves) curve.bold = Boolean(best) && curve.name === best.best;
     const last = along === part.conditions.length - 1 && state.amplitude !== null;
     const positive = curves.every((curve) => curve.points.every((p) => !(p[1] <= 0)));
-    const fixed = part.conditions.filter((_, i) => i !== along)
+    const fixed = part.conditions
+      .filter((_, i) => i !== along)
       .map((c) => `${c.word} ${showValue(c, c.values[state.at[part.conditions.indexOf(c)]])}`);
     const chart = drawChart({
       curves: curves.filter((curve) => curve.points.length),
       xLabel: condition.unit ? `${condition.label} (${condition.unit})` : condition.label,
       yLabel: unit ? `error (${unit}), band 95 %` : "error, band 95 %",
       xLog: condition.values[0] > 0 && condition.values.at(-1) / condition.values[0] > 20,
-      yLog: positive, ticks: condition.values,
+      yLog: positive,
+      ticks: condition.values,
       at: last ? state.amplitude : condition.values[state.at[along]],
       label: `Errors by ${title} over ${condition.label}, ${fixed.join(", ")}`,
     });
-    const switches = axes.length < 2 ? [] : axes.map((axis) => make("button", {
-      type: "button", "aria-pressed": String(axis === along), id: `along${axis}`,
-      on: {click: () => this.change({along: axis})},
-    }, `over ${part.conditions[axis].word}`));
+    const switches =
+      axes.length < 2
+        ? []
+        : axes.map((axis) =>
+            make(
+              "button",
+              {
+                type: "button",
+                "aria-pressed": String(axis === along),
+                id: `along${axis}`,
+                on: {click: () => this.change({along: axis})},
+              },
+              `over ${part.conditions[axis].word}`,
+            ),
+          );
     const focus = document.activeElement ? document.activeElement.id : "";
-    const heading = make("h3", {}, `Error over ${condition.word}${fixed.length ? `, at ${fixed.join(", ")}` : ""}`);
+    const heading = make(
+      "h3",
+      {},
+      `Error over ${condition.word}${fixed.length ? `, at ${fixed.join(", ")}` : ""}`,
+    );
     place.replaceChildren(heading, make("p", {class: "switches"}, ...switches), chart || "");
     if (focus.startsWith("along")) document.getElementById(focus).focus();
   }
@@ -426,34 +525,64 @@ class Page {
         document.getElementById(`draw-${names.indexOf(name)}`).focus();
       };
       const id = `draw-${names.indexOf(name)}`;
-      return make("label", {}, make("input", {type: "checkbox", id, checked: shown.has(name), on: {change: act}}), ` ${name}`);
+      return make(
+        "label",
+        {},
+        make("input", {type: "checkbox", id, checked: shown.has(name), on: {change: act}}),
+        ` ${name}`,
+      );
     });
-    const chart = (series, yLabel) => drawChart({
-      curves: series.filter(({name}) => name === "truth" || shown.has(name)),
-      xLabel: "time (s)", yLabel, xLog: false, yLog: false, at: null,
-      label: `${yLabel} over time: ${[...shown].join(", ")}`,
-    });
-    place.replaceChildren(heading, make("p", {class: "switches"}, ...boxes),
-      make("div", {class: "columns"}, ...[chart(stretch.values, label), chart(stretch.errors, "error of it")]
-        .filter((each) => each !== null)));
+    const chart = (series, yLabel) =>
+      drawChart({
+        curves: series.filter(({name}) => name === "truth" || shown.has(name)),
+        xLabel: "time (s)",
+        yLabel,
+        xLog: false,
+        yLog: false,
+        at: null,
+        label: `${yLabel} over time: ${[...shown].join(", ")}`,
+      });
+    place.replaceChildren(
+      heading,
+      make("p", {class: "switches"}, ...boxes),
+      make(
+        "div",
+        {class: "columns"},
+        ...[chart(stretch.values, label), chart(stretch.errors, "error of it")].filter(
+          (each) => each !== null,
+        ),
+      ),
+    );
   }
 
   /** Show the error of each scheme that motion of one frequency leaves, where it is known. */
   showSpectra() {
     const {part, state} = this;
     const place = document.getElementById("spectra");
-    const lines = ((part.details || {}).spectra || []).filter(([, measure]) => measure === state.criterion);
+    const lines = ((part.details || {}).spectra || []).filter(
+      ([, measure]) => measure === state.criterion,
+    );
     const curves = lines.flatMap(([name, , frequencies, squares]) => {
       const scheme = part.schemes.find((each) => each.name === name);
       const points = frequencies.map((f, k) => [f, Math.sqrt(squares[k]), NaN, NaN]);
       return scheme ? [{name, color: scheme.color, dash: scheme.dash, points}] : [];
     });
-    const chart = curves.length ? drawChart({
-      curves, xLabel: "frequency of the motion (Hz)", yLabel: "rms error over rms displacement",
-      xLog: true, yLog: true, at: null,
-      label: `Error spectra by ${state.criterion} of ${curves.map(({name}) => name).join(", ")}`,
-    }) : null;
-    place.replaceChildren(...(chart ? [make("h3", {}, "Error that motion leaves, by frequency, without noise"), chart] : []));
+    const chart = curves.length
+      ? drawChart({
+          curves,
+          xLabel: "frequency of the motion (Hz)",
+          yLabel: "rms error over rms displacement",
+          xLog: true,
+          yLog: true,
+          at: null,
+          label: `Error spectra by ${state.criterion} of ${curves.map(({name}) => name).join(", ")}`,
+        })
+      : null;
+    place.replaceChildren(
+      ...(chart
+        ? [make("h3", {}, "Error that motion leaves, by frequency, without noise"), chart]
+        : []),
+    );
   }
 
   /** Show the errors of single records, where the page has them. */
@@ -461,34 +590,61 @@ class Page {
     const {part, state} = this;
     const {unit} = part.criteria.find((each) => each.name === state.criterion);
     const found = listRecords(part, state.criterion, state.window, state.at, state.amplitude);
-    const lines = found.map((values, i) => ({...part.schemes[i], values})).filter(({values}) => values.length);
-    const chart = lines.length ? drawDots({
-      lines, xLabel: unit ? `error of a record (${unit})` : "error of a record",
-      label: `Errors of single records by ${state.criterion}, ${nameCell(part, state.at, state.amplitude)}`,
-    }) : null;
+    const lines = found
+      .map((values, i) => ({...part.schemes[i], values}))
+      .filter(({values}) => values.length);
+    const chart = lines.length
+      ? drawDots({
+          lines,
+          xLabel: unit ? `error of a record (${unit})` : "error of a record",
+          label: `Errors of single records by ${state.criterion}, ${nameCell(part, state.at, state.amplitude)}`,
+        })
+      : null;
     const most = Math.max(0, ...lines.map(({values}) => values.length));
-    document.getElementById("records-shown").replaceChildren(...(chart
-      ? [make("h3", {}, `Errors of single records, ${most} at most; the mark is the median`), chart] : []));
+    document
+      .getElementById("records-shown")
+      .replaceChildren(
+        ...(chart
+          ? [
+              make("h3", {}, `Errors of single records, ${most} at most; the mark is the median`),
+              chart,
+            ]
+          : []),
+      );
   }
 
   showTable() {
     const {part, state} = this;
     const columns = listColumns(part, state);
     const places = [...Array(part.conditions.length).keys()];
-    const cells = places.reduce((all, axis) => all.flatMap((at) => part.conditions[axis].values.map((_, i) => [...at, i])), [[]])
+    const cells = places
+      .reduce(
+        (all, axis) => all.flatMap((at) => part.conditions[axis].values.map((_, i) => [...at, i])),
+        [[]],
+      )
       .map((at) => ({at, shown: this.judge(at)}));
     const arranged = arrangeCells(cells, columns, this.order);
-    const head = make("tr", {}, ...columns.map(({label}, n) => {
-      const sorted = this.order.sorted === n;
-      const act = () => {
-        this.order = {...this.order, sorted: n, down: sorted && !this.order.down};
-        this.showTable();
-        document.getElementById(`sort${n}`).focus();
-      };
-      const mark = sorted ? (this.order.down ? " ▼" : " ▲") : "";
-      return make("th", {scope: "col", "aria-sort": sorted ? (this.order.down ? "descending" : "ascending") : false},
-        make("button", {type: "button", id: `sort${n}`, on: {click: act}}, label + mark));
-    }));
+    const head = make(
+      "tr",
+      {},
+      ...columns.map(({label}, n) => {
+        const sorted = this.order.sorted === n;
+        const act = () => {
+          this.order = {...this.order, sorted: n, down: sorted && !this.order.down};
+          this.showTable();
+          document.getElementById(`sort${n}`).focus();
+        };
+        const mark = sorted ? (this.order.down ? " ▼" : " ▲") : "";
+        return make(
+          "th",
+          {
+            scope: "col",
+            "aria-sort": sorted ? (this.order.down ? "descending" : "ascending") : false,
+          },
+          make("button", {type: "button", id: `sort${n}`, on: {click: act}}, label + mark),
+        );
+      }),
+    );
     const rows = arranged.slice(0, MOST_ROWS).map((cell) => {
       const chosen = cell.at.join() === state.at.join();
       const act = () => this.change({at: cell.at, amplitude: null});
@@ -496,15 +652,23 @@ class Page {
         const value = get(cell);
         return typeof value === "number" && !plain ? showNumber(value) : String(value ?? "–");
       });
-      const line = make("tr", {class: chosen ? "chosen" : false, on: {click: act}},
-        ...texts.map((text, n) => make("td", {class: columns[n].number ? "number" : false}, text)));
+      const line = make(
+        "tr",
+        {class: chosen ? "chosen" : false, on: {click: act}},
+        ...texts.map((text, n) => make("td", {class: columns[n].number ? "number" : false}, text)),
+      );
       return line;
     });
     const more = arranged.length > MOST_ROWS ? `, the first ${MOST_ROWS} shown` : "";
-    document.getElementById("found").textContent = `${arranged.length} of ${cells.length} cells${more}`;
-    const table = make("table", {class: "cells"},
+    document.getElementById("found").textContent =
+      `${arranged.length} of ${cells.length} cells${more}`;
+    const table = make(
+      "table",
+      {class: "cells"},
       make("caption", {}, `All cells by ${state.criterion.replaceAll("_", " ")}`),
-      make("thead", {}, head), make("tbody", {}, ...rows));
+      make("thead", {}, head),
+      make("tbody", {}, ...rows),
+    );
     document.getElementById("all").replaceChildren(table);
     const filter = document.getElementById("filter");
     if (!filter.dataset.ready) {
@@ -531,7 +695,10 @@ class Page {
     };
     add([]);
     const arranged = arrangeCells(cells, columns, this.order);
-    const text = toCsv(columns.map(({label}) => label), arranged.map((cell) => columns.map(({get}) => get(cell))));
+    const text = toCsv(
+      columns.map(({label}) => label),
+      arranged.map((cell) => columns.map(({get}) => get(cell))),
+    );
     const said = document.getElementById("copied");
     const field = document.getElementById("csv");
     try {

@@ -18,7 +18,8 @@ function findStretch(part, at, amplitude) {
   const kept = part.details;
   if (!kept) return null;
   const last = part.conditions.length - 1;
-  const fits = (cell) => cell.at.every((i, axis) => (axis === last && part.superposed) || i === at[axis]);
+  const fits = (cell) =>
+    cell.at.every((i, axis) => (axis === last && part.superposed) || i === at[axis]);
   const cells = kept.cells.filter(fits);
   if (!cells.length) return null;
   const {values} = part.conditions[last];
@@ -28,14 +29,18 @@ function findStretch(part, at, amplitude) {
   const share = part.superposed && high !== low ? (N - low) / (high - low) : 0;
   if (part.superposed && high === low && N !== low) return null;
   const ends = new Map(other.series.map(decodeSeries).map((each) => [each.name, each.values]));
-  const mixed = one.series.map(decodeSeries).filter(({name}) => ends.has(name)).map(({name, values: from}) => {
-    const to = ends.get(name);
-    return {name, values: from.map((value, k) => value + share * (to[k] - value))};
-  });
+  const mixed = one.series
+    .map(decodeSeries)
+    .filter(({name}) => ends.has(name))
+    .map(({name, values: from}) => {
+      const to = ends.get(name);
+      return {name, values: from.map((value, k) => value + share * (to[k] - value))};
+    });
   const truth = mixed.find(({name}) => name === "");
   if (!truth) return null;
   const look = (name) => part.schemes.find((each) => each.name === name);
-  const timed = (series) => Array.from(series, (value, k) => [one.start + k * one.step, value, NaN, NaN]);
+  const timed = (series) =>
+    Array.from(series, (value, k) => [one.start + k * one.step, value, NaN, NaN]);
   const drawn = mixed.filter(({name}) => name && look(name));
   const style = (name) => ({name, color: look(name).color, dash: look(name).dash});
   return {
@@ -43,7 +48,8 @@ function findStretch(part, at, amplitude) {
     values: [
       {name: "truth", color: "#888888", dash: "", bold: true, points: timed(truth.values)},
       ...drawn.map(({name, values: error}) => ({
-        ...style(name), points: timed(error.map((value, k) => value + truth.values[k])),
+        ...style(name),
+        points: timed(error.map((value, k) => value + truth.values[k])),
       })),
     ],
     errors: drawn.map(({name, values: error}) => ({...style(name), points: timed(error)})),

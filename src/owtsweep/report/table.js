@@ -10,9 +10,14 @@ function listColumns(part, state) {
   const conditions = part.conditions.map((condition, i) => ({
     label: condition.unit ? `${condition.word} (${condition.unit})` : condition.word,
     get: (cell) => condition.values[cell.at[i]],
-    number: typeof condition.values[0] === "number", plain: true,
+    number: typeof condition.values[0] === "number",
+    plain: true,
   }));
-  const of = (label, get, number) => ({label, get: (cell) => (cell.shown ? get(cell.shown) : null), number});
+  const of = (label, get, number) => ({
+    label,
+    get: (cell) => (cell.shown ? get(cell.shown) : null),
+    number,
+  });
   const columns = [
     ...conditions,
     of("verdict", (shown) => nameVerdict(shown.verdict), false),
@@ -23,7 +28,8 @@ function listColumns(part, state) {
   ];
   if (!isJudged(part, state)) return columns;
   columns.splice(
-    columns.length - 2, 0,
+    columns.length - 2,
+    0,
     of("95 % from", (shown) => shown.row.error_low, true),
     of("to", (shown) => shown.row.error_high, true),
   );
@@ -54,10 +60,11 @@ function compareValues(a, b) {
 /** Return the cells that hold a text somewhere, in the order of a column. */
 function arrangeCells(cells, columns, {sorted, down, filter}) {
   const wanted = filter.trim().toLowerCase();
-  const texts = (cell) => columns.map(({get, plain}) => {
-    const value = get(cell);
-    return typeof value === "number" && !plain ? showNumber(value) : String(value ?? "");
-  });
+  const texts = (cell) =>
+    columns.map(({get, plain}) => {
+      const value = get(cell);
+      return typeof value === "number" && !plain ? showNumber(value) : String(value ?? "");
+    });
   const found = wanted
     ? cells.filter((cell) => texts(cell).some((text) => text.toLowerCase().includes(wanted)))
     : [...cells];
