@@ -11,8 +11,8 @@ from scipy.io import savemat
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
+from owtsweep.studies.floater.contest import describe_truth
 from owtsweep.studies.floater.contract import DOF
-from owtsweep.studies.floater.describe import describe_truth
 from owtsweep.studies.floater.truth import make_truth
 
 TIME = STEP * np.arange(2000)

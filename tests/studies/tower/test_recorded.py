@@ -12,8 +12,8 @@ from owtsweep.errors import InputError
 from owtsweep.structures import read_structure
 from owtsweep.structures.bernoulli import assemble_cut
 from owtsweep.studies.registry import compose
+from owtsweep.studies.tower.contest import describe_truth
 from owtsweep.studies.tower.contract import Channel, Estimates
-from owtsweep.studies.tower.describe import describe_truth
 from owtsweep.studies.tower.measuring import list_places, take_signals
 from owtsweep.studies.tower.recorded import (
     Place,
