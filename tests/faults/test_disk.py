@@ -121,7 +121,7 @@ def test_full_disk_is_told_in_plain_lines(study, config, disk, monkeypatch, caps
     assert command.run_one(config(level=LEVELS), ["sweep", "--fresh", "--yes", "a=b c"]) == 1
     out, err = capsys.readouterr()
     lines = [line for line in err.splitlines() if line.startswith("failed: ")]
-    assert len(lines) == 3  # two cases, the tables, the map
+    assert len(lines) == 4  # two cases, the tables, the map, the page
     assert "OSError: [Errno 28] No space left on device" in err
     assert "not computed, because the disk is full: " in err
     assert err.splitlines()[-1].endswith("owtsweep sweep 'a=b c'")

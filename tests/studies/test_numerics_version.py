@@ -18,7 +18,7 @@ from owtsweep.sweep.study import add_versions
     [
         ("hub", 5),
         ("readings", 5),
-        ("replay", 5),
+        ("replay", 6),
         ("tower", 3),
         ("floater", 2),
         ("blade", 2),
