@@ -165,7 +165,7 @@ def test_a_multirun_on_a_full_disk_is_told_in_lines(
     assert says in err
     assert "Error executing job" not in err
     told = [line for line in err.splitlines() if line.startswith(("failed: ", "owtsweep: res"))]
-    assert len(told) == (1 if code == 2 else 2)  # the whole multirun, or each run
+    assert len(told) == (1 if code == 2 else 3)  # the whole multirun, or each run and the page
 
 
 @pytest.mark.faults

@@ -13,11 +13,12 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from owtsweep.cli.combinations import Combination, combine, count_runs, parse
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
-from owtsweep.cli.running import foretell, run_one
+from owtsweep.cli.running import foretell, run_one, write_or_tell
 from owtsweep.config import Config, Tree, changed, dump_with_units
 from owtsweep.config.composition import compose_hydra, require_readable
 from owtsweep.config.hints import hydra_in_one_line
@@ -104,11 +105,13 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         _tell(folder, planned, options, stopped=True)
         raise
     outcomes = _tell(folder, planned, options, stopped=False)
-    with refuse_in_one_line(folder):
-        write_page(folder, planned, outcomes)
+    write = partial(write_page, folder, planned, outcomes)
+    written = write_or_tell("page could not be written", write, folder)
     print(f"{len(outcomes)} runs in {time.monotonic() - began:.1f} s: {folder}/")
-    print(f"page to send, with those of the runs: {printable(str(folder / PAGE))}")
-    return max((outcome.code for outcome in outcomes), default=DONE)  # a refused run counts most
+    if written:
+        print(f"page to send, with those of the runs: {printable(str(folder / PAGE))}")
+    codes = [DONE if written else FAILED, *(outcome.code for outcome in outcomes)]
+    return max(codes)  # a refused run counts most
 
 
 @dataclass(frozen=True)

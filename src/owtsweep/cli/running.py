@@ -111,7 +111,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     shown = True
     if results:
         draw = partial(run.draw, results=results, overview=True)
-        shown &= _write("map could not be drawn", draw, run)
+        shown &= write_or_tell("map could not be drawn", draw, run.place)
         shown &= write_report(run, results)
         shown &= print_answer(run, results)
         for line in tell_further(outcome):
@@ -123,18 +123,19 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
 def write_report(run: Run, results: Mapping[str, Results]) -> bool:
     """Write the page of a run; return whether it could be written, and print the reason if not."""
-    return _write("page could not be written", partial(run.write_report, results=results), run)
+    write = partial(run.write_report, results=results)
+    return write_or_tell("page could not be written", write, run.place)
 
 
-def _write(failure: str, write: Callable[[], object], run: Run) -> bool:
-    """Write what is made of a run's results; return whether it could be written.
+def write_or_tell(failure: str, write: Callable[[], object], folder: Path) -> bool:
+    """Write what is made of results into a folder; return whether it could be written.
 
-    If it could not, the reason is printed to stderr. The run's cases and tables are kept.
+    If it could not, `failure` and the reason are printed to stderr. What is there is kept.
     """
     from owtsweep.io.files import refuse_in_one_line
 
     try:
-        with refuse_in_one_line(run.place):
+        with refuse_in_one_line(folder):
             write()
     except InputError as error:
         print(f"failed: the {failure}: {error}", file=sys.stderr)
