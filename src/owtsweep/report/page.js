@@ -327,7 +327,7 @@ class Page {
     const others = (row.left || "").split("; ").filter((name) => name && name !== shown.best);
     const left =
       shown.verdict !== "won" && others.length ? ` Not surely worse: ${others.join(", ")}.` : "";
-    const more = row.more ? ` Some ${showNumber(row.more)} more records would decide.` : "";
+    const more = row.more ? ` Some ${Number(row.more.toPrecision(2))} more records would decide.` : "";
     const seen = row.n > 0 ? `, ${row.n} record${row.n === 1 ? "" : "s"}` : "";
     const look = row.look > 0 ? `, look ${row.look}` : "";
     const single = row.n === 1 ? " One record has no interval." : "";
