@@ -30,8 +30,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     argument = "RUN" if output is None else "--output"
     check_writable(place, argument, "give --output a file in a folder where you may write")
     with refuse_in_one_line(place), show_steps():
-        if options.details:
-            opened.keep_details()
-        path = opened.write_report(output)
+        path = opened.write_report(output, details=options.details)
     print(printable(str(path)))
     return DONE

@@ -112,19 +112,14 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     if results:
         draw = partial(run.draw, results=results, overview=True)
         shown &= write_or_tell("map could not be drawn", draw, run.place)
-        shown &= write_report(run, results)
+        write = partial(run.write_report, results=results)
+        shown &= write_or_tell("page could not be written", write, run.place)
         shown &= print_answer(run, results)
         for line in tell_further(outcome):
             print(line)
     page = run.place / PAGE
     code = tell_end(outcome, argv, str(page) if page.is_file() else f"{run.place}/")
     return code if shown else FAILED
-
-
-def write_report(run: Run, results: Mapping[str, Results]) -> bool:
-    """Write the page of a run; return whether it could be written, and print the reason if not."""
-    write = partial(run.write_report, results=results)
-    return write_or_tell("page could not be written", write, run.place)
 
 
 def write_or_tell(failure: str, write: Callable[[], object], folder: Path) -> bool:

@@ -10,6 +10,23 @@ function draw(name, attributes, text) {
   return element;
 }
 
+/** Make an empty chart. `label` tells of it to those who do not see it. */
+function openChart(width, height, label) {
+  const box = {viewBox: `0 0 ${width} ${height}`, width, height};
+  return draw("svg", {class: "chart", ...box, role: "img", "aria-label": label});
+}
+
+/** Write a number beside an axis. */
+function writeTick(svg, value, x, y, anchor) {
+  const look = {class: "tick", x, y, "text-anchor": anchor};
+  svg.append(draw("text", look, Number(value.toPrecision(3)).toString()));
+}
+
+/** Write what the axis below a chart shows. */
+function writeAxis(svg, text, x, y) {
+  svg.append(draw("text", {class: "axis", x, y, "text-anchor": "middle"}, text));
+}
+
 /** Return a function from values to pixels, and its ticks. */
 function makeScale(low, high, from, to, logarithmic) {
   const f = logarithmic ? Math.log10 : (value) => value;
@@ -65,32 +82,20 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
   if (yLow === yHigh) [yLow, yHigh] = yLog ? [yLow / 2, yHigh * 2] : [yLow - 1, yHigh + 1];
   const x = makeScale(Math.min(...xs), Math.max(...xs), left, width - right, xLog);
   const y = makeScale(yLow, yHigh, height - bottom, top, yLog);
-  const svg = draw("svg", {
-    class: "chart",
-    viewBox: `0 0 ${width} ${height}`,
-    width,
-    height,
-    role: "img",
-    "aria-label": label,
-  });
+  const svg = openChart(width, height, label);
   for (const value of y.ticks) {
     const place = y.place(value);
     svg.append(draw("line", {class: "rule", x1: left, x2: width - right, y1: place, y2: place}));
-    const text = {class: "tick", x: left - 6, y: place + 4, "text-anchor": "end"};
-    svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
+    writeTick(svg, value, left - 6, place + 4, "end");
   }
   let before = -Infinity;
   for (const value of ticks || x.ticks) {
     const place = x.place(value);
     if (place - before < 34) continue;
     before = place;
-    const text = {class: "tick", x: place, y: height - bottom + 16, "text-anchor": "middle"};
-    svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
+    writeTick(svg, value, place, height - bottom + 16, "middle");
   }
-  const middle = (left + width - right) / 2;
-  svg.append(
-    draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel),
-  );
+  writeAxis(svg, xLabel, (left + width - right) / 2, height - 6);
   svg.append(draw("text", {class: "axis", x: 4, y: 14}, yLabel));
   if (at !== null && Number.isFinite(x.place(at))) {
     const place = x.place(at);
@@ -143,8 +148,7 @@ function drawChart({curves, xLabel, yLabel, xLog, yLog, at, label, ticks}) {
         "stroke-width": 1,
       }),
     );
-    const text = each.name.length > 14 ? `${each.name.slice(0, 13)}…` : each.name;
-    svg.append(draw("text", {class: "tick", x: from + 12, y: each.y + 4}, text));
+    svg.append(draw("text", {class: "tick", x: from + 12, y: each.y + 4}, shorten(each.name, 14)));
   }
   return svg;
 }
@@ -162,32 +166,21 @@ function drawDots({lines, xLabel, label}) {
   const spare = low === high ? Math.abs(low) / 2 || 1 : 0;
   const x = makeScale(low - spare, high + spare, left, width - right, low > 0 && !spare);
   const height = step * lines.length + bottom;
-  const svg = draw("svg", {
-    class: "chart",
-    viewBox: `0 0 ${width} ${height}`,
-    width,
-    height,
-    role: "img",
-    "aria-label": label,
-  });
+  const svg = openChart(width, height, label);
   for (const value of x.ticks) {
     const place = x.place(value);
     svg.append(draw("line", {class: "rule", x1: place, x2: place, y1: 0, y2: height - bottom}));
-    const text = {class: "tick", x: place, y: height - bottom + 16, "text-anchor": "middle"};
-    svg.append(draw("text", text, Number(value.toPrecision(3)).toString()));
+    writeTick(svg, value, place, height - bottom + 16, "middle");
   }
-  const middle = (left + width - right) / 2;
-  svg.append(
-    draw("text", {class: "axis", x: middle, y: height - 6, "text-anchor": "middle"}, xLabel),
-  );
+  writeAxis(svg, xLabel, (left + width - right) / 2, height - 6);
   lines.forEach(({name, color, values: all}, number) => {
     const y = step * (number + 0.5);
-    const text = name.length > 16 ? `${name.slice(0, 15)}…` : name;
-    svg.append(draw("text", {class: "tick", x: left - 8, y: y + 4, "text-anchor": "end"}, text));
+    const look = {class: "tick", x: left - 8, y: y + 4, "text-anchor": "end"};
+    svg.append(draw("text", look, shorten(name, 16)));
     const sorted = all.filter(Number.isFinite).sort((a, b) => a - b);
     for (const value of sorted) {
-      const look = {cx: x.place(value), cy: y, r: 3, fill: color, "fill-opacity": 0.55};
-      svg.append(draw("circle", look));
+      const dot = {cx: x.place(value), cy: y, r: 3, fill: color, "fill-opacity": 0.55};
+      svg.append(draw("circle", dot));
     }
     if (!sorted.length) return;
     const place = x.place(sorted[Math.floor(sorted.length / 2)]);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,13 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.report.static_map import choose_axes, get_grid
-from owtsweep.report.statistics import Look, gather_records, is_superposed, list_looks
+from owtsweep.report.statistics import (
+    MOST_RECORDS,
+    Look,
+    gather_records,
+    is_superposed,
+    list_looks,
+)
 from owtsweep.results.contents import Contents
 from owtsweep.statistics.inference import t_quantile
 
@@ -62,17 +68,22 @@ def make_part(
     cube, floats, grid = contents.cube, _Floats(), get_grid(contents)
     names = [name for name in contents.criteria if name in cube.measures]
     means_only = exact or math.prod(len(levels) for levels in cube.levels) > MOST_CELLS
+    gathered = {
+        name: {
+            window: gather_records(cube, name, contents.criteria[name], window)
+            for window in cube.windows
+        }
+        for name in names
+    }
     looks = {
         name: {
             window: [
                 [_pack(look, floats) for look in of_cell]
-                for of_cell in list_looks(
-                    cube, name, contents.criteria[name], window, means_only=means_only
-                )
+                for of_cell in list_looks(values, means_only=means_only)
             ]
-            for window in cube.windows
+            for window, values in by_window.items()
         }
-        for name in names
+        for name, by_window in gathered.items()
     }
     counts = {
         look[0]
@@ -81,7 +92,7 @@ def make_part(
         for of_cell in cells
         for look in of_cell
     }
-    records = None if details is None else _list_records(contents, names, floats)
+    records = None if details is None else _pack_records(gathered, floats)
     layout = choose_axes(contents.conditions, grid)
     return {
         "tuning": tuning,
@@ -130,17 +141,16 @@ def make_part(
     }
 
 
-def _list_records(
-    contents: Contents, names: Sequence[str], floats: _Floats
+def _pack_records(
+    gathered: Mapping[str, Mapping[str, Array]], floats: _Floats
 ) -> dict[str, dict[str, list[int]]]:
     """Return criterion -> window -> place of the first number, then the shape of the numbers."""
-    cube = contents.cube
     found: dict[str, dict[str, list[int]]] = {}
-    for name in names:
+    for name, by_window in gathered.items():
         found[name] = {}
-        for window in cube.windows:
-            values, shape = gather_records(cube, name, contents.criteria[name], window)
-            found[name][window] = [floats.add(values), *shape]
+        for window, values in by_window.items():
+            shown = values[..., :MOST_RECORDS]
+            found[name][window] = [floats.add(shown), *shown.shape]
     return found
 
 

@@ -23,10 +23,20 @@ function findRow(part, criterion, at) {
   return found;
 }
 
+/** Return the criterion of a name. */
+function findCriterion(part, name) {
+  return part.criteria.find((each) => each.name === name);
+}
+
+/** Return the number of a cell among those with statistics of their own. */
+function findPlace(part, at) {
+  const axes = part.superposed ? part.conditions.slice(0, -1) : part.conditions;
+  return axes.reduce((sum, axis, i) => sum * axis.values.length + at[i], 0);
+}
+
 /** Return the looks at a cell that see at most so many records, the most records last. */
 function listLooks(part, criterion, window, at, records) {
-  const axes = part.superposed ? part.conditions.slice(0, -1) : part.conditions;
-  const place = axes.reduce((sum, axis, i) => sum * axis.values.length + at[i], 0);
+  const place = findPlace(part, at);
   const byWindow = (part.looks[criterion] || {})[window] || [];
   return (byWindow[place] || []).filter((look) => look[0] <= records);
 }
@@ -66,7 +76,7 @@ function express(criterion, mean) {
  * paired difference to the best, in this cell alone, holds 0.
  */
 function runContest(part, criterionName, window, at, records, amplitude) {
-  const criterion = part.criteria.find((each) => each.name === criterionName);
+  const criterion = findCriterion(part, criterionName);
   const looks = listLooks(part, criterionName, window, at, records);
   const last = part.conditions.at(-1).values[at.at(-1)];
   const N = amplitude === null ? last : amplitude;
@@ -133,10 +143,9 @@ function runContest(part, criterionName, window, at, records, amplitude) {
 function listRecords(part, criterionName, window, at, amplitude) {
   const kept = ((part.records || {})[criterionName] || {})[window];
   if (!kept) return [];
-  const criterion = part.criteria.find((each) => each.name === criterionName);
+  const criterion = findCriterion(part, criterionName);
   const [offset, , schemes, width, records] = kept;
-  const axes = part.superposed ? part.conditions.slice(0, -1) : part.conditions;
-  const place = axes.reduce((sum, axis, i) => sum * axis.values.length + at[i], 0);
+  const place = findPlace(part, at);
   const N = amplitude === null ? part.conditions.at(-1).values[at.at(-1)] : amplitude;
   const weights = listWeights(part, N);
   return part.schemes.map((_, scheme) => {
@@ -206,6 +215,11 @@ function listMapCells(part, at) {
     }
   });
   return cells;
+}
+
+/** Return a name, cut if it has more letters than fit. */
+function shorten(name, most) {
+  return name.length > most ? `${name.slice(0, most - 1)}…` : name;
 }
 
 /** Return a number with three digits that count. */

@@ -217,11 +217,12 @@ class Page {
         const scheme = part.schemes.find((each) => each.name === shown.best);
         const ratio = shown.nextError / shown.error;
         fill = fillOf(scheme.color, shown.next ? ratio : NaN, this.shades);
-        const short = (name) => (name.length > 16 ? `${name.slice(0, 15)}…` : name);
         const next =
-          shown.next && Number.isFinite(ratio) ? `${short(shown.next)} ×${showNumber(ratio)}` : "";
+          shown.next && Number.isFinite(ratio)
+            ? `${shorten(shown.next, 16)} ×${showNumber(ratio)}`
+            : "";
         texts = [
-          short(shown.best) + (shown.verdict === "tie" ? " =" : ""),
+          shorten(shown.best, 16) + (shown.verdict === "tie" ? " =" : ""),
           showNumber(shown.error),
           next,
         ];
@@ -243,7 +244,7 @@ class Page {
     };
     document.getElementById("legend").replaceChildren(...[...counts].map(swatch));
     const judged = isJudged(part, state);
-    const {title} = part.criteria.find((each) => each.name === state.criterion);
+    const {title} = findCriterion(part, state.criterion);
     const tuning = part.tuning ? `, tuning ${part.tuning}` : "";
     this.figure.querySelector("figcaption").textContent =
       `Best scheme by ${title}, ${state.window} part of a record${tuning}`;
@@ -255,7 +256,7 @@ class Page {
   tell(shown) {
     if (!shown) return "no result";
     const {part, state} = this;
-    const {unit} = part.criteria.find((each) => each.name === state.criterion);
+    const {unit} = findCriterion(part, state.criterion);
     const error = `${showNumber(shown.error)} ${unit}`.trim();
     const ratio = shown.nextError / shown.error;
     const next =
@@ -327,7 +328,9 @@ class Page {
     const others = (row.left || "").split("; ").filter((name) => name && name !== shown.best);
     const left =
       shown.verdict !== "won" && others.length ? ` Not surely worse: ${others.join(", ")}.` : "";
-    const more = row.more ? ` Some ${Number(row.more.toPrecision(2))} more records would decide.` : "";
+    const more = row.more
+      ? ` Some ${Number(row.more.toPrecision(2))} more records would decide.`
+      : "";
     const seen = row.n > 0 ? `, ${row.n} record${row.n === 1 ? "" : "s"}` : "";
     const look = row.look > 0 ? `, look ${row.look}` : "";
     const single = row.n === 1 ? " One record has no interval." : "";
@@ -346,7 +349,7 @@ class Page {
 
   makeContest(lines, whatIf) {
     const {part, state} = this;
-    const {unit} = part.criteria.find((each) => each.name === state.criterion);
+    const {unit} = findCriterion(part, state.criterion);
     const heads = [
       "scheme",
       unit ? `error (${unit})` : "error",
@@ -434,7 +437,7 @@ class Page {
     }
     const along = axes.includes(state.along) ? state.along : axes[0];
     const condition = part.conditions[along];
-    const {unit, title} = part.criteria.find((each) => each.name === state.criterion);
+    const {unit, title} = findCriterion(part, state.criterion);
     const continuous =
       part.superposed && along === part.conditions.length - 1 && condition.values[0] > 0;
     const points = condition.values.map((value, i) => ({value, i, amplitude: null}));
@@ -588,7 +591,7 @@ class Page {
   /** Show the errors of single records, where the page has them. */
   showRecords() {
     const {part, state} = this;
-    const {unit} = part.criteria.find((each) => each.name === state.criterion);
+    const {unit} = findCriterion(part, state.criterion);
     const found = listRecords(part, state.criterion, state.window, state.at, state.amplitude);
     const lines = found
       .map((values, i) => ({...part.schemes[i], values}))
@@ -613,17 +616,19 @@ class Page {
       );
   }
 
-  showTable() {
+  /** Return the columns of the table, all cells, and those that it shows, in order. */
+  arrange() {
     const {part, state} = this;
     const columns = listColumns(part, state);
-    const places = [...Array(part.conditions.length).keys()];
-    const cells = places
-      .reduce(
-        (all, axis) => all.flatMap((at) => part.conditions[axis].values.map((_, i) => [...at, i])),
-        [[]],
-      )
+    const cells = part.conditions
+      .reduce((all, {values}) => all.flatMap((at) => values.map((_, i) => [...at, i])), [[]])
       .map((at) => ({at, shown: this.judge(at)}));
-    const arranged = arrangeCells(cells, columns, this.order);
+    return {columns, cells, arranged: arrangeCells(cells, columns, this.order)};
+  }
+
+  showTable() {
+    const {state} = this;
+    const {columns, cells, arranged} = this.arrange();
     const head = make(
       "tr",
       {},
@@ -683,18 +688,7 @@ class Page {
 
   /** Copy what the table shows as CSV; where a browser forbids it, show the text to be copied. */
   async copy() {
-    const {part, state} = this;
-    const columns = listColumns(part, state);
-    const cells = [];
-    const add = (at) => {
-      if (at.length < part.conditions.length) {
-        part.conditions[at.length].values.forEach((_, i) => add([...at, i]));
-      } else {
-        cells.push({at, shown: this.judge(at)});
-      }
-    };
-    add([]);
-    const arranged = arrangeCells(cells, columns, this.order);
+    const {columns, arranged} = this.arrange();
     const text = toCsv(
       columns.map(({label}) => label),
       arranged.map((cell) => columns.map(({get}) => get(cell))),

@@ -44,54 +44,36 @@ def is_superposed(cube: Cube) -> bool:
     return cube.products is not None and cube.direct is None
 
 
-def list_looks(
-    cube: Cube, name: str, criterion: Criterion, window: str, *, means_only: bool = False
-) -> Iterator[list[Look]]:
-    """Yield the looks of each cell, in the order of the cube's levels, the last axis fastest.
+def gather_records(cube: Cube, name: str, criterion: Criterion, window: str) -> Array:
+    """Return what is judged of each record, shape (cells, schemes, 1 or 3, records).
 
-    With superposed rows, one list serves all values of the last condition.
+    Cells are in the order of the cube's levels, the last axis fastest; with superposed rows one
+    cell serves all values of the last condition, and the three are motion, cross and noise. NaN
+    stands where a scheme has no value.
+    """
+    measure, at = cube.measures.index(name), cube.windows.index(window)
+    if is_superposed(cube):
+        assert cube.products is not None
+        products = cube.products[..., measure, at, :]  # 3, schemes, outer conditions, records
+        cells = np.moveaxis(products, (0, 1), (-2, -3))
+    else:
+        values = np.array(
+            [
+                [cube.values(i, place, [measure])[:, 0, at] for i in range(len(cube.schemes))]
+                for place in cube.outer_places()
+            ]
+        )
+        cells = np.moveaxis(criterion.judge(values), 1, 2)[..., np.newaxis, :]
+    return cells.reshape(-1, *cells.shape[-3:])
+
+
+def list_looks(values: Array, *, means_only: bool = False) -> Iterator[list[Look]]:
+    """Yield the looks of each cell; `values` are those of `gather_records`.
 
     means_only: whether each cell has a single look without covariances.
     """
-    measure, at = cube.measures.index(name), cube.windows.index(window)
-    superposed = is_superposed(cube)
-    for place in cube.outer_places():
-        if superposed:
-            assert cube.products is not None
-            here: tuple[int | slice[None, None, None], ...] = (slice(None), slice(None), *place)
-            products = cube.products[here][:, :, measure, at]
-            yield _find_looks(products.transpose(1, 0, 2), means_only)
-            continue
-        values = np.stack(
-            [cube.values(i, place, [measure])[:, 0, at] for i in range(len(cube.schemes))]
-        )
-        for of_cell in criterion.judge(values).transpose(1, 0, 2):
-            yield _find_looks(of_cell[:, np.newaxis], means_only)
-
-
-def gather_records(
-    cube: Cube, name: str, criterion: Criterion, window: str
-) -> tuple[Array, tuple[int, ...]]:
-    """Return what is judged of the first `MOST_RECORDS` records of each cell, and its shape.
-
-    The shape is (cells, schemes, 1 or 3, records), with cells as in `list_looks`; NaN where a
-    scheme has no value. The three are motion, cross and noise of superposed rows.
-    """
-    measure, at = cube.measures.index(name), cube.windows.index(window)
-    shown = slice(None, MOST_RECORDS)
-    if is_superposed(cube):
-        assert cube.products is not None
-        products = cube.products[..., measure, at, shown]  # 3, schemes, outer conditions, records
-        cells = np.moveaxis(products, (0, 1), (-2, -3))
-    else:
-        every = [
-            np.stack([cube.values(i, place, [measure])[:, 0, at, shown] for i in range(count)])
-            for count in [len(cube.schemes)]
-            for place in cube.outer_places()
-        ]
-        cells = np.moveaxis(criterion.judge(np.array(every)), 1, 2)[..., np.newaxis, :]
-    whole = cells.reshape(-1, *cells.shape[-3:])
-    return whole, whole.shape
+    for of_cell in values:
+        yield _find_looks(of_cell, means_only)
 
 
 def _find_looks(values: Array, means_only: bool) -> list[Look]:

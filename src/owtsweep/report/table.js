@@ -5,7 +5,7 @@ const MOST_ROWS = 500;
 
 /** Return the columns of the table: heading, value of a row, and whether it is a number. */
 function listColumns(part, state) {
-  const unit = part.criteria.find((each) => each.name === state.criterion).unit;
+  const unit = findCriterion(part, state.criterion).unit;
   const inUnit = (label) => (unit ? `${label} (${unit})` : label);
   const conditions = part.conditions.map((condition, i) => ({
     label: condition.unit ? `${condition.word} (${condition.unit})` : condition.word,

@@ -87,11 +87,14 @@ def _list_spectra(table: pd.DataFrame | None) -> list[list[object]]:
     if table is None:
         return []
     return [
-        [str(name), measure, *([float(f"{x:.5g}") for x in of_scheme[key]] for key in keys)]
+        [str(name), measure, _round(of_scheme["frequency"]), _round(of_scheme[measure])]
         for name, of_scheme in table.groupby("scheme", sort=False)
         for measure in table.columns[2:]
-        for keys in [("frequency", measure)]
     ]
+
+
+def _round(values: pd.Series[float]) -> list[float]:
+    return [float(f"{value:.5g}") for value in values]
 
 
 def _run_cell(

@@ -285,12 +285,17 @@ class Run:
         return asked.show_figures(self.folder, self.question, files)
 
     def write_report(
-        self, output: Path | None = None, results: Mapping[str, Results] | None = None
+        self,
+        output: Path | None = None,
+        results: Mapping[str, Results] | None = None,
+        *,
+        details: bool = False,
     ) -> Path:
         """Write report.html, one page to send, and return its path.
 
         output: the file to write; None: report.html beside the run's tables.
         results: the results by tuning, if they are in memory. If None, the shards are read.
+        details: whether `keep_details` comes first.
         Raises InputError if no case has succeeded, or the study comes from another package and does
             not work.
         Raises OSError if the file system refuses the file.
@@ -298,6 +303,8 @@ class Run:
         from owtsweep.sweep.page import make_page
 
         found = self._find_results(results)
+        if details:
+            self.keep_details(found)
         present = {path.name for path in self.store.cases.glob("*.parquet")}
         missing = sum(self.store.path(key).name not in present for key in self.plan())
         text = make_page(self.study, self.config, found, self.folder, self.place, missing)
@@ -307,17 +314,19 @@ class Run:
         asked.write_both(self.folder, self.question, {asked.PAGE: text})
         return self.place / asked.PAGE
 
-    def keep_details(self) -> Path:
+    def keep_details(self, results: Mapping[str, Results] | None = None) -> Path:
         """Run the schemes on record 0 of each cell, and keep 40 s of it and error spectra.
 
         The page of the run shows them. Returns the path of the file, details.json.
+
+        results: the results by tuning, if they are in memory. If None, the shards are read.
         Raises InputError if no case has succeeded, or the study has no record to show.
         Raises OSError if the file system refuses the file.
         """
         from owtsweep.sweep.details import dump_details, make_details
 
         details = {}
-        for tuning, result in self._find_results(None).items():
+        for tuning, result in self._find_results(results).items():
             with blame(self.study):
                 contents = self.engine.contents(result.config, result.tables, result.rows)
             if contents is None:
