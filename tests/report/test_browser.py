@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -128,6 +129,27 @@ def test_nothing_hinders_a_reader_who_does_not_see_the_page(browser, page, schem
     )
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
     assert found == []
+
+
+def test_a_link_to_a_cell_keeps_texts_with_commas_and_percent_signs(browser, tmp_path):
+    names = ["5 %", "a, b", "c+d"]
+    contents = make_contents(RECORDS, superposed=False)
+    cube = replace(contents.cube, levels=(contents.cube.levels[0], names))
+    texts = dict(zip([0.1, 0.5, 2.0], names, strict=True))
+    cells = contents.cells.assign(sigma=contents.cells["sigma"].map(texts))
+    path = tmp_path / "report.html"
+    shown = {"": Shown(replace(contents, cube=cube, cells=cells))}
+    path.write_text(make_run_page("A run", shown, ORIGIN, Extras(), exact=False))
+    open_page(browser, path.as_uri())
+    for name in names:
+        labels = {cell.get_attribute("aria-label"): cell for cell in find(browser, "g.cell")}
+        (cell,) = [labels[label] for label in labels if f"3 s, sigma {name}:" in label]
+        cell.click()
+        link = browser.current_url
+        browser.get("about:blank")
+        browser.get(link)
+        assert find(browser, "#cell-title")[0].text.endswith(name)
+    assert browser.get_log("browser") == []
 
 
 def test_a_narrow_page_does_not_scroll_sideways(browser, page):

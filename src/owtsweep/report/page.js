@@ -60,7 +60,9 @@ class Page {
     const tuning = Math.max(named, 0);
     const part = this.parts[tuning];
     const names = part.criteria.map((each) => each.name);
-    const values = (given.get("cell") || "").split(",").map(decodeURIComponent);
+    // of the address itself: its values may hold commas and percent signs
+    const [, cell] = /[#&]cell=([^&]*)/.exec(location.hash) || [null, ""];
+    const values = cell.split(",").map((value) => new URLSearchParams(`v=${value}`).get("v"));
     const at = part.conditions.map((condition, i) => {
       const place = condition.values.findIndex((value) => String(value) === values[i]);
       return place >= 0 ? place : Math.floor((condition.values.length - 1) / 2);
