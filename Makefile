@@ -10,6 +10,8 @@ INSTALLED := $(VENV)/.installed
 INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_CALIBRATE := $(VENV)/.installed-calibrate
 INSTALLED_BENCH := $(VENV)/.installed-bench
+INSTALLED_DOCS := $(VENV)/.installed-docs
+SITE := build/site
 
 # Small matrices only: BLAS threads would fight the workers for the cores.
 export OPENBLAS_NUM_THREADS := 1
@@ -20,7 +22,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help sweep test test-faults reproduce bench clean
+.PHONY: help sweep test test-faults reproduce bench docs clean
 
 help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
@@ -30,6 +32,7 @@ help:
 	@echo '             ARGS=--check: only say whether results/reference agrees;'
 	@echo '             ARGS=--check=numbers: the same of numbers, on the machine that made them'
 	@echo 'make bench   speed against goals and peers, into benchmarks/report.md; ARGS=--quick: a look'
+	@echo 'make docs    the site, into build/site; ARGS="-D plot_gallery=0": no example is run'
 	@echo 'make clean   delete the environment and all caches (never results)'
 	@echo 'The Python to use (3.11 or newer): make sweep PYTHON=python3.12'
 
@@ -55,8 +58,14 @@ reproduce: $(INSTALLED_CALIBRATE)
 bench: $(INSTALLED_BENCH)
 	$(VENV_PYTHON) -m benchmarks $(ARGS)
 
+# Nothing is loaded: every picture, script and font is in the site.
+docs: $(INSTALLED_DOCS)
+	$(VENV_PYTHON) -m sphinx --quiet --fail-on-warning --keep-going -c docs $(ARGS) . $(SITE)
+	$(VENV_PYTHON) docs/check_links.py $(SITE)
+	@echo 'the site: $(SITE)/docs/index.html'
+
 clean:
-	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/gallery .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -type d -name __pycache__ -prune -exec rm -rf {} +
 
 # The environment is order-only: its interpreter is a link, whose time says nothing.
@@ -74,6 +83,10 @@ $(INSTALLED_CALIBRATE): pyproject.toml | $(VENV_PYTHON)
 
 $(INSTALLED_BENCH): pyproject.toml | $(VENV_PYTHON)
 	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[bench]'
+	@touch $(INSTALLED) $@
+
+$(INSTALLED_DOCS): pyproject.toml | $(VENV_PYTHON)
+	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[docs]'
 	@touch $(INSTALLED) $@
 
 $(VENV_PYTHON):

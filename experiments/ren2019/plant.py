@@ -25,6 +25,8 @@ from owtsweep.structures import Structure, compute_modes, find_structure
 from owtsweep.studies.hub.figures.envelope import save_envelope
 from owtsweep.waves import Sea
 
+#: Of the page answer.md.
+TITLE = "# Where the paper's turbine is on the maps"
 #: Table 3 of the paper: number of blades -> first natural frequency, Hz.
 TABLE_3 = {0: 0.258, 1: 0.249, 2: 0.239}
 #: The sea of Table 2: significant wave height (m) and peak period (s).
@@ -46,7 +48,7 @@ def make_all(run: str | Path, folder: Path) -> None:
         style.save(draw_modes(structure), folder, "modes", metadata)
         style.save(draw_motion(structure), folder, "motion", metadata)
     _, sentences = save_envelope(owtsweep.load(run), structure, folder)
-    (folder / "answer.md").write_text("\n\n".join(sentences) + "\n", "utf-8")
+    (folder / "answer.md").write_text("\n\n".join([TITLE, *sentences]) + "\n", "utf-8")
     print(*sentences, sep="\n")
 
 
