@@ -95,6 +95,13 @@ def _add_place(parser: Parser) -> None:
     _add_config_dir(parser)
 
 
+def _add_init(parser: Parser) -> None:
+    parser.add_argument("kind", choices=("scheme", "structure", "study"), help="what to write")
+    parser.add_argument("name", metavar="NAME", help="its name, e.g. my_filter")
+    text = "of a scheme: study=hub (default), tower, floater or blade"
+    parser.add_argument("overrides", nargs="*", default=[], metavar="study=...", help=text)
+
+
 def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
@@ -204,6 +211,11 @@ COMMANDS = {
         "show results/study-0a1b2c3d4e",
         _add_run,
     ),
+    "init": (
+        "Write a first scheme, structure or study of your own, to be changed by you.",
+        "init scheme my_filter study=floater",
+        _add_init,
+    ),
     "list": (
         "List schemes, tunings, spectra, sensors, grids and experiments.",
         "list",
@@ -233,6 +245,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     `argv` holds the words after the program's name; None means those of `sys.argv`.
     """
+    if "_ARGCOMPLETE" in os.environ:  # the shell asks for completions
+        from owtsweep.cli.completing import complete
+
+        parser = make_parser()
+        complete(parser, parser.commands.values())
     arguments = list(sys.argv[1:] if argv is None else argv)
     _warnings_to_stderr()
     try:
