@@ -4,6 +4,10 @@ The source folder of Sphinx is the root of the repository, so that a page's link
 and conf/ resolve on the site as they do in a checkout.
 """
 
+import re
+
+from sphinx.application import Sphinx
+
 from owtsweep import __version__
 
 project = "owtsweep"
@@ -11,7 +15,7 @@ author = "the owtsweep contributors"
 project_copyright = author
 version = release = __version__
 
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = "docs/index"
 include_patterns = ["docs/**", "results/reference/**", "benchmarks/report.md", "*.md"]
 suppress_warnings = ["myst.header"]  # tables that a run writes begin with small headings
@@ -27,3 +31,33 @@ html_theme_options = {
     "footer_start": [],
     "footer_end": [],
 }
+
+autodoc_typehints = "none"  # signatures have them; docstrings say shapes and units
+autodoc_member_order = "bysource"
+autodoc_class_signature = "separated"
+default_role = "literal"
+
+#: A line of a docstring about an argument, what is returned or what is raised.
+ITEM = re.compile(r"(?P<name>[a-z]\w*(?:, [a-z]\w*)*|Returns?|Raises?(?= `?[A-Z]))(?P<colon>:?) ")
+
+
+def list_items(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]):
+    """Turn lines such as "step: Sampling interval in s." of a docstring into a list."""
+    found, inside = [], False
+    for text in lines:
+        line = text if ">>>" in text else re.sub(r"(?<!`)\*(?![^`\s]*`)", r"\*", text)
+        item = ITEM.match(line)
+        if item and (item["colon"] or item["name"].startswith("Raise")):
+            found += [""] * (not inside) + [f"* **{item['name']}**{line[item.end('name') :]}"]
+            inside = True
+        elif inside and line and not line.startswith(" "):  # a sentence that goes on
+            found += [f"  {line}"]
+        elif inside and line:
+            found += [f"  {line.strip()}"]
+        else:
+            found, inside = [*found, line], False
+    lines[:] = found
+
+
+def setup(app: Sphinx) -> None:
+    app.connect("autodoc-process-docstring", list_items)

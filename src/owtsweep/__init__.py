@@ -1,7 +1,8 @@
 """owtsweep: run estimation schemes under many conditions, and map which scheme is best where.
 
-The names in `__all__` are the public interface; everything else is private. Each of these names is
-imported on its first use, so importing the package is fast.
+The names in `__all__` are the public interface, with those of `owtsweep.schemes` and
+`owtsweep.testing`, and those that docs/api.md lists for a study of one's own; everything else is
+private. Each of these names is imported on its first use, so importing the package is fast.
 """
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ if TYPE_CHECKING:
     from owtsweep.api import estimate, load, online, replay, run
     from owtsweep.errors import InputError
     from owtsweep.evaluation.estimate import Estimate, EstimatedRecord, Innovation, Reading
+    from owtsweep.studies.replay.running import Replay
     from owtsweep.sweep.runs import Run
 
 __all__ = [
-    "Estimate", "EstimatedRecord", "Innovation", "InputError", "Reading", "Run", "__version__",
-    "estimate", "load", "online", "replay", "run",
+    "Estimate", "EstimatedRecord", "Innovation", "InputError", "Reading", "Replay", "Run",
+    "__version__", "estimate", "load", "online", "replay", "run",
 ]  # fmt: skip
 
 _HOMES = {
@@ -28,6 +30,7 @@ _HOMES = {
     "InputError": "owtsweep.errors",
     "Innovation": "owtsweep.evaluation.estimate",
     "Reading": "owtsweep.evaluation.estimate",
+    "Replay": "owtsweep.studies.replay.running",
     "Run": "owtsweep.sweep.runs",
     "estimate": "owtsweep.api",
     "load": "owtsweep.api",

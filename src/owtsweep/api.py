@@ -36,6 +36,14 @@ def run(overrides: Sequence[str] = ()) -> Run:
         configuration. In `cases()`, the status is "failed" where a scheme failed, and "unable"
         where it cannot work under the conditions; the column `reason` says why.
     Raises InputError if an override is wrong. Nothing has been written in this case.
+
+    >>> import owtsweep
+    >>> run = owtsweep.run([
+    ...     "grid.natural_period=[4]", "grid.amplitude=[0.5]", "grid.replicates=2",
+    ...     "record.duration=60", "schemes=[MKF,HME1]",
+    ... ])
+    >>> run.best_scheme().set_index("criterion")["best"].to_dict()
+    {'position': 'HME1', 'velocity': 'HME1'}
     """
     from owtsweep.sweep.run import sweep
 
@@ -48,6 +56,14 @@ def load(path: str | PathLike[str]) -> Run:
 
     Raises InputError if the folder holds no run, or a run that this version of owtsweep cannot
         read.
+
+    >>> import owtsweep
+    >>> made = owtsweep.run([
+    ...     "grid.natural_period=[4]", "grid.amplitude=[0.5]", "grid.replicates=1",
+    ...     "record.duration=60", "schemes=[MKF]", "name=mine",
+    ... ])
+    >>> owtsweep.load("results/mine").config.schemes
+    ['MKF']
     """
     from owtsweep.studies.opening import open_run
 
@@ -65,6 +81,14 @@ def estimate(overrides: Sequence[str] = (), replicate: int = 0) -> EstimatedReco
     replicate: Number of the record, from 0 on.
     Raises InputError if an override is wrong, several cells or tunings are left, or the study has
         no records of its own.
+
+    >>> import numpy as np, owtsweep
+    >>> record = owtsweep.estimate([
+    ...     "study=floater", "grid.delay=[0]", "grid.bias=[0]", "schemes=[KF_REPAIRED]",
+    ... ])
+    >>> error = record.estimates["KF_REPAIRED"]["position"] - record.truth["position"]
+    >>> error.shape, record.units["position"]
+    ((10000, 6), 'm and rad: x, y, z, phi, theta, psi')
     """
     require(
         isinstance(replicate, int) and replicate >= 0,
@@ -98,6 +122,14 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
         `refused()` lists them with the reason.
     Raises InputError if no file can be used, a file does not exist, or an override is wrong.
         Nothing has been written in this case.
+
+    >>> import numpy as np, owtsweep, pandas as pd
+    >>> time = np.arange(0.0, 60.0, 0.05)
+    >>> record = pd.DataFrame({"time": time, "x": np.sin(1.5 * time), "y": 0.0 * time})
+    >>> record.to_csv("hub.csv", index=False)
+    >>> replay = owtsweep.replay("hub.csv", ["schemes=[MKF,HME1]"])
+    >>> replay.advice()["recommended"].tolist()  # on the record, and on others like it
+    ['HME1', 'HME1']
     """
     from owtsweep.studies.replay.running import Replay, configure, execute
 
@@ -128,6 +160,13 @@ def online(
         the fixes; it must lie near the hub. None stands for the first fix: until it comes,
         estimates are NaN. Estimates are in the coordinates of the fixes for any origin.
     Raises InputError if the scheme cannot run on board, or the overrides or the origin are wrong.
+
+    >>> import owtsweep
+    >>> estimator = owtsweep.online("MKF", ["sensors.gnss.rate=2"], origin=(0.0, 0.0))
+    >>> estimate = estimator.update([0.1, 0.0], [1.0, 2.0])  # with a fix
+    >>> estimate = estimator.update([0.1, 0.0])  # without one
+    >>> estimate.position.round(2)
+    array([1., 2.])
     """
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Known

@@ -10,6 +10,13 @@ class InputError(ValueError):
     The command line prints the message without a traceback and exits with code 2. The message may
     quote a file that another person made, so it is made one printable line (`printable`), and the
     middle of a long one is left out (`shorten`).
+
+    >>> import owtsweep
+    >>> try:
+    ...     owtsweep.run(["sensors.gnss.delai=0.4"])
+    ... except owtsweep.InputError as error:
+    ...     print(error)
+    sensors.gnss.delai: there is no such key; did you mean sensors.gnss.delay?
     """
 
     def __init__(self, message: str) -> None:

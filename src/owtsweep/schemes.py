@@ -2,8 +2,8 @@
 
 `blade`, `floater` and `tower` hold the study's `Setting` (what a scheme knows), `Measured` (what
 it gets of a record; the tower's is an array) and `Estimates` (what it returns). A scheme of the hub
-study returns `owtsweep.Estimate`. `owtsweep.testing.check_declared_scheme` says whether a scheme
-keeps the contract.
+study returns `owtsweep.Estimate`. `owtsweep.testing.check_scheme` says whether a scheme keeps the
+contract; `owtsweep init scheme NAME study=...` writes one that does.
 """
 
 from owtsweep.studies.base.contract import Unable

@@ -43,7 +43,7 @@ class Config(Section):
     """The configuration keys that every study has; the subclass of a study adds further keys."""
 
     #: Keys and sections on which no stored number depends; a study may add keys to this set. Every
-    #: other key changes the blocks that depend on it (`owtsweep.testing.check_keys` tests this).
+    #: other key changes the blocks that depend on it (`owtsweep.testing.check_study` tests this).
     inert: ClassVar[frozenset[str]] = frozenset(
         {"study", "experiment", "results", "name", "config_version", "compute"}
     )

@@ -24,7 +24,16 @@ PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "
 
 
 class Innovation(NamedTuple):
-    """A measurement minus its prediction: value, shape (m,), and its covariance, shape (m, m)."""
+    """A measurement minus its prediction: value, shape (m,), and its covariance, shape (m, m).
+
+    Units are those of the measurement.
+
+    >>> import numpy as np
+    >>> innovation = Innovation(np.array([0.02, -0.01]), 0.03**2 * np.eye(2))  # m and m^2
+    >>> nis = innovation.value @ np.linalg.solve(innovation.covariance, innovation.value)
+    >>> round(float(nis), 3)
+    0.556
+    """
 
     value: Array
     covariance: Array
@@ -43,6 +52,11 @@ class Estimate:
     innovation: the innovation of this step's measurement. From it the study computes NIS, the
         normalised innovation squared.
     quantities: Name -> value of all quantities that were given.
+
+    >>> import numpy as np
+    >>> estimate = Estimate(np.array([0.3, 0.1]), np.zeros(2), covariance=0.01 * np.eye(4))
+    >>> estimate.position
+    array([0.3, 0.1])
     """
 
     __slots__ = ("covariance", "innovation", "quantities")
@@ -84,6 +98,11 @@ class Reading(NamedTuple):
     """What one sensor says of a record: times (n,) in s, and values (n, ...), NaN if lost.
 
     Times are those of arrival, or those that the sensor's own clock shows.
+
+    >>> import numpy as np
+    >>> fixes = Reading(np.array([0.0, 1.0]), np.array([[0.1, 0.0], [np.nan, np.nan]]))
+    >>> fixes.time[np.isnan(fixes.value).any(axis=1)]  # lost
+    array([1.])
     """
 
     time: Array
@@ -111,6 +130,16 @@ class EstimatedRecord:
     units: Unit of each quantity and of each signal, and its frame where this needs saying.
     failures: Scheme that gave no estimates -> the reason.
     at_rest: Quantity -> its value while nothing moves, where that is not zero.
+
+    >>> import numpy as np, owtsweep
+    >>> record = owtsweep.estimate([
+    ...     "study=floater", "grid.delay=[0]", "grid.bias=[0]", "schemes=[KF_REPAIRED]",
+    ... ])
+    >>> judged = slice(record.settled, None)
+    >>> spread = record.covariances["KF_REPAIRED"]["position"][judged, 0, 0] ** 0.5
+    >>> error = record.estimates["KF_REPAIRED"]["position"] - record.truth["position"]
+    >>> bool(np.std(error[judged, 0]) < 3 * spread.mean())
+    True
     """
 
     study: str

@@ -43,6 +43,27 @@ class Run:
     home: the run folder, if `folder` is that of a question; otherwise None.
     tuning: the tuning, if this is the part of a run with several tunings that `by_tuning` returns;
         otherwise "".
+
+    >>> import owtsweep
+    >>> run = owtsweep.run([
+    ...     "grid.natural_period=[4]", "grid.amplitude=[0.2,1]", "grid.replicates=2",
+    ...     "record.duration=60", "schemes=[MKF,HME1]", "name=shown",
+    ... ])
+    >>> sorted(run.tables())
+    ['best_scheme', 'ratios', 'summary']
+    >>> best = run.best_scheme()
+    >>> best[best["criterion"] == "position"].set_index("amplitude")["best"].to_dict()
+    {0.2: 'HME1', 1.0: 'HME1'}
+    >>> bool((run.summary()["n"] == 2).all()), set(run.cases()["status"])
+    (True, {'ok'})
+    >>> run.table("ratios").columns[:2].tolist()
+    ['natural_period', 'amplitude']
+    >>> list(run.by_tuning())  # one tuning
+    ['']
+    >>> run.draw("figure_18_best_scheme")[0].name, run.write_report().name
+    ('figure_18_best_scheme.png', 'report.html')
+    >>> run.dataset().sizes["replicate"]  # needs the extra xarray
+    2
     """
 
     folder: Path

@@ -36,6 +36,19 @@ def check_scheme(scheme: Scheme[Any, Any, Any], overrides: Sequence[str] = ()) -
 
     scheme: the scheme, which derives from `owtsweep.schemes.<study>.Scheme`.
     overrides: Hydra overrides of its study, e.g. a tuning, or a short record.
+
+    >>> import numpy as np
+    >>> from owtsweep import Estimate
+    >>> from owtsweep.schemes import hub
+    >>> class Still(hub.Scheme):
+    ...     name = "STILL"
+    ...     def start(self, known):
+    ...         return self
+    ...     def update(self, specific_force, position=None):
+    ...         return Estimate(np.zeros(2), np.zeros(2))
+    >>> check_scheme(Still())
+    Traceback (most recent call last):
+    AssertionError: STILL: start returns the same estimator twice
     """
     try:
         scheme.check_declared()

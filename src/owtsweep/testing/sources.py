@@ -38,6 +38,18 @@ def check_source(
     tolerance: Largest allowed difference between velocity and the slope of position, relative to
         the largest velocity; also between acceleration and the slope of velocity, relative to the
         largest acceleration.
+
+    >>> import numpy as np
+    >>> from owtsweep.motion.source import Motion
+    >>> class Sway:
+    ...     streams = ("phase",)
+    ...     duration = None
+    ...     def realise(self, stream, *, steps, step, history=0):
+    ...         phase = stream("phase").uniform(0.0, 2.0 * np.pi)
+    ...         angle = 1.5 * step * np.arange(-history, steps) + phase
+    ...         motion = np.sin(angle), 1.5 * np.cos(angle), -2.25 * np.sin(angle)
+    ...         return Motion(step, *(each[history:] for each in motion), motion[0][:history])
+    >>> check_source(Sway(), steps=1000, step=0.02)
     """
     name = type(source).__name__
     lacks = {"streams", "duration", "realise"} - {*dir(source)}

@@ -58,6 +58,8 @@ def check_study(
         and the runs are stored in a temporary folder.
     failing: a configuration with which some cases fail and others succeed. If None, the handling of
         failures is not checked.
+
+    `owtsweep init study NAME` writes a study with a test that calls this function.
     """
     if config is None:
         with TemporaryDirectory() as folder:

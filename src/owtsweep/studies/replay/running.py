@@ -237,7 +237,22 @@ def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
 
 @dataclass(frozen=True)
 class Replay:
-    """A finished replay; `run` is the stored run."""
+    """A finished replay; `run` is the stored run.
+
+    >>> import numpy as np, owtsweep, pandas as pd
+    >>> time = np.arange(0.0, 60.0, 0.05)
+    >>> record = pd.DataFrame({"time": time, "x": np.sin(1.5 * time), "y": 0.0 * time})
+    >>> record.to_csv("sway.csv", index=False)
+    >>> replay = owtsweep.replay("sway.csv", ["schemes=[MKF]"])
+    >>> round(replay.records()["natural_period"][0])  # s
+    4
+    >>> sorted(replay.errors()["scheme"].unique())
+    ['MKF', 'last_fix', 'last_two_fixes', 'no_estimate']
+    >>> replay.advice()["recommended"].tolist()
+    ['MKF', 'MKF']
+    >>> replay.estimates().columns[:4].tolist()
+    ['time', 'scheme', 'x', 'y']
+    """
 
     run: Run
 
