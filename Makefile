@@ -65,7 +65,7 @@ docs: $(INSTALLED_DOCS)
 	@echo 'the site: $(SITE)/docs/index.html'
 
 clean:
-	rm -rf $(VENV) build dist docs/gallery .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build dist docs/gallery examples/gallery/results .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -type d -name __pycache__ -prune -exec rm -rf {} +
 
 # The environment is order-only: its interpreter is a link, whose time says nothing.

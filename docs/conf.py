@@ -15,11 +15,22 @@ author = "the owtsweep contributors"
 project_copyright = author
 version = release = __version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_gallery.gen_gallery"]
 root_doc = "docs/index"
 include_patterns = ["docs/**", "results/reference/**", "benchmarks/report.md", "*.md"]
 suppress_warnings = ["myst.header"]  # tables that a run writes begin with small headings
 myst_heading_anchors = 4  # as on GitHub
+
+sphinx_gallery_conf = {
+    "examples_dirs": "examples/gallery",
+    "gallery_dirs": "docs/gallery",
+    "filename_pattern": r"\.py$",
+    "ignore_pattern": "alpha_beta",  # which my_estimator imports
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "show_signature": False,
+    "write_computation_times": False,
+}
 
 html_theme = "pydata_sphinx_theme"
 html_title = "owtsweep"
