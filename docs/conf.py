@@ -18,6 +18,7 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_gallery.gen_gallery"]
 root_doc = "docs/index"
 include_patterns = ["docs/**", "results/reference/**", "benchmarks/report.md", "*.md"]
+exclude_patterns = ["results/reference/*/tables_6_to_9.md"]  # six tables without a title
 suppress_warnings = ["myst.header"]  # tables that a run writes begin with small headings
 myst_heading_anchors = 4  # as on GitHub
 
@@ -28,12 +29,17 @@ sphinx_gallery_conf = {
     "ignore_pattern": "alpha_beta",  # which my_estimator imports
     "abort_on_example_error": True,
     "download_all_examples": False,
+    "within_subsection_order": "FileNameSortKey",
     "show_signature": False,
     "write_computation_times": False,
 }
 
 html_theme = "pydata_sphinx_theme"
 html_title = "owtsweep"
+html_context = {"default_mode": "auto"}
+html_extra_path = ["index.html"]  # leads from the root of the site to its first page
+html_static_path = ["site.css"]
+html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_theme_options = {
@@ -43,7 +49,7 @@ html_theme_options = {
     "footer_end": [],
 }
 
-autodoc_typehints = "none"  # signatures have them; docstrings say shapes and units
+autodoc_typehints_format = "short"
 autodoc_member_order = "bysource"
 autodoc_class_signature = "separated"
 default_role = "literal"
