@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
-from owtsweep.errors import InputError, as_text
+from owtsweep.errors import InputError, as_text, require
 from owtsweep.results.status import FAILED, OK, UNABLE
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ class Block:
     tunings: the tunings to which the block's rows belong, if the run has several
         (`Config.by_tuning`); else (). The plan sets them: the block's key does not depend on the
         names of tunings.
+    worlds: the worlds to which they belong, if the run has several (the key `over`); else ().
     """
 
     group: str
@@ -64,6 +65,7 @@ class Block:
     cases_per_row: int = 1
     recompute: str = ""
     tunings: tuple[str, ...] = ()
+    worlds: tuple[str, ...] = ()
 
     def choose(self, config: C) -> C:
         """Return the configuration, of one tuning, with which the block is computed."""
@@ -145,6 +147,15 @@ class Engine(ABC):
         Each table is written as `<name>.csv`. Text columns of `rows` may be categorical, as in
         `owtsweep.sweep.runs.Run.stored`.
         """
+
+    def make_regret(
+        self, config: AnyConfig, rows: Mapping[str, pd.DataFrame]
+    ) -> dict[str, pd.DataFrame]:
+        """Make the tables of regret from the rows of each world, by name, as `tables` does.
+
+        It is called for a configuration with the key `over`.
+        """
+        raise NotImplementedError
 
     @abstractmethod
     def terminal(self, config: AnyConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
@@ -259,6 +270,17 @@ class Study(ABC):
 
         Raises InputError if keys, schemes and motion do not fit together, or a value is refused.
         """
+
+    def check_over(self, config: AnyConfig) -> None:
+        """Check the key `over`, after `check`.
+
+        Raises InputError if the study has no such axis, or a world on it cannot be made.
+        """
+        require(
+            config.over is None,
+            f"over: nothing departs from what schemes are told in the study {self.name}; leave it "
+            "out",
+        )
 
     def check_outside(self, config: AnyConfig) -> None:  # noqa: B027
         """Check what lies outside of the configuration: files, and keys of other studies.

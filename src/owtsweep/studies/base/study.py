@@ -110,6 +110,13 @@ class DeclaredStudy(ContestStudy):
 
         return DeclaredEngine(self.declaration(), self.contest())
 
+    def check_over(self, config: ContestConfig) -> None:
+        from owtsweep.studies.base.worlds import check
+
+        if config.over is not None:
+            made = self.declaration()
+            check(made.axes, made.list_untold(config), self.check, config)
+
     def estimate(self, config: ContestConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""
         from owtsweep.studies.base.estimating import estimate_record

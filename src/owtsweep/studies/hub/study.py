@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep import estimation, evaluation, motion, sensing
 from owtsweep.config import Plain
+from owtsweep.errors import require
 from owtsweep.studies.hub import kernels
 from owtsweep.studies.hub.listed import SCHEMES, describe
 from owtsweep.sweep.study import Study, add_versions
@@ -83,6 +84,20 @@ class HubStudy(HubKeys):
         from owtsweep.studies.hub.config import HubConfig
 
         return HubConfig
+
+    def check_over(self, config: HubConfig) -> None:
+        from owtsweep.studies.base.worlds import check
+        from owtsweep.studies.hub.checks import check_truth
+        from owtsweep.studies.hub.declaration import find_declaration
+        from owtsweep.studies.hub.untold import list_untold
+
+        if config.over is None:
+            return
+        require(
+            config.engine != "expected",
+            "over: a regret needs records, which engine=expected has not; use engine=batch",
+        )
+        check(find_declaration(config).axes, list_untold(config), check_truth, config)
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
         from owtsweep.studies.hub.conditions import get_conditions
