@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition, Value
     from owtsweep.results.contents import Contents
     from owtsweep.sweep.gather import Results
+    from owtsweep.sweep.levers import Lever
 
     C = TypeVar("C", bound=Config)
 
@@ -242,6 +243,14 @@ class Study(ABC):
     #: of its component, and both in words with the unit. None without `estimate`.
     stretched: tuple[str, int, str] | None = None
 
+    #: What `advise` tries to lessen the errors.
+    levers: Sequence[Lever] = ()
+    #: Schemes that `advise` adds to the configuration's own.
+    advised_schemes: Sequence[str] = ()
+    #: Number of records over which `advise` measures the error of the best scheme, where these cost
+    #: seconds; 0: those that decided.
+    advised_records: int = 0
+
     @abstractmethod
     def config_type(self) -> type[Config]:
         """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""
@@ -290,6 +299,13 @@ class Study(ABC):
 
         Raises InputError if a file cannot be used, or another study refuses its keys.
         """
+
+    def find_bound(self, config: AnyConfig) -> float | None:
+        """Return the least mean of what is judged that is possible in the grid's only cell.
+
+        It is a mean square where errors are roots of these; None if no bound is known.
+        """
+        return None
 
     def describe_origin(self, config: AnyConfig) -> str:
         """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
