@@ -69,12 +69,21 @@ def ask(overrides: Sequence[str], config_dir: str | None = None) -> Question:
         "name: `advise` names its folders by their questions; leave out name, or choose another "
         "place by results=FOLDER",
     )
+    require(
+        study.engine(config).samples,
+        f"engine: advice rests on records, and engine={config.engine} has none; leave out engine",
+    )
+    cell = _find_cell(study, config)
+    require(
+        len(cell) > 0,
+        f"study: {study.name!r} has no case of its own; use `sweep study={study.name}`",
+    )
     if study.advised_schemes and not any(_key(word) == "schemes" for word in words):
         names = [*getattr(config, "schemes", ()), *study.advised_schemes]
         words = [*words, f"schemes=[{','.join(dict.fromkeys(map(str, names)))}]"]
         config = compose(words, config_dir)
     return Question(
-        overrides, words, _keep_apart(config), study, _find_cell(study, config), config_dir
+        overrides, words, _keep_apart(config), study, cell, config_dir
     )
 
 
@@ -113,7 +122,7 @@ def _find_cell(study: Study, config: Config) -> dict[Condition, Value]:
         values = next((each for each in found if isinstance(each, list) and each), [])
         if len(values) == 1:
             cell[condition] = values[0]
-        else:
+        elif values:  # without any, nothing is varied along this axis
             several.append((condition, values))
     if several:
         names = " and ".join(condition.name for condition, _ in several)

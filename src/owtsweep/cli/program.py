@@ -256,7 +256,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # The message of an interrupted sweep says how many cases are stored.
         text = str(error) or "interrupted; finished blocks are kept"
         print(f"owtsweep: {text}; the same command goes on from there", file=sys.stderr)
-        if arguments[:1] in (["sweep"], ["replay"]):
+        if arguments[:1] in (["advise"], ["sweep"], ["replay"]):
             print(f"  {same_command(arguments)}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # `owtsweep list | head`
