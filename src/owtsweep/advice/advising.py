@@ -12,6 +12,8 @@ from owtsweep.advice.answer import Answer, find_answer, measure_closely
 from owtsweep.advice.found import Error
 from owtsweep.advice.levers import Pulled, pull_levers
 from owtsweep.advice.question import Question
+from owtsweep.advice.worlds import Turned, join_worlds, try_worlds
+from owtsweep.results.regret import tell_regret
 from owtsweep.sweep.progress import Progress
 
 
@@ -23,6 +25,7 @@ class Advice:
     answer: who is best, with error, runner-up, baseline and bound.
     closer: the error of the best over more records; None if it was not measured.
     levers: what each change of a sensor brings.
+    worlds: what it turns to where the truth is not what schemes are told.
     lines: All of it in words.
     """
 
@@ -30,6 +33,7 @@ class Advice:
     answer: Answer | None = None
     closer: Error | None = None
     levers: list[Pulled] = field(default_factory=list)
+    worlds: list[Turned] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
 
     def __str__(self) -> str:
@@ -60,6 +64,18 @@ class Advice:
             self.levers.append(pulled)
             yield describe.tell_pulled(pulled, answer)
         yield describe.tell_most(self.levers)
+        yield from self._tell_worlds(answer)
+
+    def _tell_worlds(self, answer: Answer) -> Iterator[str]:
+        if not self.question.study.list_worlds(self.question.config):
+            return
+        yield describe.HEADING_OF_WORLDS
+        for turned in try_worlds(self.question, answer):
+            self.worlds.append(turned)
+            yield describe.tell_turned(turned, answer)
+        tried = [turned.world for turned in self.worlds if not turned.refused]
+        if tried:
+            yield from tell_regret(join_worlds(self.question, tried))
 
     def as_plain(self) -> dict[str, object]:
         """Return the advice as dicts, lists and scalars, e.g. for JSON; NaN is None."""
@@ -93,9 +109,15 @@ class Advice:
                 }
                 for pulled in self.levers
             ],
+            "worlds": [_list_turned(turned) for turned in self.worlds],
             "run": str(found.run.folder),
         }
         return plain
+
+
+def _list_turned(turned: Turned) -> dict[str, object]:
+    values = turned._asdict().items()
+    return {name: _clean(v) if isinstance(v, float) else v for name, v in values}
 
 
 def _list_error(error: Error) -> dict[str, object]:

@@ -10,12 +10,18 @@ from owtsweep.advice.answer import Answer
 from owtsweep.advice.found import Error
 from owtsweep.advice.levers import RECORDS, Pulled
 from owtsweep.advice.question import Question
+from owtsweep.advice.worlds import Turned
 from owtsweep.results.answer import tell_cell
 from owtsweep.results.criteria import Criterion, show_error
 
 #: What stands before the levers.
 HEADING_OF_LEVERS = (
     f"What would lessen the error (over {RECORDS} records each; times the error without it):"
+)
+#: What stands before the other worlds.
+HEADING_OF_WORLDS = (
+    "What if the world is another, and schemes are told what they were told "
+    f"(over {RECORDS} records each; times the least error there):"
 )
 #: What is said first of the best contender, by verdict.
 VERDICTS = {"won": "is best", "tie": "is the simplest of a tie", "open": "is best so far"}
@@ -86,6 +92,25 @@ def tell_pulled(pulled: Pulled, given: Answer) -> str:
     ends = f" (95 %: {low} to {high})" if np.isfinite(ratio.low) else ""
     error = given.found.criterion.show(pulled.error)
     return f"{start} {pulled.best}, {error}, {show_error(ratio.value)} times{ends}."
+
+
+def tell_turned(turned: Turned, given: Answer) -> str:
+    """Return in a line what the advice turns to in another world."""
+    start = f"{turned.sentence[0].upper()}{turned.sentence[1:]} ({turned.world}):"
+    if turned.refused:
+        return f"{start} cannot be tried: {turned.refused}"
+    show = given.found.criterion.show
+    if not np.isfinite(turned.error):
+        return f"{start} {given.best} has no result; run {turned.best}, {show(turned.least)}."
+    if turned.best == given.best:
+        return f"{start} {given.best} stays best, {show(turned.error)}."
+    times = f"{show_error(turned.regret)} times"
+    if np.isfinite(turned.low):
+        times += f" (95 %: {show_error(turned.low)} to {show_error(turned.high)})"
+    return (
+        f"{start} {given.best} has {show(turned.error)}, {times} that of the best, "
+        f"{turned.best}, {show(turned.least)}."
+    )
 
 
 def tell_most(levers: Sequence[Pulled]) -> str:

@@ -38,7 +38,7 @@ class Found:
     criterion: by which the cell was decided.
     values: Contender -> what is judged of each record, NaN where it has none.
     cells: the only row of best_scheme.csv with this criterion.
-    ratios: the table ratios.csv.
+    tables: the tables of the run, by name.
     """
 
     run: Run
@@ -46,7 +46,12 @@ class Found:
     criterion: Criterion
     values: Mapping[str, Array]
     cells: pd.DataFrame
-    ratios: pd.DataFrame
+    tables: Mapping[str, pd.DataFrame]
+
+    @property
+    def ratios(self) -> pd.DataFrame:
+        """The table ratios.csv."""
+        return self.tables["ratios"]
 
     def find_best(self, records: int) -> str:
         """Return the contender of least error over the first records, of those that have all."""
@@ -91,7 +96,7 @@ def find(study: Study, config: Config, progress: Progress | None = None) -> Foun
         contents.criteria[name],
         _take_values(contents, name),
         cells[(cells["criterion"] == name) & (cells["window"] == contents.window)],
-        result.tables["ratios"],
+        result.tables,
     )
 
 

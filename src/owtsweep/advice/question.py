@@ -70,6 +70,10 @@ def ask(overrides: Sequence[str], config_dir: str | None = None) -> Question:
         "place by results=FOLDER",
     )
     require(
+        config.over is None,
+        "over: `advise` asks about the study's worlds by itself; leave out over, or use `sweep`",
+    )
+    require(
         study.engine(config).samples,
         f"engine: advice rests on records, and engine={config.engine} has none; leave out engine",
     )
@@ -82,9 +86,7 @@ def ask(overrides: Sequence[str], config_dir: str | None = None) -> Question:
         names = [*getattr(config, "schemes", ()), *study.advised_schemes]
         words = [*words, f"schemes=[{','.join(dict.fromkeys(map(str, names)))}]"]
         config = compose(words, config_dir)
-    return Question(
-        overrides, words, _keep_apart(config), study, cell, config_dir
-    )
+    return Question(overrides, words, _keep_apart(config), study, cell, config_dir)
 
 
 def _key(word: str) -> str:

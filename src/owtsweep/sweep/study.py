@@ -300,6 +300,10 @@ class Study(ABC):
         Raises InputError if a file cannot be used, or another study refuses its keys.
         """
 
+    def list_worlds(self, config: AnyConfig) -> Mapping[str, str]:
+        """Return name -> how it departs, of the worlds that the key `over` may name."""
+        return {}
+
     def find_bound(self, config: AnyConfig) -> float | None:
         """Return the least mean of what is judged that is possible in the grid's only cell.
 

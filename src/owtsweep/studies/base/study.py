@@ -110,6 +110,9 @@ class DeclaredStudy(ContestStudy):
 
         return DeclaredEngine(self.declaration(), self.contest())
 
+    def list_worlds(self, config: ContestConfig) -> dict[str, str]:
+        return self.declaration().list_untold(config).tell()
+
     def check_over(self, config: ContestConfig) -> None:
         from owtsweep.studies.base.worlds import check
 

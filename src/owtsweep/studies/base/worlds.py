@@ -41,6 +41,10 @@ class Untold:
     keys: Sequence[str] = ()
     departures: Mapping[str, Departure] = field(default_factory=dict)
 
+    def tell(self) -> dict[str, str]:
+        """Return name of a world -> how it departs, in words."""
+        return {name: departure.sentence for name, departure in self.departures.items()}
+
 
 class World(NamedTuple):
     """One world of a configuration.

@@ -95,6 +95,11 @@ class HubStudy(HubKeys):
 
         return HubConfig
 
+    def list_worlds(self, config: HubConfig) -> dict[str, str]:
+        from owtsweep.studies.hub.untold import list_untold
+
+        return list_untold(config).tell()
+
     def check_over(self, config: HubConfig) -> None:
         from owtsweep.studies.base.worlds import check
         from owtsweep.studies.hub.checks import check_truth
