@@ -1,4 +1,4 @@
-"""What docs/floater.md says of the paper is what the kept tables say."""
+"""What docs/research/floater_reproduction.md says of the paper is what the kept tables say."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pandas as pd
 from experiments.mehammer2018.published import read_author_record, read_stored_tests
 
 ROOT = Path(__file__).parents[2]
-PAGE = " ".join((ROOT / "docs" / "floater.md").read_text("utf-8").split())
+PAGE = " ".join((ROOT / "docs/research/floater_reproduction.md").read_text("utf-8").split())
 CLAIMS = pd.read_csv(ROOT / "results" / "reference" / "floater" / "fidelity_claims.csv")
 
 
