@@ -20,7 +20,7 @@ REFERENCE = {"configuration", "faults", "files_of_a_case", "glossary", "store"}
 #: Longer than they should be.
 LONG = {
     "better", "recorded", "replay",
-    "architecture", "deciding", "plant", "reproduction",
+    "architecture", "deciding",
 }  # fmt: skip
 FENCED = re.compile(r"^ *```.*?^ *```$", flags=re.DOTALL | re.MULTILINE)
 
