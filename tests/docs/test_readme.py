@@ -70,13 +70,6 @@ def test_the_commands_of_the_record_say_what_is_quoted(elsewhere, kernels, capsy
     assert capsys.readouterr().out.splitlines()[-1:] == quoted
 
 
-@pytest.mark.parametrize("command", re.findall(r"\| `owtsweep (.*?)` \|", README))
-def test_the_commands_of_the_studies_are_accepted(elsewhere, command, capsys):
-    assert main([*command.split(), "--dry-run"]) == 0
-    assert "cases" in capsys.readouterr().out
-    assert not any(elsewhere.iterdir())
-
-
 def test_how_many_chances_are_missed():
     ((hme1, low, high),) = re.findall(r"HME1 on the hub misses (\d+) %.*SKFA (\d+)-(\d+) %", README)
     for name, told in (("sigma_hub", (hme1, hme1)), ("sigma_hub_skfa", (low, high))):
