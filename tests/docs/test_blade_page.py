@@ -38,6 +38,22 @@ def read_row(number: int, cells: int, outage: int) -> list[str]:
     return [cell.strip() for cell in rows[number].split("|")]
 
 
+def test_the_table_of_root_errors() -> None:
+    found = {}
+    for unit in ("fog", "tactical", "mems"):
+        table = pd.read_csv(KEPT / f"blade/summary_sigma_outage_{unit}.csv")
+        table = table.query("measure == 'root' and sigma == 0.01")
+        for outage in OUTAGES:
+            at = table[table["outage"] == outage].set_index("scheme")["mean"]
+            found[unit, outage] = 1e3 * at
+    told = re.findall(r"\| ([A-Z_]+)[^|]* ((?:\| [\d.]+ ){9})\|", PAGE)
+    assert len(told) == 12
+    for scheme, numbers in told:
+        for number, errors in zip(re.findall(r"[\d.]+", numbers), found.values(), strict=True):
+            tolerance = 0.051 if "." in number else 0.51
+            assert float(number) == pytest.approx(errors[scheme], abs=tolerance), scheme
+
+
 @pytest.fixture(scope="module")
 def hooks() -> pd.DataFrame:
     table = pd.read_csv(KEPT / "blade/moving_hook.csv")

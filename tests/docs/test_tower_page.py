@@ -46,3 +46,17 @@ def test_how_many_cells_are_decided(tuning: str, decided: tuple[int, int]) -> No
     assert (found["damage"], found["base_moment"]) == decided
     assert "They tell the best scheme from the next in no cell of the two right maps" in PAGE
     assert "decide 21 and 23 of 35 cells" in PAGE
+
+
+def test_the_table_of_errors_at_one_percent_noise() -> None:
+    table = pd.read_csv(TABLES / "summary_matched.csv").query("noise == 1")
+    wide = table.pivot_table(index="scheme", columns=["measure", "soil_factor"], values="mean")
+    row = r"\| ([A-Z_\d]+) \| ([\d.]+)[^|]* \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|"
+    told = re.findall(row, PAGE)
+    assert len(told) == 10
+    for scheme, *numbers in told:
+        moments = [wide.loc[scheme, ("base_moment", factor)] for factor in (1.0, 0.5, 2.0)]
+        found = [wide.loc[scheme, ("damage", 1.0)], *moments]
+        for number, value in zip(numbers, found, strict=True):
+            digits = len(number.partition(".")[2])
+            assert float(number) == pytest.approx(value, abs=0.51 * 10.0**-digits), scheme
