@@ -82,7 +82,7 @@ def test_how_many_chances_are_missed():
 
 
 def test_how_many_statements_are_reproduced():
-    ((total, held),) = re.findall(r"of the hub's (\d+) statements (\d+) do", PROSE)
+    ((total, held),) = re.findall(r"of the (\d+) statements in the hub's paper (\d+) do", PROSE)
     claims = pd.read_csv(KEPT / "paper/fidelity.csv").query("kind == 'statement'")
     assert len(claims) == int(total)
     assert (claims["agrees"] == "reproduced").sum() == int(held)
