@@ -66,8 +66,8 @@ def test_the_commands_of_the_record_say_what_is_quoted(elsewhere, kernels, capsy
     assert len(commands) == 3
     for words in commands:
         assert main([*words, *(FEW if words[1:] == ["sample_sensors.csv"] else [])]) == 0
-    quoted = re.findall(r"^recommended: .*$", README, flags=re.MULTILINE)
-    assert capsys.readouterr().out.splitlines()[-1:] == quoted
+    (quoted,) = re.findall(r"The last line.*?```\n(.*?)```", README, flags=re.DOTALL)
+    assert capsys.readouterr().out.endswith(quoted)
 
 
 def test_how_many_chances_are_missed():
