@@ -1,4 +1,4 @@
-"""The numbers of docs/better.md, and of docs/hub.md on SKFA, are those of the tables."""
+"""The numbers of docs/better.md, its research, and docs/hub.md on SKFA are the tables'."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from owtsweep.studies import compose
 
 ROOT = Path(__file__).parents[2]
 TABLES = ROOT / "results" / "reference" / "better"
-PAGE = (ROOT / "docs" / "better.md").read_text("utf-8")
+NAMES = ("research/bounds", "better", "research/hold", "research/switching", "outliers")
+PAGE = "\n".join((ROOT / "docs" / f"{name}.md").read_text("utf-8") for name in NAMES)
 HUB = (ROOT / "docs" / "hub.md").read_text("utf-8")
 FOUR = ["EKF", "MKF", "HME1", "HME2"]
 
