@@ -1,7 +1,7 @@
 """Count the files of the package whose functions run in one case of the hub study, and list them.
 
     python -m benchmarks.files_run [OVERRIDE...]
-    python -m benchmarks.files_run --page         also write them into docs/architecture.md
+    python -m benchmarks.files_run --page         also write them into docs/files_of_a_case.md
 
 The case is one scheme in one record under one condition (`CASE`); overrides come after it. The
 command `sweep` runs it in this process and in one thread, without a bar and without figures; the
@@ -122,7 +122,7 @@ def main() -> None:
     subprocess.run([sys.executable, "-c", compiling], check=True)
     first = trace(lambda: run_case(words))
     if "--page" in sys.argv:
-        page.put("files of one case", make_table(first), page.DOCS / "architecture.md")
+        page.put("files of one case", make_table(first), page.DOCS / "files_of_a_case.md")
     print(*first, sep="\n")
     print(f"files of one case: {count(first)}")
     again = trace(lambda: run_case(words))

@@ -13,18 +13,20 @@ from typing import TYPE_CHECKING
 from owtsweep._version import __version__
 
 if TYPE_CHECKING:
-    from owtsweep.api import estimate, load, online, replay, run
+    from owtsweep.advice.advising import Advice
+    from owtsweep.api import advise, estimate, load, online, replay, run
     from owtsweep.errors import InputError
     from owtsweep.evaluation.estimate import Estimate, EstimatedRecord, Innovation, Reading
     from owtsweep.studies.replay.running import Replay
     from owtsweep.sweep.runs import Run
 
 __all__ = [
-    "Estimate", "EstimatedRecord", "Innovation", "InputError", "Reading", "Replay", "Run",
-    "__version__", "estimate", "load", "online", "replay", "run",
+    "Advice", "Estimate", "EstimatedRecord", "Innovation", "InputError", "Reading", "Replay",
+    "Run", "__version__", "advise", "estimate", "load", "online", "replay", "run",
 ]  # fmt: skip
 
 _HOMES = {
+    "Advice": "owtsweep.advice.advising",
     "Estimate": "owtsweep.evaluation.estimate",
     "EstimatedRecord": "owtsweep.evaluation.estimate",
     "InputError": "owtsweep.errors",
@@ -32,6 +34,7 @@ _HOMES = {
     "Reading": "owtsweep.evaluation.estimate",
     "Replay": "owtsweep.studies.replay.running",
     "Run": "owtsweep.sweep.runs",
+    "advise": "owtsweep.api",
     "estimate": "owtsweep.api",
     "load": "owtsweep.api",
     "online": "owtsweep.api",

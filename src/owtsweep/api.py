@@ -15,12 +15,13 @@ from owtsweep.sweep.study import blame
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from owtsweep.advice.advising import Advice
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.studies.hub.contract import Estimator
     from owtsweep.studies.replay.running import Replay
     from owtsweep.sweep.runs import Run
 
-__all__ = ["estimate", "load", "online", "replay", "run"]
+__all__ = ["advise", "estimate", "load", "online", "replay", "run"]
 
 #: The sensors and the tuning of an estimator whose user names none.
 DEFAULTS = ("tuning=matched", "sensors=strong_bias")
@@ -49,6 +50,32 @@ def run(overrides: Sequence[str] = ()) -> Run:
 
     config = registry.compose(overrides)
     return sweep(registry.get_study(config.study), config).run
+
+
+def advise(overrides: Sequence[str] = (), *, quick: bool = False) -> Advice:
+    """Say which estimator to run in one case, how good it is, and what would change that.
+
+    overrides: Hydra's as on the command line. An axis may stand without its section, e.g.
+        `["natural_period=3.2", "amplitude=0.5", "sensors.gnss.rate=10"]`.
+    quick: whether to leave out levers and other worlds.
+    Returns: as text it is what the command prints; `as_plain()` returns its numbers as a dict.
+    Raises InputError if an override is wrong, an axis has no value or several, or no scheme can
+        work in this case.
+
+    >>> import owtsweep
+    >>> advice = owtsweep.advise([
+    ...     "natural_period=4", "amplitude=0.5", "record.duration=100", "schemes=[MKF,HME1]",
+    ... ], quick=True)
+    >>> str(advice).splitlines()[0]
+    'Asked: hub, natural period 4 s, amplitude 0.5 m.'
+    """
+    from owtsweep.advice.advising import Advice
+    from owtsweep.advice.question import ask
+
+    advice = Advice(ask(overrides))
+    for _ in advice.tell(quick=quick):
+        pass
+    return advice
 
 
 def load(path: str | PathLike[str]) -> Run:

@@ -55,13 +55,13 @@ def list_fragments(text: str) -> list[str]:
 
 @pytest.fixture
 def walk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kernels: None) -> Iterator[Path]:
-    """An empty folder with the README's scheme in it; `figures` draws a single figure."""
+    """An empty folder with the scheme of docs/own_scheme.md; `figures` draws a single figure."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "mine", raising=False)
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"```python\n(import numpy.*?)```", readme, flags=re.DOTALL)
+    page = (ROOT / "docs/own_scheme.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(import numpy.*?)```", page, flags=re.DOTALL)
     (tmp_path / "mine.py").write_text(example)
     draw = Run.draw
 

@@ -1,129 +1,96 @@
-"""The README's example is the one that the tests run, and the files it names exist."""
+"""The README is short, its commands run, and its numbers are those of the kept tables."""
+
+from __future__ import annotations
 
 import re
-import tomllib
+import shlex
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
+import pytest
 
-from owtsweep.studies import compose
+from owtsweep.cli import main
+from owtsweep.sweep.runs import Run
+from owtsweep.testing import check_scheme
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+PROSE = " ".join(README.split())
+LINES = README.splitlines()
+KEPT = ROOT / "results" / "reference"
+#: Fewer schemes, with the same answer.
+FEW = ["schemes=[HME1,HME2]"]
+SMALL = "grid.natural_period=[4.0] grid.amplitude=[0.5] record.duration=60 grid.replicates=2"
 
 
-def test_the_example_scheme_is_the_tested_one():
-    (example,) = re.findall(r"```python\n(import numpy.*?)```", README, flags=re.DOTALL)
-    tested = (ROOT / "tests/studies/hub/hold_last_fix.py").read_text(encoding="utf-8")
-    _, _, code = tested.split('"""', 2)
-    assert example.strip() == code.strip()
+@pytest.fixture
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """An empty folder, in which nothing is drawn: drawing takes most of the time."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "mine", raising=False)
+    monkeypatch.setattr(Run, "draw", lambda *args, **options: [])
+    yield tmp_path
+    sys.modules.pop("mine", None)  # other tests have modules of this name
 
 
-def test_each_extra_that_is_named_is_declared_and_tested():
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"][
-        "optional-dependencies"
-    ]
-    files = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "src").rglob("*.py")]
-    text = " ".join(file.read_text("utf-8") for file in files)
-    named = set(re.findall(r"owtsweep\[(\w+)\]", text))
-    assert "launchers" in named
-    assert named <= set(extras)
-    assert all(set(extras[name]) <= set(extras["test"]) for name in named - {"test", "bench"})
+def find_words(line: str) -> list[str]:
+    """Return the words of a command line that come after the program's name."""
+    words = shlex.split(line, comments=True)
+    return words[words.index("owtsweep") + 1 :]
 
 
-def test_the_readings_name_every_key():
-    from owtsweep.config.hints import list_keys
-    from owtsweep.studies.hub.config import HubConfig
-
-    text = (ROOT / "docs/readings.md").read_text(encoding="utf-8")
-    for key in re.findall(r"^\| `([\w.]+)`", text, flags=re.MULTILINE):
-        assert key in list_keys(HubConfig), key
+def test_it_is_short_and_its_first_command_stands_high():
+    assert len(README.split()) <= 900
+    assert [line.startswith("$ owtsweep") for line in LINES[:25]].count(True) == 1
+    (picture,) = (number for number, line in enumerate(LINES, 1) if line.startswith("!["))
+    assert LINES.index("<!-- answer of advise: begin -->") < picture <= 40
 
 
-def test_links_lead_somewhere():
-    kept = (ROOT / "results" / "reference").rglob("*.md")
-    documents = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *kept]
-    for document in documents:
-        links = re.findall(r"\]\((?!https?:)([^)#]+)\)", document.read_text(encoding="utf-8"))
-        for link in links:
-            assert (document.parent / link).exists(), f"{document.relative_to(ROOT)}: {link}"
+def test_the_estimator_runs_beside_the_others(elsewhere, kernels, capsys):
+    (code,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+    assert sum(map(bool, code.splitlines())) <= 15
+    (elsewhere / "mine.py").write_text(code)
+    import mine
+
+    check_scheme(mine.LastFix())
+    (line,) = (line for line in LINES if line.startswith("PYTHONPATH"))
+    assert main([*find_words(line), *SMALL.split()]) == 0
+    assert "LastFix is best in no cell" in " ".join(capsys.readouterr().out.split())
 
 
-def test_every_page_is_linked_from_the_readme_or_from_another():
-    pages = sorted((ROOT / "docs").glob("*.md"))
-    others = [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
-    for page in pages:
-        linking = [other for other in (*others, *pages) if other != page]
-        assert any(f"{page.name}" in other.read_text("utf-8") for other in linking), page.name
+def test_the_commands_of_the_record_say_what_is_quoted(elsewhere, kernels, capsys):
+    commands = [find_words(line) for line in LINES if line.startswith("owtsweep replay")]
+    assert len(commands) == 3
+    for words in commands:
+        assert main([*words, *(FEW if words[1:] == ["sample_sensors.csv"] else [])]) == 0
+    (quoted,) = re.findall(r"The last line.*?```\n(.*?)```", README, flags=re.DOTALL)
+    assert capsys.readouterr().out.endswith(quoted)
 
 
-def read_map(run):
-    best = pd.read_csv(ROOT / f"results/reference/{run}/best_scheme.csv")
-    return best[best["criterion"] == "position"]
+def test_how_many_chances_are_missed():
+    ((hme1, low, high),) = re.findall(r"HME1 on the hub misses (\d+) %.*SKFA (\d+)-(\d+) %", README)
+    for name, told in (("sigma_hub", (hme1, hme1)), ("sigma_hub_skfa", (low, high))):
+        table = pd.read_csv(KEPT / f"mating/summary_{name}.csv").query(
+            "measure == 'missed' and sigma == 0.01 and hub_sigma == 0.01"
+        )
+        filters = table["scheme"].isin(["UKF", "MEKF_HEADING", "PENDULUM"])
+        missed = 100.0 * table.loc[filters, "mean"]
+        assert [missed.min(), missed.max()] == pytest.approx([float(n) for n in told], abs=0.5)
 
 
-def test_what_the_readme_says_of_the_matched_map():
-    told = r"run HME1\nwhere the motion is larger than some (\.\d) m, and MKF from some (\.\d+) to"
-    ((hme1_from, mkf_from),) = re.findall(told, README)
-    best = read_map("matched_on_paper")
-    assert set(best.loc[best["amplitude"] > 0.2, "best"]) == {"HME1"}
-    assert set(best.loc[best["amplitude"] == 0.2, "best"]) == {"MKF"}
-    small = best["amplitude"] <= 0.1
-    assert (best["baseline_wins"] == small).all()
-    assert set(best.loc[small, "baseline"]) == {"NONE"}
-    # between the cells: errors of MKF and of zero grow as the square of the amplitude
-    wide = best.pivot(index="natural_period", columns="amplitude", values="mse_best")
-    growth = (wide[0.2] - wide[0.1]) / (0.2**2 - 0.1**2)
-    steady = wide[0.1] - growth * 0.1**2
-    of_zero = best[small].groupby("natural_period")["mse_baseline"].first() / 0.05**2
-    equal = np.sqrt(steady / (of_zero - growth))
-    assert np.allclose(equal, float(mkf_from), atol=0.006)
-    equal = np.sqrt((wide[0.5] - steady) / growth)
-    assert np.allclose(equal, float(hme1_from), atol=0.06)
+def test_how_many_statements_are_reproduced():
+    ((total, held),) = re.findall(r"of the (\d+) statements in the hub's paper (\d+) do", PROSE)
+    claims = pd.read_csv(KEPT / "paper/fidelity.csv").query("kind == 'statement'")
+    assert len(claims) == int(total)
+    assert (claims["agrees"] == "reproduced").sum() == int(held)
 
 
-def test_what_the_readme_says_of_the_papers_map():
-    best = read_map("paper")
-    (percent,) = re.findall(r"MKF comes within (\d+) % of HME2 at \.1 m and below", README)
-    near = best[best["amplitude"] <= 0.1]
-    assert set(near["best"]) == {"HME2"}
-    assert set(near["runner_up"]) == {"MKF"}
-    assert (near["mse_runner_up"] / near["mse_best"]).max() < 1.0 + int(percent) / 100
-    assert set(best["best"]) == {"HME1", "HME2"}
-    largest = best[best["best"] == "HME2"].groupby("natural_period")["amplitude"].max()
-    assert largest.is_monotonic_increasing  # small and slow
-
-    numbers = pd.read_csv(ROOT / "results/reference/paper/fidelity_numbers.csv")
-    told = r"The (\d+) numbers are met to a median factor of ([\d.]+)\."
-    ((count, factor),) = re.findall(told, README)
-    assert len(numbers) == int(count)
-    assert f"{2 ** numbers['log2'].abs().median():.2f}" == factor
-
-    claims = pd.read_csv(ROOT / "results/reference/paper/fidelity.csv")
-    verdicts = claims.loc[claims["kind"] == "statement", "agrees"]
-    told = r"(\d+) of the paper's\n(\d+) statements are reproduced, (\d+) are not"
-    ((yes, total, no),) = re.findall(told, README)
-    assert len(verdicts) == int(total)
-    counts = {"reproduced": int(yes), "not reproduced": int(no)}
-    assert verdicts.value_counts().to_dict() == counts
-
-
-def test_the_readme_names_the_truth_of_its_maps():
-    from owtsweep.config.stored import read_stored
-
-    for run in ("paper", "matched_on_paper"):
-        config, _ = read_stored(ROOT / f"results/reference/{run}/config.yaml")
-        imu, records = config["sensors"]["imu"], config["grid"]["replicates"]
-        told = (config["record"]["duration"], imu["bias_initial"], imu["bias_walk"], records)
-        assert told == (1000.0, 0.02, 1e-4, 100)
-        assert config["seed"] == 2019
-    assert "records of 1000 s, IMU bias .02 m/s² with a walk of 1e-4 m/s²/√s, 100 records" in README
-
-
-def test_what_the_pages_set_of_a_tower_is_accepted():
-    text = (ROOT / "docs/tower.md").read_text(encoding="utf-8")
-    overrides = re.findall(r"`(sensors\.[^`]*\])`", text)
-    assert overrides
-    for words in overrides:
-        compose(["study=tower", *words.split()])  # refuses heights where no sensor can sit
+def test_hme1_is_best_above_a_third_of_a_metre():
+    assert "HME1 for motion above some 0.3 m; below: MKF or none." in PROSE
+    best = pd.read_csv(KEPT / "matched_on_paper/best_scheme.csv").query("criterion == 'position'")
+    assert set(best.loc[best["amplitude"] > 0.3, "best"]) == {"HME1"}
+    assert set(best.loc[best["amplitude"] < 0.3, "best"]) == {"MKF"}
+    assert best.loc[best["amplitude"] < 0.2, "baseline_wins"].all()

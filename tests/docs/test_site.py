@@ -26,8 +26,8 @@ def list_entries(part: str) -> list[str]:
 def test_every_page_has_one_place() -> None:
     entries = [entry for part in PARTS for entry in list_entries(part)]
     assert len(set(entries)) == len(entries)
-    pages = {page.name for page in DOCS.glob("*.md")} - {"index.md"}
-    assert pages == {entry for entry in entries if "/" not in entry}
+    pages = {page.relative_to(DOCS).as_posix() for page in DOCS.rglob("*.md")} - {"index.md"}
+    assert pages == {entry for entry in entries if entry.endswith(".md") and entry[:3] != "../"}
 
 
 def test_the_picture_of_the_rooms_is_current() -> None:

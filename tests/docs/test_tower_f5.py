@@ -1,4 +1,4 @@
-"""What docs/tower.md says of the cause of F5 is what the kept table holds."""
+"""What docs/research/tower_reproduction.md says of the cause of F5 is what the kept table holds."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ def test_the_declared_variance_of_displacements_is_the_cause_of_f5():
     table = pd.read_csv(ROOT / "results/reference/tower/declared_noise.csv")
     assert set(table["records"]) == {10}
     off = table.set_index(["change", "sensors", "direction"])["worst_deviation"]
-    page = " ".join((ROOT / "docs/tower.md").read_text("utf-8").split())
+    page = " ".join((ROOT / "docs/research/tower_reproduction.md").read_text("utf-8").split())
     percent = (100.0 * off).round().astype(int)
     none, quiet, slow = (
         percent[change] for change in ("none", "displacement variance 1e-8", "moments walk a tenth")

@@ -76,7 +76,7 @@ def test_the_command_line_says_it_and_writes_nothing(tmp_path, monkeypatch, caps
 
 @pytest.mark.parametrize("study", ["hub", "tower", "floater", "blade", "mating"])
 def test_only_the_hub_study_knows_time_and_memory_before_any_block_has_been_run(study):
-    """README says so."""
+    """docs/commands.md says so."""
     words = [] if study == "hub" else ["experiment=quick"]
     config = compose([f"study={study}", *words])
     predicted = get_study(study).engine(config).predict(config, [], 1)

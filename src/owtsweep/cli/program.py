@@ -55,6 +55,13 @@ def _add_sweep(parser: Parser) -> None:
     _add_run_options(parser)
 
 
+def _add_advise(parser: Parser) -> None:
+    _add_overrides(parser, "natural_period=3.2")
+    _add_flag(parser, "--quick", help="the answer alone, without levers and other worlds")
+    _add_flag(parser, "--json", help="print one JSON object instead of sentences")
+    _add_config_dir(parser)
+
+
 def _add_replay(parser: Parser) -> None:
     parser.add_argument(
         "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
@@ -156,6 +163,11 @@ def _add_flag(parser: Parser, *names: str, help: str) -> None:
 #: Name of a subcommand -> what it does, an example, and the function that adds its arguments to a
 #: parser. The module of a subcommand is owtsweep.cli.<name>.
 COMMANDS = {
+    "advise": (
+        "Say which estimator to run in one case, how good it is, and what would change that.",
+        "advise natural_period=3.2 amplitude=0.5 sensors.gnss.rate=10",
+        _add_advise,
+    ),
     "sweep": (
         "Run a study, or finish one that was stopped, and draw its map.",
         "sweep grid.replicates=2 schemes=[MKF,HME1] tuning=matched",
@@ -261,7 +273,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # The message of an interrupted sweep says how many cases are stored.
         text = str(error) or "interrupted; finished blocks are kept"
         print(f"owtsweep: {text}; the same command goes on from there", file=sys.stderr)
-        if arguments[:1] in (["sweep"], ["replay"]):
+        if arguments[:1] in (["advise"], ["sweep"], ["replay"]):
             print(f"  {same_command(arguments)}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # `owtsweep list | head`

@@ -45,7 +45,7 @@ class Config(Section):
     #: Keys and sections on which no stored number depends; a study may add keys to this set. Every
     #: other key changes the blocks that depend on it (`owtsweep.testing.check_study` tests this).
     inert: ClassVar[frozenset[str]] = frozenset(
-        {"study", "experiment", "results", "name", "config_version", "compute"}
+        {"study", "experiment", "results", "name", "config_version", "compute", "over"}
     )
     #: The sections that a tuning file sets. With several tunings in one run, each tuning has these
     #: sections of its own (`owtsweep.config.tuned`). Empty for a study without tunings.
@@ -67,6 +67,11 @@ class Config(Section):
     seed: int = key("of all random streams", default=2019, ge=0, advice="use an integer >= 0")
     engine: str = key("how results are computed", default="batch")
     config_version: int = key("version of these keys", default=CONFIG_VERSION)
+    over: dict[str, list[Any]] | None = key(
+        "what nobody knows: `world`: names of worlds, or a key of the truth: its values; with "
+        "`weights`: [...], equal ones unless given (docs/regret.md); null: nothing",
+        default=None,
+    )
     compute: Compute = key("how to compute; changes no result", default=Compute())
 
     @field_validator("results")

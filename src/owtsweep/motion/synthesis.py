@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import Spectrum
 
 #: Least length of a short transform divided by the number of the last line. A larger value makes
 #: the transforms longer; a smaller one needs more factors to multiply the lines with.
@@ -29,6 +28,13 @@ SIDE_BY_SIDE, TOGETHER = 4, 2**16
 #: Longer transforms are made by NumPy: for a length with large prime factors, SciPy keeps some
 #: hundred bytes per sample until the process ends.
 LONG = 2**19
+
+
+class Density(Protocol):
+    """A spectrum as far as records need it."""
+
+    def density(self, frequency: Array) -> Array:
+        """Compute the spectral density, m^2/Hz, at frequencies in Hz."""
 
 
 def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
@@ -120,7 +126,7 @@ def line_numbers(band: tuple[float, float], period: float) -> range:
 
 
 def synthesise(
-    spectrum: Spectrum,
+    spectrum: Density,
     phase: np.random.Generator,
     *,
     steps: int,
@@ -168,7 +174,7 @@ def synthesise(
 
 
 def displacement(
-    spectrum: Spectrum,
+    spectrum: Density,
     phase: np.random.Generator,
     *,
     steps: int,
@@ -185,7 +191,7 @@ def displacement(
 
 
 def _drawn_lines(
-    spectrum: Spectrum,
+    spectrum: Density,
     phase: np.random.Generator,
     steps: int,
     step: float,
@@ -230,7 +236,7 @@ class SpectralSource:
     Attributes are as the arguments of `synthesise`.
     """
 
-    spectrum: Spectrum
+    spectrum: Density
     band: tuple[float, float]
     normalise: str = "peak"
     streams: ClassVar[tuple[str, ...]] = ("phase",)

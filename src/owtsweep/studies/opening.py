@@ -41,10 +41,10 @@ def open_run(folder: Path) -> Run:
     try:
         config = checked(study.config_type(), study.hide_code(plain, stored.get("code")))
         study.check(config)  # not `check_outside`, which opens the files that the keys name
+        study.check_over(config)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    tunings = [name for name in config.by_tuning() if name]
-    plan = read_blocks(folder, stored, tunings)
+    plan = read_blocks(folder, stored, config)
     return Run(folder, config, study, plan, question_hash(config), home)
 
 

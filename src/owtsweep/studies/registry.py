@@ -257,6 +257,7 @@ def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
     chosen = registry.get_study(name)
     config: Config = checked(chosen.config_type(), chosen.complete({**plain, "study": name}))
     chosen.check(config)
+    chosen.check_over(config)
     chosen.check_outside(config)
     return config
 

@@ -20,7 +20,9 @@ HASH_BYTES = 5
 LONGEST_NAME = 255
 #: Top-level keys of a configuration that may change without making another run. They say what is
 #: swept over, how the sweep is computed, where results are stored, and what `tune` searches.
-NOT_IDENTIFYING = frozenset({"grid", "schemes", "baselines", "tune", "compute", "results", "name"})
+NOT_IDENTIFYING = frozenset(
+    {"grid", "over", "schemes", "baselines", "tune", "compute", "results", "name"}
+)
 
 #: Top-level keys of a configuration on which no table and no figure depends.
 NOT_ASKED = frozenset({"tune", "compute", "results", "name"})
@@ -59,7 +61,8 @@ def run_hash(config: Config) -> str:
     """Return the hash that identifies a run: 10 hexadecimal digits.
 
     The hash covers the configuration without the keys of `NOT_IDENTIFYING` and of `Config.swept`.
-    So a larger grid, another scheme, more workers or another folder do not change the hash.
+    So a larger grid, further worlds, another scheme, more workers or another folder do not
+    change the hash.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_IDENTIFYING}
     for path in config.swept:

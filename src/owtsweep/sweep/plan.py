@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
+from owtsweep.config.over import NOMINAL, name_worlds
 from owtsweep.errors import InputError, printable
 from owtsweep.io.reading import read_json
 from owtsweep.sweep.keys import block_key, list_versions
@@ -78,6 +79,9 @@ def _join_tunings(study: Study, plan: Plan, blocks: Mapping[str, Sequence[Block]
             joined.setdefault(key, block)
             if tuning and tuning not in joined[key].tunings:
                 joined[key] = replace(joined[key], tunings=(*joined[key].tunings, tuning))
+            if not {*block.worlds} <= {*joined[key].worlds}:
+                worlds = (*joined[key].worlds, *block.worlds)
+                joined[key] = replace(joined[key], worlds=worlds)
     for key, block in joined.items():
         if key not in plan and len(block.tunings) == 1:
             joined[key] = replace(block, label=f"{block.label}, {block.tunings[0]}")
@@ -109,11 +113,14 @@ def dump_plan(plan: Plan, study: Study, config: Config, text: str) -> str:
         code, and its configuration.
     text: the content of config.yaml, to which the plan belongs.
     """
-    several = "" not in config.by_tuning()
+    several = "" not in config.by_tuning() or config.over is not None
     blocks = [
-        [key, block.label, block.cases, block.cases_per_row, *([block.tunings] * several)]
+        [
+            key, block.label, block.cases, block.cases_per_row,
+            *([block.tunings or block.worlds] * several),
+        ]
         for key, block in plan.items()
-    ]
+    ]  # fmt: skip
     content = {
         "versions": list_versions(study),
         "config_digest": digest(text),
@@ -169,38 +176,41 @@ def is_of_other_version(study: Study, folder: Path) -> bool:
     return False
 
 
-def read_blocks(folder: Path, stored: Mapping[str, object], tunings: Collection[str]) -> Plan:
+def read_blocks(folder: Path, stored: Mapping[str, object], config: Config) -> Plan:
     """Return the blocks of a stored plan by key.
 
     These blocks have no content, so their rows can be read, but not computed.
 
     folder: the run folder, for messages.
     stored: What `read_stored_plan` returns.
-    tunings: the tunings of the run if it has several, otherwise empty.
+    config: the configuration of the run. It has several tunings, several worlds, or one of both.
     Raises InputError if there are no blocks, or a block is not of the form that `dump_plan` writes.
     """
     blocks = stored.get("blocks")
     if not isinstance(blocks, list) or not blocks:
         raise _refuse(folder / PLAN_FILE)
     plan: Plan = {}
+    worlds = [] if config.over is None else [NOMINAL, *name_worlds(config.over)]
+    known = worlds or [name for name in config.by_tuning() if name]
     for entry in blocks:
         match entry:
             case [str(key), str(label), int(cases), int(per_row), *names] if (
-                _KEY.fullmatch(key) and cases > 0 and per_row > 0 and _fit(names, tunings)
+                _KEY.fullmatch(key) and cases > 0 and per_row > 0 and _fit(names, known)
             ):
                 of = tuple(names[0]) if names else ()
-                plan[key] = Block("", printable(label), {}, cases, per_row, tunings=of)
+                block = Block("", printable(label), {}, cases, per_row)
+                plan[key] = replace(block, worlds=of) if worlds else replace(block, tunings=of)
             case _:
                 raise _refuse(folder / PLAN_FILE)
     return plan
 
 
-def _fit(names: list[object], tunings: Collection[str]) -> bool:
-    """Return whether a block's entry names tunings of the run, or none in a run of one tuning."""
-    if not tunings:
+def _fit(names: list[object], known: Collection[str]) -> bool:
+    """Return whether a block's entry names tunings or worlds of the run, none if it has one."""
+    if not known:
         return not names
     listed = names[0] if len(names) == 1 and isinstance(names[0], list) else []
-    return bool(listed) and all(name in tunings for name in listed)
+    return bool(listed) and all(name in known for name in listed)
 
 
 def _refuse(path: Path) -> InputError:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
+from owtsweep.config.over import NOMINAL, name_worlds
 from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import Drawing, draw_each
 from owtsweep.io.files import write_atomically
@@ -171,6 +172,7 @@ class Run:
     def cases(self) -> pd.DataFrame:
         """Return the rows of all stored cases of the plan, including failed cases, sorted by case.
 
+        Of several worlds (the key `over`) they are those of the nominal one.
         With several tunings, the first column is `tuning`, and the rows of each tuning stand
         together. Blocks that are missing are left out with a logged warning.
 
@@ -196,8 +198,10 @@ class Run:
             )
         return rows
 
-    def stored(self) -> tuple[dict[str, pd.DataFrame], int]:
+    def stored(self, world: str = NOMINAL) -> tuple[dict[str, pd.DataFrame], int]:
         """Return tuning -> the rows of all stored cases, and the number of blocks that are missing.
+
+        Of several worlds (the key `over`) they are those of one.
 
         The tuning is "" in a run of one tuning. A tuning without a stored case is left out. Only
         the shards of the plan are read, no other files in the folder. The rows are sorted, so that
@@ -208,7 +212,8 @@ class Run:
             columns = self.engine.sort_columns()
         stored, missing = {}, set()
         for name, part in self.by_tuning().items():
-            rows, absent = self.store.read_all(part.plan())
+            plan = {k: b for k, b in part.plan().items() if not b.worlds or world in b.worlds}
+            rows, absent = self.store.read_all(plan)
             missing.update(absent)
             if rows is not None:
                 stored[name] = sort_rows(rows, columns)
@@ -265,6 +270,10 @@ class Run:
             if rows is not None and (rows["status"] == OK).any():
                 with blame(self.study):
                     tables = self.engine.tables(config, rows)
+                    if config.over is not None:
+                        worlds = {w: self.stored(w)[0].get(name) for w in name_worlds(config.over)}
+                        there = {w: rows for w, rows in worlds.items() if rows is not None}
+                        tables |= self.engine.make_regret(config, there)
                 results[name] = Results(config, rows, tables)
         return results
 
@@ -371,6 +380,13 @@ class Run:
     def summary(self) -> pd.DataFrame:
         """Read `summary.csv`: means of the replicates, with confidence intervals."""
         return self.table("summary")
+
+    def regret(self) -> pd.DataFrame:
+        """Read `regret.csv`: each scheme's error and regret in each world of the key `over`.
+
+        `table("regret_summary")` has the mean and the worst regret over the worlds.
+        """
+        return self.table("regret")
 
     def best_scheme(self) -> pd.DataFrame:
         """Read `best_scheme.csv`: the best scheme in each cell of the grid.

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
-from owtsweep.errors import InputError, as_text
+from owtsweep.errors import InputError, as_text, require
 from owtsweep.results.status import FAILED, OK, UNABLE
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition, Value
     from owtsweep.results.contents import Contents
     from owtsweep.sweep.gather import Results
+    from owtsweep.sweep.levers import Lever
 
     C = TypeVar("C", bound=Config)
 
@@ -55,6 +56,7 @@ class Block:
     tunings: the tunings to which the block's rows belong, if the run has several
         (`Config.by_tuning`); else (). The plan sets them: the block's key does not depend on the
         names of tunings.
+    worlds: the worlds to which they belong, if the run has several (the key `over`); else ().
     """
 
     group: str
@@ -64,6 +66,7 @@ class Block:
     cases_per_row: int = 1
     recompute: str = ""
     tunings: tuple[str, ...] = ()
+    worlds: tuple[str, ...] = ()
 
     def choose(self, config: C) -> C:
         """Return the configuration, of one tuning, with which the block is computed."""
@@ -145,6 +148,15 @@ class Engine(ABC):
         Each table is written as `<name>.csv`. Text columns of `rows` may be categorical, as in
         `owtsweep.sweep.runs.Run.stored`.
         """
+
+    def make_regret(
+        self, config: AnyConfig, rows: Mapping[str, pd.DataFrame]
+    ) -> dict[str, pd.DataFrame]:
+        """Make the tables of regret from the rows of each world, by name, as `tables` does.
+
+        It is called for a configuration with the key `over`.
+        """
+        raise NotImplementedError
 
     @abstractmethod
     def terminal(self, config: AnyConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
@@ -231,6 +243,14 @@ class Study(ABC):
     #: of its component, and both in words with the unit. None without `estimate`.
     stretched: tuple[str, int, str] | None = None
 
+    #: What `advise` tries to lessen the errors.
+    levers: Sequence[Lever] = ()
+    #: Schemes that `advise` adds to the configuration's own.
+    advised_schemes: Sequence[str] = ()
+    #: Number of records over which `advise` measures the error of the best scheme, where these cost
+    #: seconds; 0: those that decided.
+    advised_records: int = 0
+
     @abstractmethod
     def config_type(self) -> type[Config]:
         """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""
@@ -260,6 +280,17 @@ class Study(ABC):
         Raises InputError if keys, schemes and motion do not fit together, or a value is refused.
         """
 
+    def check_over(self, config: AnyConfig) -> None:
+        """Check the key `over`, after `check`.
+
+        Raises InputError if the study has no such axis, or a world on it cannot be made.
+        """
+        require(
+            config.over is None,
+            f"over: nothing departs from what schemes are told in the study {self.name}; leave it "
+            "out",
+        )
+
     def check_outside(self, config: AnyConfig) -> None:  # noqa: B027
         """Check what lies outside of the configuration: files, and keys of other studies.
 
@@ -268,6 +299,17 @@ class Study(ABC):
 
         Raises InputError if a file cannot be used, or another study refuses its keys.
         """
+
+    def list_worlds(self, config: AnyConfig) -> Mapping[str, str]:
+        """Return name -> how it departs, of the worlds that the key `over` may name."""
+        return {}
+
+    def find_bound(self, config: AnyConfig) -> float | None:
+        """Return the least mean of what is judged that is possible in the grid's only cell.
+
+        It is a mean square where errors are roots of these; None if no bound is known.
+        """
+        return None
 
     def describe_origin(self, config: AnyConfig) -> str:
         """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.

@@ -1,4 +1,4 @@
-"""The README's example of a user's scheme: hold the last fix."""
+"""The example of docs/own_scheme.md: hold the last fix."""
 
 import numpy as np
 

@@ -37,7 +37,7 @@ SHORT = ("record.duration=12.35", "measures.settling_time=3.15", "grid.amplitude
 
 
 def defined(name: str, fixes: np.ndarray, steps: int, sensors) -> np.ndarray:
-    """The estimates (steps, 4) by the words of README, from the list of fixes."""
+    """The estimates (steps, 4) by the words of docs/hub.md, from the list of fixes."""
     state = np.zeros((steps, 4))
     for k in range(steps):
         last, age = divmod(k, sensors.fix_interval)

@@ -14,7 +14,7 @@ Errors (dp, dv, da, db, dc) have R_true = R Exp([da]x) (Sola 2017, Quaternion ki
 error-state Kalman filter, chapters 5 and 6; Markley 2003, Attitude error representations for Kalman
 filtering). Earth's rotation, .0042 deg/s, is left out. It is constant in the frame, so a bias of
 the gyroscopes takes it up while the heading stays, but only if as large a bias is assumed: not that
-of a fibre-optic or tactical unit (docs/blade.md, section 4).
+of a fibre-optic or tactical unit (docs/blade.md).
 
 State vectors have 16 elements: p, v, quaternion (scalar first), b, c. Errors have 15. More may
 stand behind them: what moves a state lets them stand, what corrects it corrects them, too.

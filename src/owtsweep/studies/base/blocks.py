@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby, product
 from math import prod
 from types import MappingProxyType
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from owtsweep.config import AnyConfig
+from owtsweep.config.over import NOMINAL
 from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.statistics.deciding import FIRST
@@ -19,6 +21,7 @@ from owtsweep.studies.base.contract import NotFinite, Ready, Unable
 from owtsweep.studies.base.declaration import AnyDeclaration, AnyPart
 from owtsweep.studies.base.rows import Judgement, make_product_rows, make_rows
 from owtsweep.studies.base.schemes import AnyScheme
+from owtsweep.studies.base.worlds import World, make_worlds
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
@@ -76,14 +79,47 @@ def plan(
         for entry, scheme in zip(table.list_entries(config), table.choose(config), strict=True)
     ]
     places = ("world",) if declaration.shared == "truth" else ("world", "sensors")
-    return plan_blocks(
-        declaration.axes,
-        config,
-        schemes,
-        declaration.list_content(config),
-        declaration.most_records(config),
-        declaration.axes.find_entering(*places),
-        part,
+    planned = []
+    for name, world in find_worlds(declaration, config).items():
+        blocks = plan_blocks(
+            declaration.axes,
+            config,
+            schemes,
+            _list_content(declaration, config, world),
+            declaration.most_records(config),
+            declaration.axes.find_entering(*places),
+            part,
+        )
+        planned += blocks if config.over is None else [_name_world(block, name) for block in blocks]
+    return planned
+
+
+def find_worlds(declaration: AnyDeclaration, config: AnyConfig) -> dict[str, World]:
+    """Return name -> world of a configuration, the nominal one first."""
+    return make_worlds(declaration.axes, declaration.list_untold(config), config)
+
+
+def _list_content(
+    declaration: AnyDeclaration, config: AnyConfig, world: World
+) -> Mapping[str, object]:
+    """Return what the rows of every block of a world depend on: as told, and what departs from it.
+
+    So a world that does not depart has the blocks of a run without others.
+    """
+    told, given = (declaration.list_content(each) for each in (config, world.config))
+    departed = {key: value for key, value in given.items() if told.get(key) != value}
+    departed |= world.moved
+    return {**told, "truth": departed} if departed else told
+
+
+def _name_world(block: Block, world: str) -> Block:
+    if world == NOMINAL:
+        return replace(block, worlds=(world,))
+    return replace(
+        block,
+        group=f"{world}, {block.group}",
+        label=f"{block.label}, {world}",
+        worlds=(world,),
     )
 
 
@@ -162,8 +198,10 @@ def run(
     Truth and measurements are made once for all successive blocks of some records, of all tunings.
     What a scheme raises is the reason of its failed rows, and stops no other.
     """
+    worlds = find_worlds(declaration, config)
     for numbers, of_records in groupby(blocks, lambda block: block.content["replicates"]):
-        records = Records(declaration, config, range(*numbers))
+        world = worlds[blocks[0].worlds[0] if blocks[0].worlds else NOMINAL]
+        records = Records(declaration, config, range(*numbers), world)
         for _, of_tuning in groupby(of_records, lambda block: block.tunings[:1]):
             yield from _run_one_tuning(declaration, list(of_tuning), records, config)
 
@@ -180,7 +218,11 @@ def _run_one_tuning(
     cells = [_find_cell(axes, block) for block in blocks]
     batch = declaration.batch
     batched = [
-        batch is not None and batch.serves(config, schemes[block.content["scheme"]])
+        batch is not None
+        and all(
+            batch.serves(each, schemes[block.content["scheme"]])
+            for each in (config, records.world.config)
+        )
         for block in blocks
     ]
     ready: dict[int, list[Judgement[Any]] | Exception] = {}
@@ -239,10 +281,14 @@ class Records:
     """Some records of a group, whose truth, measurements and knowledge are made once each."""
 
     def __init__(
-        self, declaration: AnyDeclaration, config: AnyConfig, replicates: Sequence[int]
+        self,
+        declaration: AnyDeclaration,
+        config: AnyConfig,
+        replicates: Sequence[int],
+        world: World | None = None,
     ) -> None:
-        self.replicates = replicates
-        self._declaration, self._config = declaration, config
+        self.replicates, self.world = replicates, world or World(config)
+        self._declaration = declaration
         self._truths: dict[Hashable, list[object]] = {}
         self._records: dict[Hashable, list[object]] = {}
         self._parts: dict[Hashable, list[Mapping[str, AnyPart]]] = {}
@@ -250,14 +296,14 @@ class Records:
 
     def take(self, config: AnyConfig, cell: Cell) -> list[tuple[object, Mapping[str, AnyPart]]]:
         """Return each record of a cell, and its parts as the tuning of a configuration has them."""
-        made, given = self._declaration, self._config
+        made, given, place = self._declaration, self.world.config, self.world.place(cell)
         world = self._identify(cell, "world")
         if world not in self._truths:
-            self._truths = {world: [made.make_truth(given, cell, n) for n in self.replicates]}
+            self._truths = {world: [made.make_truth(given, place, n) for n in self.replicates]}
         sensed = self._identify(cell, "world", "sensors")
         if sensed not in self._records:
             truths = self._truths[world]
-            self._records = {sensed: [made.measure(given, cell, truth) for truth in truths]}
+            self._records = {sensed: [made.measure(given, place, truth) for truth in truths]}
             self._parts = {}
         key = (config.tuning_name, *cell.items())
         records = self._records[sensed]
@@ -272,7 +318,8 @@ class Records:
         batch, world = self._declaration.batch, self._identify(cell, "world")
         assert batch is not None
         if world not in self._gathered:
-            self._gathered = {world: batch.make_records(self._config, cell, self.replicates)}
+            given, place = self.world.config, self.world.place(cell)
+            self._gathered = {world: batch.make_records(given, place, self.replicates)}
         return self._gathered[world]
 
     def _identify(self, cell: Cell, *places: str) -> tuple[float | None, ...]:

@@ -14,6 +14,7 @@ from owtsweep.studies.base.axes import Axes, Cell
 from owtsweep.studies.base.contract import Part
 from owtsweep.studies.base.rows import Judgement, Means
 from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.studies.base.worlds import Untold
 
 Config = TypeVar("Config", bound=Keys)
 Truth = TypeVar("Truth")
@@ -97,6 +98,11 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
         the configuration of one tuning, and the scheme. Such a run has a cell without this axis.
         None: rows have values, no products.
     batch: How schemes run by compiled kernels; None: they do not.
+    list_untold: What of truth and measurements schemes are not told, for the key `over`: of a
+        configuration.
+
+    In a world that departs from what schemes are told, `make_truth`, `measure` and the records of
+    `batch` have the configuration and the cell of the truth; all else has those of the knowledge.
     """
 
     axes: Axes[Config]
@@ -120,6 +126,7 @@ class Declaration(Generic[Config, Truth, Record, Known, Measured, Estimates]):
     require: Callable[[Config], object] = lambda config: None
     superposes: Callable[[Config, TheScheme], bool] | None = None
     batch: Batch | None = None
+    list_untold: Callable[[Config], Untold] = lambda config: Untold()
 
 
 #: A declaration of any study, a part of its records, and a scheme of it. Truth, records, knowledge

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Generic
 
 from owtsweep.results.contents import Contents
+from owtsweep.results.regret import Judged, make_regret
 from owtsweep.studies.base import maps, tables
 from owtsweep.studies.base.blocks import DeclaredBlocks, PlanPart
 from owtsweep.studies.base.contest import WINDOW, AnyContest, C, Contest, ContestConfig
@@ -56,6 +57,14 @@ class ContestEngine(Engine, Generic[C]):
 
     def tables(self, config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         return tables.make_tables(self.contest, config, rows, self.rank(config))
+
+    def make_regret(self, config: C, rows: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+        judged = Judged(config.criterion, self.contest.criteria[config.criterion], WINDOW)
+        cubes = {
+            world: make_cube(self.contest, config, part, list_competing(config, part))
+            for world, part in rows.items()
+        }
+        return make_regret(cubes, config.over or {}, judged)
 
     def drawings(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from textwrap import fill
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.answer import tell_answer, tell_beaten, tell_counts
 from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.results.regret import tell_regret
 from owtsweep.results.status import FAILED
 from owtsweep.studies.base.contest import (
     WAIT,
@@ -47,7 +48,7 @@ def list_maps(
     The latter shows single records, if there are several, by the key `criterion`. `contenders`
     names the schemes, the simplest first, if cells get records until they are decided.
     """
-    from owtsweep.figures import distributions
+    from owtsweep.figures import distributions, regret_map
 
     cube = make_cube(contest, config, rows, list_competing(config, rows))
     notes = [*tell_unable(cube.unable), *tell_latencies(config, rows)]
@@ -62,6 +63,13 @@ def list_maps(
         )
         for criterion in contest.criteria
         if criterion in set(tables["best_scheme"]["criterion"])
+    }  # fmt: skip
+    drawings |= {
+        name: save_figure(partial(_draw_regret, contest, config, draw), metadata)
+        for name, draw in regret_map.list_maps(
+            tables, cube.schemes, contest.find_conditions(config), config.tuning_name,
+            config.grid.describe_records(),
+        ).items()
     }  # fmt: skip
     if config.grid.first >= distributions.LEAST_RECORDS:
         drawings[distributions.NAME] = save_figure(
@@ -109,7 +117,7 @@ def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if waiting:
         lines.append(f"Not in the contest, because its estimates wait: {', '.join(waiting)}.")
-    return lines + contest.tell_more(config, tables)
+    return lines + tell_regret(tables) + contest.tell_more(config, tables)
 
 
 def _split_waiting(config: ContestConfig, summary: pd.DataFrame) -> tuple[list[str], list[str]]:
@@ -165,6 +173,12 @@ def _draw_map(
         failures=failures,
         notes=notes,
     )
+    _add_origin(figure, contest, config)
+    return figure
+
+
+def _draw_regret(contest: Contest[C], config: C, draw: Callable[[], Figure]) -> Figure:
+    figure = draw()
     _add_origin(figure, contest, config)
     return figure
 

@@ -110,6 +110,16 @@ class DeclaredStudy(ContestStudy):
 
         return DeclaredEngine(self.declaration(), self.contest())
 
+    def list_worlds(self, config: ContestConfig) -> dict[str, str]:
+        return self.declaration().list_untold(config).tell()
+
+    def check_over(self, config: ContestConfig) -> None:
+        from owtsweep.studies.base.worlds import check
+
+        if config.over is not None:
+            made = self.declaration()
+            check(made.axes, made.list_untold(config), self.check, config)
+
     def estimate(self, config: ContestConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""
         from owtsweep.studies.base.estimating import estimate_record

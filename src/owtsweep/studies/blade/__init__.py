@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from owtsweep import estimation, motion
 from owtsweep.studies.base.study import DeclaredStudy
+from owtsweep.sweep.levers import Lever, double, halve
 from owtsweep.sweep.study import add_versions
 
 __all__ = ["BladeStudy"]
@@ -16,5 +17,15 @@ class BladeStudy(DeclaredStudy):
     """The study of a hoisted blade."""
 
     name = "blade"
+    levers = (
+        Lever("half the noise of a GNSS fix", "grid.sigma", halve),
+        Lever("twice as many GNSS fixes", "sensors.fix_rate", double),
+        Lever("half the length of an outage", "grid.outage", halve),
+        Lever("half the error of the time stamps", "grid.offset", halve),
+        Lever("half the error of the lever arm", "grid.lever", halve),
+        Lever("half the noise of the accelerometers", "unit.force_sigma", halve),
+        Lever("half the bias of the accelerometers", "unit.force_bias", halve),
+        Lever("half the noise of the gyroscopes", "unit.rate_sigma", halve),
+    )
     stretched = ("root", 0, "position of the root, first axis (m)")
     numerics_version = add_versions(2, motion, estimation)

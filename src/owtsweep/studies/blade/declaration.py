@@ -21,6 +21,7 @@ from owtsweep.studies.blade.measures import Judged, compare
 from owtsweep.studies.blade.measuring import find_last_outage
 from owtsweep.studies.blade.recorded_case import compare_withheld
 from owtsweep.studies.blade.schemes import SCHEMES
+from owtsweep.studies.blade.untold import list_untold
 
 #: Keys and sections of the configuration on which every row depends.
 CONTENT = ("seed", "record", "motion", "boom", "unit", "recorded", "sensors", "filters")
@@ -117,4 +118,5 @@ DECLARATION = Declaration(
     show=_show,
     state=_state,
     warn=warn_of_doubts,
+    list_untold=list_untold,
 )

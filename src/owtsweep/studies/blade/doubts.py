@@ -49,7 +49,7 @@ def warn_of_doubts(config: BladeConfig) -> None:
         logger.warning(
             "%s.rate_bias: Earth's rotation, %.3g deg/h, is left out, and a bias of %.3g deg/h "
             "(unit=%s) cannot take it up, so errors are larger than stated; set %s.rate_bias=%g "
-            "(docs/blade.md, section 4)",
+            "(docs/blade.md)",
             key,
             3600.0 * EARTH_RATE,
             3600.0 * assumed,
@@ -69,7 +69,7 @@ def _warn_of_a_moving_hook(name: str, setting: Setting, truth: Truth) -> None:
     axis = int(np.argmax(wander - FAR * assumed))
     logger.warning(
         "%s: the hook moves by %.3g m along %s, and %s is for a hook at rest, assumed to wander by "
-        "%.2g m: its errors may be far larger than it states; run MEKF (docs/blade.md, section 4)",
+        "%.2g m: its errors may be far larger than it states; run MEKF (docs/blade.md)",
         name,
         wander[axis],
         "xyz"[axis],

@@ -74,7 +74,7 @@ class Recorded(Section):
         require(
             self.imu != "",
             "recorded.imu: name the table of the inertial unit, e.g. recorded.imu=imu.csv "
-            "'recorded.gnss=[gnss.csv]' (docs/blade.md, section 8)",
+            "'recorded.gnss=[gnss.csv]' (docs/own_lift.md)",
         )
         if self.imu is None:
             require(not self.gnss, "recorded.gnss: give recorded.imu as well")

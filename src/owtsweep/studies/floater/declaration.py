@@ -20,6 +20,7 @@ from owtsweep.studies.floater.measures import compare
 from owtsweep.studies.floater.measuring import DRIFT_TIME, find_sigmas, measure, scale_accelerations
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.truth import Motion, make_truth
+from owtsweep.studies.floater.untold import list_untold
 from owtsweep.studies.floater.worlds import WORLDS
 
 #: Keys and sections of the configuration on which every row depends.
@@ -169,4 +170,5 @@ DECLARATION = Declaration(
     show=_show,
     state=_state,
     warn=lambda config: WORLDS[config.motion.kind].warn(config.motion),
+    list_untold=list_untold,
 )

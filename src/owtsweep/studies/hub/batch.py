@@ -28,7 +28,7 @@ from owtsweep.studies.hub.kernels.layout import (
     products,
 )
 from owtsweep.studies.hub.measures import Sums
-from owtsweep.studies.hub.records import Feed, Records, Span, make_records_at
+from owtsweep.studies.hub.records import Feed, Records, Span, know_sensors, make_records_at
 
 #: Number of steps that kernels process at once, a chunk: so few that their rows fit the
 #: second-level cache.
@@ -218,13 +218,13 @@ def run_batch(
     apart in a cell without an amplitude.
     """
     amplitude = find_amplitude(config, cell)
-    known = Known(records.sensors, config, find_period(cell), amplitude)
+    known = Known(know_sensors(config, cell), config, find_period(cell), amplitude)
     found: dict[str, Result] = {}
     for scheme in schemes:
         if scheme.batched == "own":
             found[scheme.name] = _run_own_kernel(scheme, scheme.tell(known), records, amplitude)
     chained = [scheme for scheme in schemes if scheme.batched == "chain"]
-    found |= _run_chains(config, chained, records, amplitude)
+    found |= _run_chains(known, chained, records)
     return [found[scheme.name] for scheme in schemes]
 
 
@@ -241,11 +241,11 @@ def _run_own_kernel(
         return error
 
 
-def _run_chains(
-    config: HubConfig, schemes: Sequence[Scheme], records: Records, amplitude: float | None
-) -> dict[str, Result]:
+def _run_chains(known: Known, schemes: Sequence[Scheme], records: Records) -> dict[str, Result]:
+    config, amplitude = known.tuning, known.amplitude
+    told = Known(known.sensors, config)
     made = dict(
-        zip((each.name for each in schemes), _make_chains(config, schemes, records), strict=True)
+        zip((each.name for each in schemes), _make_chains(told, schemes, records), strict=True)
     )
     failed: dict[str, Result] = {
         name: chain for name, chain in made.items() if isinstance(chain, Exception)
@@ -265,15 +265,14 @@ def _run_chains(
     # the chain of one scheme is no good: each alone, so that the others' results are not lost
     for scheme in schemes:
         if scheme.name in chains:
-            failed |= _run_chains(config, [scheme], records, amplitude)
+            failed |= _run_chains(known, [scheme], records)
     return failed
 
 
 def _make_chains(
-    config: HubConfig, schemes: Sequence[Scheme], records: Records
+    known: Known, schemes: Sequence[Scheme], records: Records
 ) -> Iterable[Chain | Exception]:
     """Make the chain of each scheme, or get the exception; use threads if cores are free."""
-    known = Known(records.sensors, config)
 
     def make(scheme: Scheme) -> Chain | Exception:
         try:
@@ -288,7 +287,7 @@ def _make_chains(
             return TypeError(f"its kernel gives a {type(chain).__name__}, not a Chain")
         return chain
 
-    threads = min(_count_threads(config, schemes), len(schemes))
+    threads = min(_count_threads(known.tuning, schemes), len(schemes))
     if threads <= 1:
         return map(make, schemes)
     with ThreadPoolExecutor(threads) as pool:

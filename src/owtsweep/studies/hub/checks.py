@@ -31,10 +31,7 @@ GATED = ("ekf", "mkf", "hme1")
 
 def check(config: HubConfig) -> None:
     """Raise InputError for the first setting of a run that cannot work, and say what would work."""
-    check_grid(config)
-    _check_sensors(config)
-    _check_record(config)
-    find_world(config).check(config)
+    check_truth(config)
     check_fix_rules(config)
     for scheme in resolve_all(config.schemes):
         _check_sections(config, scheme)
@@ -53,6 +50,14 @@ def check(config: HubConfig) -> None:
 
         require_spectrum(config, "measures.efficiency")
         check_high_pass(config)
+
+
+def check_truth(config: HubConfig) -> None:
+    """Raise InputError for the first setting of grid, sensors, record or motion that cannot be."""
+    check_grid(config)
+    _check_sensors(config)
+    _check_record(config)
+    find_world(config).check(config)
 
 
 def _check_tune(config: HubConfig) -> None:

@@ -10,7 +10,7 @@ from owtsweep.errors import require
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
 from owtsweep.studies.hub.plant import PLANT
-from owtsweep.studies.hub.world import SPECTRUM, World
+from owtsweep.studies.hub.world import SPECTRUM, World, list_departing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +27,7 @@ def find_world(config: HubConfig) -> World:
 
 
 def require_spectrum(config: HubConfig, what: str) -> None:
-    """Raise `InputError` if the motion has no spectrum of Eq. (1), or grows and falls.
+    """Raise `InputError` unless the motion has one steady spectrum, that of Eq. (1).
 
     `what` says in words what needs the spectrum.
     """
@@ -37,11 +37,8 @@ def require_spectrum(config: HubConfig, what: str) -> None:
         f"motion: {what} needs the spectrum of the motion, which motion={world.name} has not; "
         f"leave out motion={world.name}",
     )
-    require(
-        config.motion.envelope is None,
-        f"motion.envelope: {what} needs motion that neither grows nor falls; use "
-        "motion.envelope=null",
-    )
+    for key in list_departing(config):
+        require(False, f"{key}: {what} needs motion of one steady spectrum; use {key}=null")
 
 
 #: The order of measures in tables.

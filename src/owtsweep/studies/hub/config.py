@@ -125,7 +125,8 @@ class Grid(Records):
 class MotionConfig(Section):
     """Where the motion comes from: a spectrum, or a structure under waves (the plant).
 
-    All keys but `kind` and `envelope` belong to the plant.
+    All keys but `kind`, `envelope`, `peaks` and `pace` belong to the plant, and to a spectrum's
+    motion in its place (the key `structure`).
     """
 
     kind: Literal["spectrum", "plant"] = key(
@@ -152,6 +153,18 @@ class MotionConfig(Section):
     envelope: list[list[Finite]] | None = key(
         "pairs of time (s) and factor on the amplitude, e.g. [[0,0.1],[1000,10]]: a sea that grows "
         "and falls (motion=spectrum only); null: none",
+        default=None,
+    )
+    peaks: list[Positive] | None = key(
+        "peaks of the spectrum that share its variance equally, in place of the natural period's, "
+        "e.g. [0.1,0.26] (motion=spectrum only); null: none",
+        unit="Hz",
+        default=None,
+        min_length=1,
+    )
+    pace: list[list[Finite]] | None = key(
+        "pairs of time (s) and factor on the motion's frequency, e.g. [[150,1],[450,1.1]]: a "
+        "period that drifts (motion=spectrum only); null: none",
         default=None,
     )
 
@@ -292,7 +305,10 @@ class HubConfig(TunedConfig):
     record: Record = key("a record of motion and measurements")
     motion: MotionConfig = key("where the motion comes from", default=MotionConfig())
     structure: Structure | None = key(
-        "the structure that moves; with motion=plant only", default=None
+        "the structure that moves; with motion=spectrum it moves in one sea (motion.hs, tp, "
+        "blades), with its time stretched until its first mode has the cell's natural period, and "
+        "with the cell's amplitude",
+        default=None,
     )
     spectrum: SpectrumConfig = key("the spectrum of the motion")
     normalise: Literal["peak", "rms"] = key(

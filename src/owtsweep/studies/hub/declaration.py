@@ -29,8 +29,9 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
 from owtsweep.studies.hub.listed import SCHEMES
 from owtsweep.studies.hub.measures import from_trajectories
-from owtsweep.studies.hub.records import Records, count_records_per_block
+from owtsweep.studies.hub.records import Records, count_records_per_block, know_sensors
 from owtsweep.studies.hub.sensors import Measured, observe
+from owtsweep.studies.hub.untold import list_untold
 from owtsweep.studies.hub.world import World
 
 Cell = Mapping[str, Value]
@@ -81,7 +82,7 @@ def _measure(config: HubConfig, cell: Cell, records: Records) -> Record:
 def _inform(config: HubConfig, cell: Cell, record: Record) -> dict[str, Part[Known, Measured]]:
     """Return the whole record, or in a cell without an amplitude motion and noise apart."""
     amplitude, motion, noise = find_amplitude(config, cell), record.motion, record.noise
-    known = Known(record.records.sensors, config, find_period(cell), amplitude)
+    known = Known(know_sensors(config, cell), config, find_period(cell), amplitude)
     if amplitude is None:
         return {"motion": Part(known, motion), "noise": Part(known, noise)}
     force = amplitude * motion.specific_force + noise.specific_force
@@ -165,6 +166,7 @@ def _declare(world: World) -> AnyDeclaration:
         state=_state,
         superposes=superposes,
         batch=Batch(uses_kernels, make_records, run_batch),
+        list_untold=list_untold,
     )
 
 

@@ -14,6 +14,7 @@ from owtsweep.results.answer import tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.contents import Contents
 from owtsweep.results.ratios import compare_with_best
+from owtsweep.results.regret import Judged, make_regret, tell_regret
 from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import make_table
 from owtsweep.studies.base.blocks import DeclaredBlocks
@@ -92,7 +93,7 @@ class _Engine(Engine):
             table, names, conditions, criterion, window,
             quantity=judged.title, unit=judged.unit, notes=notes,
         )  # fmt: skip
-        return frame(self._list_origin(config), shown, self._tell(config, table, tables["ratios"]))
+        return frame(self._list_origin(config), shown, self._tell(config, table, tables))
 
     def contents(
         self, config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
@@ -104,7 +105,7 @@ class _Engine(Engine):
         table, _, notes = won[0]
         return Contents(
             self._list_origin(config),
-            [*self._tell(config, table, tables["ratios"]), *notes],
+            [*self._tell(config, table, tables), *notes],
             get_map_conditions(config),
             asked.criteria,
             asked.window,
@@ -119,13 +120,16 @@ class _Engine(Engine):
         truth, draws = describe_truth(config), describe_draws(config)
         return [f"Tuning {config.tuning_name}", *world, truth, draws]
 
-    def _tell(self, config: HubConfig, table: pd.DataFrame, ratios: pd.DataFrame) -> list[str]:
+    def _tell(
+        self, config: HubConfig, table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]
+    ) -> list[str]:
         """Return the answer in sentences; `table` has the cells of the map."""
-        judged, lines = JUDGED[config.measures.criterion], []
+        judged, ratios, lines = JUDGED[config.measures.criterion], tables["ratios"], []
         if len(table):
             lines += tell_answer(table, ratios, judged, get_map_conditions(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, ratios, judged)
+        lines += tell_regret(tables)
         lines += _tell_bound(config)
         lines += tell_not_asked(config)
         return [*lines, OTHER_WINDOW[config.measures.window]]
@@ -223,6 +227,14 @@ class RecordsEngine(DeclaredBlocks, _Engine):
         ratios = compare_with_best(cube, best, JUDGED)
         summary = _add_efficiency(summary, config)
         return {"summary": summary, "best_scheme": best, "ratios": ratios}
+
+    def make_regret(
+        self, config: HubConfig, rows: Mapping[str, pd.DataFrame]
+    ) -> dict[str, pd.DataFrame]:
+        name = config.measures.criterion
+        judged = Judged(name, JUDGED[name], config.measures.window)
+        cubes = {w: make_cube(config, part, baselines=True) for w, part in rows.items()}
+        return make_regret(cubes, config.over or {}, judged)
 
 
 class ExpectedEngine(_Engine):

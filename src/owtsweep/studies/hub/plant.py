@@ -11,27 +11,22 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from owtsweep import structures, waves
-from owtsweep.config import Plain, as_mapping, changed
+from owtsweep.config import Plain
 from owtsweep.errors import InputError, require
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.plant import HIGHEST, Plant, PlantMotion
 from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Condition, Grid, Value
-from owtsweep.structures import Structure
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import STRUCTURE
+from owtsweep.studies.hub.seas import LAYERS, find_structure, list_plant, make_plant
 from owtsweep.studies.hub.sensors import Sensors
-from owtsweep.studies.hub.world import LAYERS, World
-from owtsweep.sweep.study import add_versions
+from owtsweep.studies.hub.world import World
 from owtsweep.waves import Sea
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
 
-#: Packages whose code affects the numbers of the plant alone. Their versions are in the content of
-#: the plant's blocks, so that blocks of spectra keep their keys.
-ROOMS = (structures, waves)
 HS = Condition("hs", "significant wave height", "m")
 TP = Condition("tp", "peak period", "s")
 BLADES = Condition("blades", "mounted blades", plural="mounted blades")
@@ -85,19 +80,13 @@ class PlantWorld(World):
         )
 
     def list_content(self, config: HubConfig) -> Plain:
-        motion = config.motion
-        names = ("kind", "gamma", "modes", "damping")
-        return {
-            "motion": {name: getattr(motion, name) for name in names},
-            "structure": as_mapping(_structure_of(config)),
-            "plant_version": add_versions(0, *ROOMS),
-        }
+        return list_plant(config)
 
     def list_pairing(self, config: HubConfig) -> Plain:
         return self.list_content(config)
 
     def describe(self, config: HubConfig) -> str:
-        structure, motion = _structure_of(config), config.motion
+        structure, motion = find_structure(config), config.motion
         damping = structure.damping if motion.damping is None else motion.damping
         modes = f"{motion.modes} mode{'s' * (motion.modes != 1)}"
         return (
@@ -119,7 +108,7 @@ class PlantWorld(World):
     def lean(self, motion: Motion, sensors: Sensors, config: HubConfig) -> Motion:
         if config.sensors.imu.tilt != STRUCTURE or not isinstance(motion, PlantMotion):
             return super().lean(motion, sensors, config)
-        return sensing.lean_as(motion, motion.slope, _structure_of(config).gravity)
+        return sensing.lean_as(motion, motion.slope, find_structure(config).gravity)
 
     def list_doubts(self, config: HubConfig) -> list[str]:
         """Return sentences on sea states that are steeper than waves can be."""
@@ -136,27 +125,6 @@ class PlantWorld(World):
 PLANT = PlantWorld()
 
 
-def make_plant(config: HubConfig, conditions: Mapping[str, Value]) -> Plant:
-    """Return the source of motion under some conditions; raises InputError that names the key."""
-    motion, structure = config.motion, _structure_of(config)
-    angle, damping = conditions["friction_angle"], motion.damping
-    if angle != LAYERS and structure.soil is not None:
-        structure = changed(structure, soil=structure.soil.with_angle(float(angle)))
-    if damping is not None:
-        structure = changed(structure, damping=damping)
-    try:
-        sea = Sea(float(conditions["hs"]), float(conditions["tp"]), motion.gamma)
-    except InputError as error:
-        raise InputError(f"motion.{error}") from error
-    return Plant(structure, sea, int(conditions["blades"]), motion.modes)
-
-
-def _structure_of(config: HubConfig) -> Structure:
-    structure = config.structure
-    assert structure is not None  # checked before
-    return structure
-
-
 def _check_keys(config: HubConfig) -> None:
     require(
         config.engine != "expected",
@@ -168,11 +136,12 @@ def _check_keys(config: HubConfig) -> None:
         config.structure is not None,
         "structure: motion=plant needs one; use e.g. structure=ren2019, or structure=FILE.yaml",
     )
-    require(
-        config.motion.envelope is None,
-        "motion.envelope: the sea of motion=plant neither grows nor falls; leave out motion=plant, "
-        "or use motion.envelope=null",
-    )
+    for name in ("envelope", "peaks", "pace"):
+        require(
+            getattr(config.motion, name) is None,
+            f"motion.{name}: the sea of motion=plant is steady and has its own spectrum; leave out "
+            f"motion=plant, or use motion.{name}=null",
+        )
     require(
         config.evaluation == "direct",
         "evaluation: the motion of motion=plant has its own size, so there are no amplitudes to "
@@ -187,7 +156,7 @@ def _check_keys(config: HubConfig) -> None:
 
 def _check_structure(config: HubConfig) -> None:
     """Compute the softest structure's modes, and each sea state, to see whether they exist."""
-    motion, structure = config.motion, _structure_of(config)
+    motion, structure = config.motion, find_structure(config)
     structure.check()
     require(
         motion.friction_angle is None or structure.soil is not None,

@@ -40,7 +40,7 @@ class Records:
 
     conditions: the conditions of the motion, without the amplitude.
     in_streams: values of those conditions that are in the keys of random streams.
-    sensors: what estimators may know about the sensors.
+    sensors: the sensors as they are; estimators may be told otherwise (`know_sensors`).
     replicates: the numbers of the replicates, in order.
     direction: unit vector (2,) along the wave, north and east.
     """
@@ -121,11 +121,7 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
 def make_records_at(
     config: HubConfig, conditions: Mapping[str, Value], replicates: Sequence[int]
 ) -> Records:
-    """Return the records under all conditions but the amplitude, made at first use.
-
-    With motion=plant and sensors.imu.tilt=structure, the tilt that estimators may know is the slope
-    of the first mode, rad/m.
-    """
+    """Return the records under all conditions but the amplitude, made at first use."""
     world = find_world(config)
     source = world.make_source(config, conditions)
     return Records(
@@ -139,6 +135,17 @@ def make_records_at(
         replicates=tuple(replicates),
         direction=_direction(config),
     )
+
+
+def know_sensors(config: HubConfig, conditions: Mapping[str, Value]) -> Sensors:
+    """Return what estimators may know of the sensors, under all conditions but the amplitude.
+
+    With motion=plant and sensors.imu.tilt=structure, the tilt is the slope of the first mode,
+    rad/m.
+    """
+    world = find_world(config)
+    source = world.make_source(config, conditions)
+    return world.fit_sensors(source, sensing.sensors(config.sensors), config)
 
 
 def _direction(config: HubConfig) -> Array:

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 from owtsweep import estimation, evaluation, motion, sensing
 from owtsweep.config import Plain
+from owtsweep.errors import require
 from owtsweep.studies.hub import kernels
 from owtsweep.studies.hub.listed import SCHEMES, describe
+from owtsweep.sweep.levers import Lever, double, halve
 from owtsweep.sweep.study import Study, add_versions
 
 if TYPE_CHECKING:
@@ -67,6 +69,15 @@ class HubStudy(HubKeys):
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
     commands = frozenset({"compare", "estimate", "spectrum", "tune", "vary"})
+    advised_schemes = ("SKFA",)
+    advised_records = 192
+    levers = (
+        Lever("half the noise of a fix", "sensors.gnss.sigma", halve),
+        Lever("twice as many fixes", "sensors.gnss.rate", double),
+        Lever("half the delay of a fix", "sensors.gnss.delay", halve),
+        Lever("half the noise of the IMU", "sensors.imu.sigma", halve),
+        Lever("half the walk of the IMU's bias", "sensors.imu.bias_walk", halve),
+    )
 
     def schemes(self) -> dict[str, str]:
         return describe()
@@ -84,6 +95,25 @@ class HubStudy(HubKeys):
 
         return HubConfig
 
+    def list_worlds(self, config: HubConfig) -> dict[str, str]:
+        from owtsweep.studies.hub.untold import list_untold
+
+        return list_untold(config).tell()
+
+    def check_over(self, config: HubConfig) -> None:
+        from owtsweep.studies.base.worlds import check
+        from owtsweep.studies.hub.checks import check_truth
+        from owtsweep.studies.hub.declaration import find_declaration
+        from owtsweep.studies.hub.untold import list_untold
+
+        if config.over is None:
+            return
+        require(
+            config.engine != "expected",
+            "over: a regret needs records, which engine=expected has not; use engine=batch",
+        )
+        check(find_declaration(config).axes, list_untold(config), check_truth, config)
+
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
         from owtsweep.studies.hub.conditions import get_conditions
 
@@ -94,6 +124,20 @@ class HubStudy(HubKeys):
         from owtsweep.studies.hub.engines import ENGINES
 
         return ENGINES[config.engine](find_world(config))
+
+    def find_bound(self, config: HubConfig) -> float | None:
+        """Return bound (b), of all linear estimators, which may know the motion's spectrum."""
+        from owtsweep.studies.hub.bounds import cells
+        from owtsweep.studies.hub.conditions import find_world
+
+        criterion, measures = config.measures.criterion, config.measures
+        judged = criterion in cells.BOUNDED and measures.window == cells.WINDOW
+        if not judged or not find_world(config).has_spectrum or config.motion.envelope:
+            return None
+        if config.sensors.imu.high_pass is not None:
+            return None
+        (period,), (amplitude,) = config.grid.natural_period, config.grid.amplitude
+        return cells.find_bounds(config, period, amplitude)[criterion]
 
     def estimate(self, config: HubConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""

@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.config import Plain, as_mapping
+from owtsweep.config.typed import value_at
 from owtsweep.errors import require
+from owtsweep.motion.departing import PacedSource, PeakSum
 from owtsweep.motion.modulation import ModulatedSource, Modulation
 from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import spectrum
@@ -18,13 +20,11 @@ from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import STRUCTURE, MotionConfig
+from owtsweep.studies.hub.seas import LAYERS, ONE_SEA, check_one_sea, list_plant, stretch_sea
 from owtsweep.studies.hub.sensors import Sensors
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
-
-#: Value of a condition that leaves what the structure's file says.
-LAYERS = "layers"
 
 
 class World(ABC):
@@ -142,29 +142,67 @@ class SpectrumWorld(World):
 
     def check(self, config: HubConfig) -> None:
         _refuse_keys_of_plant(config)
-        _check_envelope(config)
+        _check_departures(config)
         _check_band(config)
         _check_spectrum(config)
 
     def list_content(self, config: HubConfig) -> Plain:
         whole = as_mapping(config)
         content = {key: whole[key] for key in ("spectrum", "normalise", "band")}
-        return content | {"envelope": config.motion.envelope}
+        content["envelope"] = config.motion.envelope
+        if config.structure is not None:  # else blocks keep their keys
+            content |= list_plant(config)
+            content["motion"] |= {name: getattr(config.motion, name) for name in ONE_SEA}
+        return content | {
+            name: value for name in ("peaks", "pace") if (value := getattr(config.motion, name))
+        }
 
     def list_pairing(self, config: HubConfig) -> Plain:
-        return {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
+        pairing = {key: getattr(config, key) for key in ("spectrum", "band", "normalise")}
+        named = (key for key in list_departing(config) if key != "motion.envelope")
+        return pairing | {key: value_at(as_mapping(config), key) for key in named}
 
     def describe(self, config: HubConfig) -> str:
-        points = config.motion.envelope or []
-        factors = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points)
-        return f"amplitude times {factors}" if factors else ""
+        motion = config.motion
+        parts = []
+        if config.structure is not None:
+            parts.append(f"{config.structure.name} in waves, its time stretched")
+        if motion.peaks:
+            parts.append(f"peaks at {' and '.join(f'{peak:g}' for peak in motion.peaks)} Hz")
+        for word, points in (("frequency", motion.pace), ("amplitude", motion.envelope)):
+            factors = ", ".join(f"{factor:g} at {time:g} s" for time, factor in points or [])
+            parts += [f"{word} times {factors}"] if factors else []
+        return "; ".join(parts)
 
     def make_source(self, config: HubConfig, conditions: Mapping[str, Value]) -> Source:
         low, high = config.band
-        envelope, period = config.motion.envelope, float(conditions["natural_period"])
-        shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
-        source: Source = SpectralSource(shape, (low, high), config.normalise)
-        return source if envelope is None else ModulatedSource(source, Modulation(envelope))
+        motion, period = config.motion, float(conditions["natural_period"])
+        source: Source
+        if config.structure is not None:
+            source = stretch_sea(config, period, config.normalise)
+        else:
+            periods = [period] if motion.peaks is None else [1.0 / peak for peak in motion.peaks]
+            kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth
+            shapes = tuple(spectrum(kind, each, bandwidth) for each in periods)
+            shape = shapes[0] if motion.peaks is None else PeakSum(shapes)
+            source = SpectralSource(shape, (low, high), config.normalise)
+        if motion.pace is not None:
+            source = PacedSource(source, Modulation(motion.pace, "motion.pace"), config.normalise)
+        if motion.envelope is not None:
+            source = ModulatedSource(source, Modulation(motion.envelope))
+        return source
+
+
+def list_departing(config: HubConfig) -> list[str]:
+    """Return the keys by which the motion departs from one steady spectrum."""
+    motion = config.motion
+    departing = {
+        "motion.envelope": motion.envelope,
+        "motion.peaks": motion.peaks,
+        "motion.pace": motion.pace,
+        "structure": config.structure,
+    }
+    return [key for key, value in departing.items() if value is not None]
 
 
 def _refuse_keys_of_plant(config: HubConfig) -> None:
@@ -173,26 +211,35 @@ def _refuse_keys_of_plant(config: HubConfig) -> None:
         "sensors.imu.tilt: `structure` needs a structure, but motion=spectrum has none; give "
         "rad/m, or add motion=plant",
     )
-    of_plant = [name for name in MotionConfig.model_fields if name != "envelope"]
+    if config.structure is not None:
+        check_one_sea(config)
+        return
+    of_spectrum = ("envelope", "peaks", "pace")
+    of_plant = [name for name in MotionConfig.model_fields if name not in of_spectrum]
     for name in of_plant:
         require(
             getattr(config.motion, name) == getattr(MotionConfig(), name),
             f"motion.{name}: motion=spectrum has neither waves nor structure; add motion=plant",
         )
-    require(config.structure is None, "structure: motion=spectrum has none; add motion=plant")
 
 
-def _check_envelope(config: HubConfig) -> None:
-    """Raise InputError for an amplitude envelope that is none, or with which no engine can work."""
-    envelope = config.motion.envelope
-    if envelope is None:
-        return
-    Modulation(envelope, "motion.envelope")
-    require(
-        config.engine != "expected",
-        "motion.envelope: engine=expected needs motion that neither grows nor falls; use "
-        "engine=batch",
-    )
+def _check_departures(config: HubConfig) -> None:
+    """Raise InputError for a motion that is none, or with which no engine can work."""
+    motion = config.motion
+    for name, points in (("envelope", motion.envelope), ("pace", motion.pace)):
+        if points is not None:
+            Modulation(points, f"motion.{name}")
+    for peak in motion.peaks or []:
+        require(
+            config.band[0] <= peak <= config.band[1],
+            f"motion.peaks: {peak:g} Hz lies outside band [{config.band[0]:g}, "
+            f"{config.band[1]:g}] Hz; widen band, or choose another peak",
+        )
+    for key in list_departing(config):
+        require(
+            config.engine != "expected",
+            f"{key}: engine=expected needs motion of one steady spectrum; use engine=batch",
+        )
 
 
 def _check_band(config: HubConfig) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.studies.base.study import ContestStudy
 from owtsweep.studies.registry import get_study
+from owtsweep.sweep.levers import Lever, halve
 
 if TYPE_CHECKING:
     from owtsweep.studies.base.schemes import SchemeTable
@@ -22,6 +23,11 @@ class MatingStudy(ContestStudy):
     """The study of a blade's mating with the hub."""
 
     name = "mating"
+    levers = (
+        Lever("half the noise of a fix on the blade", "grid.sigma", halve),
+        Lever("half the noise of a fix on the hub", "grid.hub_sigma", halve),
+        Lever("half the length of an outage on the blade", "grid.outage", halve),
+    )
     numerics_version = 1 + get_study("blade").numerics_version + get_study("hub").numerics_version
 
     def scheme_table(self) -> SchemeTable:

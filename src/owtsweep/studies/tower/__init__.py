@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
 from owtsweep.studies.base.study import DeclaredStudy
+from owtsweep.sweep.levers import Lever, halve, halve_logarithm
 from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
@@ -24,6 +25,11 @@ class TowerStudy(DeclaredStudy):
     """The study of a substructure between two cuts."""
 
     name = "tower"
+    levers = (
+        Lever("half the noise of all sensors", "grid.noise", halve),
+        Lever("half the error of the soil's stiffness", "grid.soil_factor", halve_logarithm),
+        Lever("sensors at every node", "sensors", lambda sensors: "dense_theta_a"),
+    )
     stretched = ("displacement_fa", -2, "displacement of the top, fore-aft (m)")
     numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
     commands = DeclaredStudy.commands | {"place"}

@@ -28,6 +28,7 @@ from owtsweep.studies.tower.recorded import measure as compare_with_record
 from owtsweep.studies.tower.recorded import read_record
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.sight import require_sight
+from owtsweep.studies.tower.untold import UNTOLD
 
 logger = logging.getLogger(__name__)
 
@@ -170,4 +171,5 @@ DECLARATION = Declaration(
     state=_state,
     warn=_warn,
     require=require_sight,
+    list_untold=lambda config: UNTOLD,
 )

@@ -127,7 +127,7 @@ SCHEME = Direct("MEKF", Navigator)
 MEKF_HEADING = Direct("MEKF_HEADING", prepare_heading)
 MEKF_OFFSET = Direct("MEKF_OFFSET", partial(Navigator, offset=True))
 MEKF_LEVER = Direct("MEKF_LEVER", partial(Navigator, lever=True))
-#: While the hook moves, e.g. hoists, it is wrong without knowing it (docs/blade.md, section 4).
+#: While the hook moves, e.g. hoists, it is wrong without knowing it (docs/blade.md).
 PENDULUM = Direct("PENDULUM", partial(Navigator, swing=True))
 SMOOTHER = Direct("SMOOTHER", partial(Smoother, whole=True))
 FIXED_LAG = Direct("FIXED_LAG", partial(Smoother, whole=False))

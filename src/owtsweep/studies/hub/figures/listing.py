@@ -80,7 +80,7 @@ def drawings(
         **list_distributions(config, rows),
     }
     return {
-        **save_each(results, describe_origin(config), metadata),
+        **save_each(results | _list_regret(config, tables), describe_origin(config), metadata),
         **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 
@@ -101,7 +101,7 @@ def drawings_of_plant(
         best = partial(draw_cells, config, tables, rows, coinciding=same, records=records, at=at)
         found |= {f"{name}{end}": draw for name, draw in maps(config, best).items()}
     return {
-        **save_each(found, describe_origin(config), metadata),
+        **save_each(found | _list_regret(config, tables), describe_origin(config), metadata),
         **save_each(
             _record(config) | _time_histories(config), describe_one_record(config), metadata
         ),
@@ -186,6 +186,18 @@ def draw_cells(
         records=records,
         failures=int((rows["status"] == FAILED).sum()),
         notes=[*notes, OTHER_WINDOW[window]],
+    )
+
+
+def _list_regret(config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> dict[str, Draw]:
+    from owtsweep.figures import regret_map
+
+    return regret_map.list_maps(
+        tables,
+        scheme_names(config) + list_baselines(config),
+        get_map_conditions(config),
+        config.tuning_name,
+        config.grid.describe_records(),
     )
 
 

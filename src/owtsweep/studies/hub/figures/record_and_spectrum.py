@@ -21,8 +21,9 @@ from owtsweep.studies.hub.conditions import find_world
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import MEANING
 from owtsweep.studies.hub.histories import choose_sea, natural_period_of
-from owtsweep.studies.hub.plant import PLANT, make_plant
+from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.records import make_records, make_records_at
+from owtsweep.studies.hub.seas import make_plant
 
 #: Segment length of Welch's estimate, s: long enough to resolve the peak of Eq. (1), whose
 #: half-bandwidth is 1/64 Hz.

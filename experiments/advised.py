@@ -1,0 +1,69 @@
+"""How often an advised error lies inside the 95 % interval of a mean over 400 records.
+
+    python -m experiments.advised [FOLDER] [QUESTIONS] [NAME=VALUE ...]
+
+Draws QUESTIONS questions of the hub study (default 100): natural period, amplitude, rate, delay and
+noise of the fixes. Each is asked by `advise`, and the advised scheme is run on 400 records. Further
+arguments are overrides of all questions.
+
+Writes into FOLDER (default: results/advised) advised.csv: the question, scheme, error, low and high
+of the 400 records, and whether the error lies between them.
+"""
+
+import numpy as np
+import pandas as pd
+
+from experiments.command import read_words, write
+from owtsweep.advice.answer import find_answer, measure_closely
+from owtsweep.advice.found import find
+from owtsweep.advice.question import ask
+
+RECORDS = 400
+SEED = 41
+
+
+def draw(generator):
+    """Return the overrides of a question."""
+    return [
+        f"natural_period={generator.uniform(3.0, 8.0):.2f}",
+        f"amplitude={np.exp(generator.uniform(np.log(0.05), np.log(10.0))):.3f}",
+        f"sensors.gnss.rate={generator.choice([1, 2, 5, 10])}",
+        f"sensors.gnss.delay={generator.choice([0.1, 0.2, 0.4])}",
+        f"sensors.gnss.sigma={generator.choice([0.01, 0.03, 0.1])}",
+    ]
+
+
+def judge(words):
+    """Ask one question; return its row."""
+    question = ask(words)
+    answer = find_answer(question)
+    told = measure_closely(question, answer) or answer.error
+    names = [f"schemes=[{answer.best}]", "baselines=[]"]
+    if answer.best in answer.found.contents.baselines:
+        names = ["schemes=[MKF]", f"baselines=[{answer.best}]"]
+    config = question.change(*names, f"grid.replicates={RECORDS}")
+    mean = find(question.study, config).measure(answer.best)
+    inside = mean.low <= told.value <= mean.high
+    values = [answer.best, told.value, mean.low, mean.high, inside]
+    names = ["scheme", "error", "low", "high", "inside"]
+    return {word.partition("=")[0]: word.partition("=")[2] for word in words} | dict(
+        zip(names, values, strict=True)
+    )
+
+
+def main():
+    """Ask all questions; write the table and print the count."""
+    folder, questions, overrides = read_words("results/advised", 100)
+    generator = np.random.default_rng(SEED)
+    rows = []
+    for number in range(questions):
+        row = judge([*draw(generator), *overrides])
+        rows.append(row)
+        print(f"{number + 1}: {row}", flush=True)
+    table = pd.DataFrame(rows)
+    print(f"{table['inside'].sum()} of {len(table)} inside")
+    write(folder, {"advised": table})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,125 @@
+"""The words of an advice, metres first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from owtsweep.advice.answer import Answer
+from owtsweep.advice.found import Error
+from owtsweep.advice.levers import RECORDS, Pulled
+from owtsweep.advice.question import Question
+from owtsweep.advice.worlds import Turned
+from owtsweep.results.answer import tell_cell
+from owtsweep.results.criteria import Criterion, show_error
+
+#: What stands before the levers.
+HEADING_OF_LEVERS = (
+    f"What would lessen the error (over {RECORDS} records each; times the error without it):"
+)
+#: What stands before the other worlds.
+HEADING_OF_WORLDS = (
+    "What if the world is another, and schemes are told what they were told "
+    f"(over {RECORDS} records each; times the least error there):"
+)
+#: What is said first of the best contender, by verdict.
+VERDICTS = {"won": "is best", "tie": "is the simplest of a tie", "open": "is best so far"}
+
+
+def tell_question(question: Question) -> list[str]:
+    """Return what is asked, and of which tuning, truth, records and seed the answer speaks."""
+    origin = question.study.describe_origin(question.config)
+    return [f"Asked: {question.tell()}.", *([origin] if origin else [])]
+
+
+def tell_answer(given: Answer) -> list[str]:
+    """Return the answer as sentences: the best contender first, then what stands beside it."""
+    found, criterion = given.found, given.found.criterion
+    of_cell = tell_cell(found.cells, found.ratios, criterion)
+    verdict = VERDICTS[str(found.cells["verdict"].iloc[0])]
+    baseline = " (no estimator)" if given.best in found.contents.baselines else ""
+    first = (
+        f"Run {given.best}{baseline}: it {verdict}, and its error is "
+        f"{_show(given.error, criterion)}."
+    )
+    further = [line for line in found.contents.answer if line not in of_cell]
+    return [
+        first,
+        f"Judged by {criterion.title}.",
+        *of_cell[1:],
+        *_tell_bound(given),
+        _tell_simplest(given),
+        *further,
+    ]
+
+
+def tell_closer(closer: Error, given: Answer) -> str:
+    """Return the error of the best contender over more records, in a sentence."""
+    return f"Over more records its error is {_show(closer, given.found.criterion)}."
+
+
+def _show(error: Error, criterion: Criterion) -> str:
+    records = f"{error.n} record{'s' * (error.n != 1)}"
+    if not np.isfinite(error.low):
+        return f"{criterion.show(error.value)} ({records})"
+    ends = f"{error.low:.3g} to {error.high:.3g}"
+    return f"{criterion.show(error.value)} (95 %: {ends}; {records})"
+
+
+def _tell_bound(given: Answer) -> list[str]:
+    if given.bound is None:
+        return []
+    least = given.found.criterion.show(given.bound)
+    return [f"No linear estimator has less than {least}, even if it is told the motion's spectrum."]
+
+
+def _tell_simplest(given: Answer) -> str:
+    margin = f"{100.0 * given.margin:.3g} %"
+    if given.simplest == given.best:
+        return f"No simpler one is within {margin} of it."
+    error = given.found.criterion.show(given.simplest_error)
+    return f"Simplest within {margin} of it: {given.simplest}, {error}."
+
+
+def tell_pulled(pulled: Pulled, given: Answer) -> str:
+    """Return in a line what a lever brings."""
+    start = f"{pulled.lever.words[0].upper()}{pulled.lever.words[1:]} ({pulled.change}):"
+    if pulled.ratio is None:
+        return f"{start} cannot be tried: {pulled.refused}"
+    ratio = pulled.ratio
+    low, high = show_error(ratio.low), show_error(ratio.high)
+    ends = f" (95 %: {low} to {high})" if np.isfinite(ratio.low) else ""
+    error = given.found.criterion.show(pulled.error)
+    return f"{start} {pulled.best}, {error}, {show_error(ratio.value)} times{ends}."
+
+
+def tell_turned(turned: Turned, given: Answer) -> str:
+    """Return in a line what the advice turns to in another world."""
+    start = f"{turned.sentence[0].upper()}{turned.sentence[1:]} ({turned.world}):"
+    if turned.refused:
+        return f"{start} cannot be tried: {turned.refused}"
+    show = given.found.criterion.show
+    if not np.isfinite(turned.error):
+        return f"{start} {given.best} has no result; run {turned.best}, {show(turned.least)}."
+    if turned.best == given.best:
+        return f"{start} {given.best} stays best, {show(turned.error)}."
+    times = f"{show_error(turned.regret)} times"
+    if np.isfinite(turned.low):
+        times += f" (95 %: {show_error(turned.low)} to {show_error(turned.high)})"
+    return (
+        f"{start} {given.best} has {show(turned.error)}, {times} that of the best, "
+        f"{turned.best}, {show(turned.least)}."
+    )
+
+
+def tell_most(levers: Sequence[Pulled]) -> str:
+    """Return in a sentence which lever buys most; "" if none could be tried."""
+    tried = [pulled for pulled in levers if pulled.ratio is not None]
+    if not tried:
+        return ""
+    most = min(tried, key=lambda pulled: pulled.ratio.value)  # type: ignore[union-attr]
+    assert most.ratio is not None
+    if most.ratio.value >= 1.0:
+        return "None of these lessens the error."
+    return f"Most is bought by: {most.lever.words} ({most.ratio.value:.3g} times the error)."

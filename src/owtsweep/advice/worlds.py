@@ -1,0 +1,72 @@
+"""The advice in other worlds: what it turns to where the truth is not what schemes are told.
+
+Each world is run by the key `over`: its truth departs, and schemes know what they knew before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from owtsweep.advice.answer import Answer
+from owtsweep.advice.found import find
+from owtsweep.advice.levers import RECORDS
+from owtsweep.advice.question import Question
+from owtsweep.config.over import NOMINAL
+from owtsweep.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+#: Columns of the table "regret" that `Turned` has of the nominal world's best contender.
+ERRORS = ("error", "regret", "low", "high")
+
+
+class Turned(NamedTuple):
+    """What the advice turns to in another world.
+
+    world, sentence: its name, and how it departs.
+    refused: why it cannot be tried; "" if it was.
+    best, least: who is best in this world, and its error.
+    error: of the contender that is best in the nominal world; NaN where it has none.
+    regret, low, high: `error` over `least`, with its range.
+    """
+
+    world: str
+    sentence: str
+    refused: str = ""
+    best: str = ""
+    least: float = float("nan")
+    error: float = float("nan")
+    regret: float = float("nan")
+    low: float = float("nan")
+    high: float = float("nan")
+
+
+def try_worlds(question: Question, given: Answer) -> Iterator[Turned]:
+    """Yield what the advice turns to in each world of the study, as soon as it is computed."""
+    for world, sentence in question.study.list_worlds(question.config).items():
+        try:
+            table = _run(question, [world])["regret"]
+        except InputError as error:
+            yield Turned(world, sentence, refused=str(error))
+            continue
+        lines = table[table["world"] == world].set_index("scheme")
+        row: Mapping[Hashable, Any] = lines.iloc[0].to_dict()
+        own: Mapping[Hashable, Any] = lines.to_dict("index").get(given.best, {})
+        best, least = str(row["best"]), float(row["least"])
+        errors = [float(own.get(name, np.nan)) for name in ERRORS]
+        yield Turned(world, sentence, "", best, least, *errors)
+
+
+def join_worlds(question: Question, worlds: list[str]) -> Mapping[str, pd.DataFrame]:
+    """Return the tables "regret" and "regret_summary" over the nominal and some other worlds."""
+    return _run(question, [NOMINAL, *worlds])
+
+
+def _run(question: Question, worlds: list[str]) -> Mapping[str, pd.DataFrame]:
+    words = f"over={{world: [{','.join(worlds)}]}}", f"grid.replicates={RECORDS}"
+    return find(question.study, question.change(*words)).tables

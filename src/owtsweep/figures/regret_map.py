@@ -1,0 +1,64 @@
+"""Draw maps of the scheme with the least regret: over the worlds on average, and in the worst."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+from owtsweep.results.conditions import Condition
+from owtsweep.results.regret import SUMMARY, make_map_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+#: Kind of regret -> the map's title.
+TITLES = {
+    "mean": "mean regret over the worlds of `over`: error over the least one",
+    "worst": "worst regret over the worlds of `over`: error over the least one",
+}
+
+
+def list_maps(
+    tables: Mapping[str, pd.DataFrame],
+    schemes: Sequence[str],
+    conditions: Sequence[Condition],
+    tuning: str,
+    records: str,
+) -> dict[str, Callable[[], Figure]]:
+    """Return name -> function that draws; none without tables of regret.
+
+    Arguments are as of `best_scheme_map.draw`.
+    """
+    if SUMMARY not in tables or tables[SUMMARY].empty:
+        return {}
+    return {
+        f"regret_{kind}": partial(
+            _draw, tables[SUMMARY], kind, schemes, conditions, tuning, records
+        )
+        for kind in TITLES
+    }
+
+
+def _draw(
+    summary: pd.DataFrame,
+    kind: str,
+    schemes: Sequence[str],
+    conditions: Sequence[Condition],
+    tuning: str,
+    records: str,
+) -> Figure:
+    from owtsweep.figures import best_scheme_map
+
+    table = make_map_table(summary, conditions, kind)
+    return best_scheme_map.draw(
+        table,
+        schemes,
+        conditions,
+        criterion=table["criterion"][0],
+        window=table["window"][0],
+        tuning=tuning,
+        quantity=f"{table['criterion'][0]}, {TITLES[kind]}",
+        records=records,
+    )

@@ -1,0 +1,133 @@
+"""`advise` against what a user would do by hand: single sweeps, their records side by side."""
+
+import json
+
+import numpy as np
+import pytest
+
+import owtsweep
+from owtsweep import InputError
+from owtsweep.cli.program import main
+
+pytestmark = pytest.mark.usefixtures("kernels")
+
+CASE = ["natural_period=4", "amplitude=0.5", "record.duration=60", "schemes=[MKF,HME1]"]
+#: The same case as a sweep has it.
+CELL = ["grid.natural_period=[4]", "grid.amplitude=[0.5]", *CASE[2:]]
+RECORDS = 8
+
+
+@pytest.fixture(scope="module")
+def advice(tmp_path_factory):
+    """The whole advice for a short case; the hub's further records are left out."""
+    from owtsweep.studies.hub.study import HubStudy
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("advice"))
+        patch.setattr(HubStudy, "advised_records", 40)
+        yield owtsweep.advise(CASE)
+
+
+def squares(words, scheme):
+    """Return the mean square errors of a scheme's first records, by a sweep."""
+    cases = owtsweep.run([*CELL, f"grid.replicates={RECORDS}", *words]).cases()
+    wanted = cases.loc[
+        (cases["scheme"] == scheme)
+        & (cases["measure"] == "position")
+        & (cases["window"] == "settled")
+    ].sort_values("replicate")
+    amplitude = 0.5
+    return (
+        amplitude**2 * wanted["motion"] + 2 * amplitude * wanted["cross"] + wanted["noise"]
+    ).to_numpy()
+
+
+def test_the_answer_is_that_of_a_sweep(advice, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    best = owtsweep.run(CELL).best_scheme().set_index("criterion").loc["position"]
+    plain = advice.as_plain()
+    assert (plain["scheme"], plain["verdict"]) == (best["best"], best["verdict"])
+    assert advice.answer.error.value == pytest.approx(best["error_best"], rel=1e-12)
+    assert plain["runner_up_error"] == pytest.approx(best["error_runner_up"], rel=1e-12)
+    assert plain["baseline"] == best["baseline"]
+
+
+def test_the_closer_error_is_the_mean_of_more_records(advice, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    best = advice.as_plain()["scheme"]
+    mean = squares(["grid.replicates=40"], best).mean()
+    assert advice.closer.n == 40
+    assert advice.closer.value == pytest.approx(np.sqrt(mean), rel=1e-9)
+
+
+def test_a_lever_is_the_ratio_of_paired_sweeps(advice, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    pulled = next(p for p in advice.levers if p.lever.key == "sensors.gnss.sigma")
+    name, value = pulled.change.split("=")
+    given = owtsweep.run([*CELL, "grid.replicates=1"]).config.sensors.gnss.sigma
+    assert (name, float(value)) == ("sensors.gnss.sigma", given / 2)
+    ratio = squares([pulled.change], pulled.best).mean() / squares([], advice.answer.best).mean()
+    assert pulled.ratio.value == pytest.approx(np.sqrt(ratio), rel=1e-9)
+    assert pulled.ratio.low <= pulled.ratio.value <= pulled.ratio.high
+
+
+def test_a_world_has_the_regret_of_the_key_over(advice, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = [f"grid.replicates={RECORDS}", "over={world: [nominal,red_fixes]}"]
+    table = owtsweep.run([*CELL, *words]).regret().set_index(["world", "scheme"])
+    line = table.loc["red_fixes", advice.answer.best]
+    turned = next(each for each in advice.worlds if each.world == "red_fixes")
+    assert turned.error == pytest.approx(line["error"], rel=1e-12)
+    assert turned.regret == pytest.approx(line["regret"], rel=1e-12)
+    assert turned.best == line["best"]
+
+
+def test_every_lever_and_world_has_a_line(advice):
+    text = str(advice)
+    assert all(pulled.change in text for pulled in advice.levers)
+    assert all(f"({turned.world})" in text for turned in advice.worlds)
+    assert "Most is bought by" in text
+    assert "If nobody knows the world" in text
+
+
+def test_quick_is_the_answer_alone_and_json_one_object(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["advise", *CASE, "--quick", "--json"]) == 0
+    plain = json.loads(capsys.readouterr().out)
+    assert plain["cell"] == {"natural_period": 4.0, "amplitude": 0.5}
+    assert plain["levers"] == plain["worlds"] == []
+    assert plain["error_low"] < plain["error"] < plain["error_high"]
+    assert plain["bound"] < plain["error"]
+
+
+def test_advice_leaves_the_runs_of_sweeps_alone(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    owtsweep.advise([*CASE, "results=mine"], quick=True)
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["advice"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "natural_period and amplitude: advice is for one case"),
+        (["natural_period=3"], "amplitude: advice is for one case"),
+        (["natural_period=3,4", "amplitude=1"], "natural_period: advice is for one case"),
+        (["natural_perod=3", "amplitude=1"], "did you mean grid.natural_period"),
+        (["natural_period=0.5", "amplitude=1"], "outside band [0.05, 0.6] Hz"),
+        (["natural_period=x", "amplitude=1"], "'x' is not a number"),
+        ([*CASE, "tuning=[paper,matched]"], "several tunings"),
+        ([*CASE, "name=mine"], "name: `advise` names its folders"),
+        ([*CASE, "engine=expected"], "engine: advice rests on records"),
+        ([*CASE, "over={world: [nominal]}", "grid.replicates=8"], "over: `advise` asks"),
+        (["study=readings"], "has no case of its own"),
+        (["study=replay"], "needs records"),
+        (["study=tower", "noise=1"], "soil_factor: advice is for one case"),
+    ],
+)
+def test_bad_questions_are_refused_in_a_line(words, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError) as error:
+        owtsweep.advise(words)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+    assert list(tmp_path.iterdir()) == []
