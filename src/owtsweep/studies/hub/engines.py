@@ -267,9 +267,8 @@ def _tell_bound(config: HubConfig) -> list[str]:
     judged = JUDGED[config.measures.criterion]
     return [
         "Bound: an estimator that assumes nothing of the motion has on average at least "
-        f"{judged.show(float(judged.express(bound)))}. Less comes by chance of few records, or "
-        "where a scheme assumes that the motion is small, or knows its spectrum "
-        "(measures.efficiency=true)."
+        f"{judged.show(float(judged.express(bound)))}. Less takes knowledge of the motion "
+        "(measures.efficiency=true), or chance."
     ]
 
 
