@@ -20,12 +20,13 @@ from owtsweep.studies.replay.record import listen
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=5", "measures.settling_time=5"]
 NAMES = ["MKF", "HME1", "NONE", "HOLD", "DELTA"]
+RANKS = {"MKF": 17, "HME1": 19}
 
 
 def choose(*means: float, spread: float = 0.0, n: int = 20) -> dict:
     noise = spread * np.random.default_rng(0).standard_normal((len(means), n))
     best = NAMES[int(np.argmin(means[:2]))]
-    return advice.choose_simplest(np.array(means)[:, None] + noise, NAMES, best)
+    return advice.choose_simplest(np.array(means)[:, None] + noise, NAMES, best, RANKS)
 
 
 def test_what_a_baseline_beats_is_not_recommended():
@@ -47,7 +48,7 @@ def test_one_bad_part_does_not_hide_a_large_difference():
     samples = np.ones((5, 20))
     samples[[0, 2, 3]] = 50.0
     samples[4, 7] = 400.0  # a gap of fixes
-    found = advice.choose_simplest(samples, NAMES, "HME1")
+    found = advice.choose_simplest(samples, NAMES, "HME1", RANKS)
     assert found["recommended"] == "HME1"
 
 

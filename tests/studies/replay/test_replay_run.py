@@ -43,9 +43,11 @@ def test_outputs(capsys):
     assert "note: motion kept up to 5 Hz" in err
     (run,) = Path("results").iterdir()
     assert run.name.startswith("replay-tower-")
-    folder, recommended = out.splitlines()[-2:]
-    assert folder.endswith(f"{run.resolve().name}/report.md")
-    assert recommended.startswith("recommended: run HME1; its position error is 0.0")
+    assert out.splitlines()[0].endswith(f"{run.resolve().name}/report.md")
+    best, second, nothing = out.splitlines()[-3:]
+    assert best.startswith("HME1 is best: error 0.0")
+    assert second.startswith("Runner-up: MKF, 0.0")
+    assert nothing.startswith("No estimator (best baseline ")
     replayed = pd.read_csv(run / "replay.csv")
     assert list(replayed.columns) == ["scheme", "measure", "window", "value"]
     keys = replayed.set_index(["scheme", "measure", "window"])["value"]

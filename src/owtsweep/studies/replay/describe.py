@@ -10,12 +10,22 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.motion.modes import LEAST_SHARE, LEVEL
 from owtsweep.motion.recorded import tell_alone
-from owtsweep.studies.hub.public import BASELINES, INSTEAD, OTHER_WINDOW, assume_tilt, make_sensors
-from owtsweep.studies.replay.advice import LEAST_MARGIN
+from owtsweep.results.answer import tell_cell
+from owtsweep.results.verdicts import SEPARATOR
+from owtsweep.studies.hub.public import (
+    BASELINES,
+    INSTEAD,
+    JUDGED,
+    OTHER_WINDOW,
+    assume_tilt,
+    make_sensors,
+)
+from owtsweep.studies.replay.advice import LEAST_MARGIN, advise
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES, summarise_motion
-from owtsweep.studies.replay.measures import ESTIMATED, TAILS
+from owtsweep.studies.replay.measures import ESTIMATED, STATED, TAILS
 from owtsweep.studies.replay.place import expect_at_record
+from owtsweep.studies.replay.results import rank_schemes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,11 +37,12 @@ SOURCES = {
     "fixes": "the distance from the fixes that came later",
     "map": "the expected map at its period and amplitude",
 }
-#: What the root of a criterion's mean square is called.
-ERRORS = {
-    "position": "position error",
-    "velocity": "velocity error",
-    "fix_residual": "distance from later fixes",
+#: Noise that the answer rests on, of two -> what is said of it.
+NOISES = {
+    ESTIMATED: "Run with the noise that the record shows (noise.csv), not the stated one: errors "
+    "are smaller.",
+    STATED: "Run with the stated noise: errors are no smaller with what the record shows "
+    "(noise.csv).",
 }
 #: NIS per degree of freedom outside of this range is said; a fix has two degrees of freedom.
 RIGHT_NIS, FREEDOM = (0.5, 2.0), 2
@@ -121,32 +132,57 @@ def _compare(difference: float, base: float, *ends: float) -> str:
     return f"{texts[0]} {unit} {word}{interval}"
 
 
-def recommend(advised: pd.DataFrame) -> str:
-    """Write the recommendation for the only record of a run as one sentence; "" if there is none.
+def tell_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Return the answer in sentences, in a sweep's words; [] if no scheme has an error.
 
-    A record's own errors count before the expected map, and those with the estimated noise first.
+    Of several records it is by the mean of their squared errors, with the stated noise.
     """
-    if advised.empty:
-        return ""
-    own = advised[advised["source"] != "map"]
-    if (own["noise"] == ESTIMATED).any():
-        own = own[own["noise"] == ESTIMATED]
-    row = (own if len(own) else advised).iloc[0].dropna().to_dict()
-    if not row["advises"]:
-        return ""  # the map covers too little of the record
-    unit = "m/s" if row["criterion"] == "velocity" else "m"
-    what = ERRORS.get(row["criterion"], f"error of {row['criterion']}")
-    chosen, size = row["recommended"], np.sqrt(row["value_recommended"])
-    what_to_do = f"{INSTEAD[chosen]} ({chosen})" if chosen in INSTEAD else f"run {chosen}"
-    if row["noise"] == ESTIMATED:
-        what_to_do += " with the noise that the record shows (noise.csv), not the stated one"
-    text = f"recommended: {what_to_do}; its {what} is {size:.3g} {unit} (root mean square)"
-    if chosen not in [row["best"], *row.get("same_as", "").split()]:
-        return f"{text}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
-    if not row.get("runner_up"):
-        return text
-    text += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
-    return text if row["matters"] else f"{text}; the difference does not matter"
+    import pandas as pd
+
+    row, counted = _pick_row(config, tables)
+    if not row:
+        return []
+    chosen, same = row["recommended"], [row["best"], *row["same_as"].split()]
+    second = ("runner_up", "value_runner_up") if chosen in same else ("best", "value_best")
+    others = {*row["left"].split(SEPARATOR)} - {chosen, *same * (chosen in same)}
+    cell = {
+        "best": chosen,
+        "verdict": "tie" if others else "won",
+        "error_best": row["value_recommended"],
+        "error_low": row.get("recommended_ci_low", np.nan),
+        "error_high": row.get("recommended_ci_high", np.nan),
+        "n": row["n"],
+        "runner_up": row[second[0]],
+        "error_runner_up": row.get(second[1], np.nan),
+        "baseline": row["baseline"],
+        "error_baseline": row.get("value_baseline", np.nan),
+        "left": row["left"],
+    }
+    cell |= {name: np.sqrt(cell[name]) for name in cell if name.startswith("error_")}
+    nothing = pd.DataFrame(columns=["scheme", "n"])
+    criterion = JUDGED.get(row["criterion"], JUDGED["position"])
+    sentences = tell_cell(pd.DataFrame([cell]), nothing, criterion, counted)
+    if row["source"] == "fixes":
+        sentences.append("Errors are distances from later fixes, and hold the noise of these.")
+    noises = {*tables["advice"]["noise"]} if len(config.grid.files) == 1 else set()
+    if ESTIMATED in noises:
+        sentences.append(NOISES[row["noise"]])
+    return sentences
+
+
+def _pick_row(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> tuple[Row, str]:
+    """Return the row of advice that the answer rests on, and what its samples are."""
+    if len(config.grid.files) > 1:
+        errors = tables["errors"].rename(columns={"mean": "value"})
+        judged = config.measures
+        row = advise(errors, rank_schemes(config), judged.criterion, judged.window, by="file")
+        return row or {}, "record"
+    own = tables["advice"][tables["advice"]["counts"].astype(bool)]
+    if own.empty:
+        return {}, ""
+    known: Row = {str(name): value for name, value in own.iloc[0].dropna().items()}
+    is_drawn = "recommended_ci_low" in known
+    return {"same_as": "", "runner_up": "", "baseline": "", **known}, "draw" if is_drawn else "part"
 
 
 def count_advice(advised: pd.DataFrame) -> str:

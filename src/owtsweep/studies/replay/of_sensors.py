@@ -19,6 +19,7 @@ from owtsweep.motion.recorded import (
     to_motion,
 )
 from owtsweep.motion.recorded.gridding import FULL_BAND
+from owtsweep.motion.recorded.recording import fit_comb
 from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.of_motion import blame_cutoff, make_fixes
@@ -59,7 +60,8 @@ def make_record_of_sensors(
     whole = find_common_grid(recording, forces, rate)
     gnss = _choose_gnss(config, recording)
     notes = [*recording.notes]
-    measured = measure_rates(config, recording, "specific_force")
+    measured = measure_rates(config, recording)
+    notes.append(_tell_roles(recording, measured["gnss"]))
     if measured["imu"] < rate:
         notes.append(
             f"specific force comes at {measured['imu']:.4g} Hz and is run at {rate:g} Hz, its "
@@ -108,14 +110,15 @@ def make_record_of_sensors(
     )
 
 
-def measure_rates(config: ReplayConfig, recording: Recording, force: str) -> dict[str, float]:
+def measure_rates(config: ReplayConfig, recording: Recording) -> dict[str, float]:
     """Return the rates (Hz) at which to run sensors, "imu" and "gnss", as a recording shows them.
 
-    That of the IMU is the stated one, or its own if that is lower; `force` is what holds the
-    specific force. Without fixes, that of GNSS is the stated one.
+    That of the IMU is the stated one, or its own if that is lower. Without fixes, that of GNSS is
+    the stated one.
     """
-    roles = [role for role in recording.channels if role.startswith(force)]
-    slow, imu = min(recording.rate(role) for role in roles), config.sensors.imu.rate
+    roles = [role for role in recording.channels if role.startswith("specific_force")]
+    slow = min(1.0 / fit_comb(recording.series(role)[0]).step for role in roles)
+    imu = config.sensors.imu.rate
     imu = imu if slow >= 0.999 * imu else float(f"{slow:.6g}")
     gnss = config.sensors.gnss.rate
     fix = next((role for role in recording.channels if role.startswith("fix")), None)
@@ -123,8 +126,23 @@ def measure_rates(config: ReplayConfig, recording: Recording, force: str) -> dic
         time, value = recording.series(fix)
         came = time[np.flatnonzero(np.diff(value, prepend=np.nan))]  # a repeated fix is no new one
         if len(came) > 1:
-            gnss = imu / max(round(imu * float(np.median(np.diff(came)))), 1)
+            gnss = imu / max(round(imu * fit_comb(came).step), 1)
     return {"imu": imu, "gnss": gnss}
+
+
+def _tell_roles(recording: Recording, gnss_rate: float) -> str:
+    said = []
+    for quantity, what in (
+        ("specific_force", "specific force of a level IMU"),
+        ("fix", "fixes"),
+        ("reference", "reference"),
+    ):
+        found = {a: r for a in "xy" if (r := f"{quantity}_{a}") in recording.channels}
+        if found:
+            rate = gnss_rate if quantity == "fix" else recording.rate(next(iter(found.values())))
+            names = ", ".join(recording.names[role] for role in found.values())
+            said.append(f"{what}: {names} at {rate:.4g} Hz")
+    return f"{'; '.join(said)} (columns.ROLE=NAME takes others)"
 
 
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
