@@ -92,7 +92,7 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
         )
         for file in expand(files)
     ]
-    print("\n\n".join(map(str, described)))
+    print("\n\n".join(described))
     return DONE
 
 

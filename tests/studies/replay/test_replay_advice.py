@@ -36,10 +36,6 @@ def test_too_small_a_margin_does_not_matter():
     assert found["best"] == "HME1"
     assert found["ci_low"] > 0.0
     assert not found["matters"]
-    row = {"source": "record", "criterion": "position", "noise": "stated", **found}
-    chosen = {"recommended": "HME1", "value_recommended": found["value_best"]}
-    line = describe.write_sentence({**row, **chosen})
-    assert "no difference that matters" in line
 
 
 def test_an_interval_that_holds_zero_does_not_matter():
@@ -88,21 +84,7 @@ def test_draws_are_compared_in_pairs_and_a_single_record_piece_by_piece():
 def test_without_errors_the_fixes_advise():
     found = advice.advise(rows("fix_residual", 1), RANKS, "position", "settled")
     assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
-    assert "from a fix" in describe.write_sentence({**found, "noise": "stated"})
-
-
-def test_large_margins_are_told_in_times():
-    row = {
-        "source": "record", "criterion": "position", "best": "HME1", "same_as": "",
-        "runner_up": "MKF", "value_best": 0.01, "recommended": "HME1", "value_recommended": 0.01,
-        "noise": "stated", "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
-        "matters": True,
-    }  # fmt: skip
-    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in describe.write_sentence(row)
-    of_map = {"source": "map", "fit_share": 0.8, "advises": True, "contradicts_record": False}
-    assert "MKF has 5 times as much;" in describe.write_sentence({**row, **of_map})
-    near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
-    assert "MKF has 50 % more (95 %: 40 to 60 %)" in describe.write_sentence(near)
+    assert "distances from later fixes" in describe.tell_row({**found, "noise": "stated"})
 
 
 def test_the_noise_counts_that_is_better_on_fixes_that_were_withheld():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from owtsweep.motion.recorded import tell_alone
 from owtsweep.results.answer import tell_cell
 from owtsweep.results.verdicts import SEPARATOR
 from owtsweep.studies.hub.public import (
-    BASELINES,
     INSTEAD,
     JUDGED,
     OTHER_WINDOW,
@@ -30,8 +29,6 @@ from owtsweep.studies.replay.results import rank_schemes
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A margin (an error / the best error - 1) of at least this is stated as a factor, not in percent.
-MARGIN_IN_TIMES = 2.0
 SOURCES = {
     "record": "this record's own errors",
     "fixes": "the distance from the fixes that came later",
@@ -47,142 +44,85 @@ NOISES = {
 #: NIS per degree of freedom outside of this range is said; a fix has two degrees of freedom.
 RIGHT_NIS, FREEDOM = (0.5, 2.0), 2
 
-#: A row of the table of advice without what is missing; names that may be missing are "".
-Row = Mapping[str, Any]
-
-
-def make_sentences(advised: pd.DataFrame) -> list[str]:
-    """Write a sentence per row of the table of advice; it names the record if there are several."""
-    many = advised["file"].nunique() > 1
-    return [
-        (f"{row['file']}: " if many else "") + write_sentence(row)
-        for row in advised.to_dict("records")
-    ]
-
-
-def write_sentence(row: Mapping[Hashable, object]) -> str:
-    """Write one row of the table of advice as a sentence that begins with what is recommended."""
-    known = {str(name): value for name, value in row.items() if value == value}  # without NaN
-    given: Row = {"same_as": "", "runner_up": "", "baseline": "", **known}
-    noise = " with the estimated noise" if given["noise"] == ESTIMATED else ""
-    text = f"by {SOURCES[given['source']]}{noise}: {_recommend(given)}"
-    if given["source"] != "map":
-        return text
-    covered = f"{100.0 * given['fit_share']:.0f} % of the variance"
-    if given["advises"]:
-        text += f"; the fit of Eq. (1) covers {covered}"
-    else:
-        text = f"no advice, only for the {covered} that the fit of Eq. (1) covers: {text}"
-    if given["contradicts_record"]:
-        text += "; this contradicts the record's own errors, which count because they judge all of "
-        text += "its motion"
-    return text
-
-
-def _recommend(row: Row) -> str:
-    chosen, value, least = row["recommended"], row["value_recommended"], row["value_best"]
-    same = row["same_as"].split()
-    best = f"{row['best']} (= {' = '.join(same)})" if same else row["best"]
-    unit = "m/s" if row["criterion"] == "velocity" else "m"
-    size = f"{value:.3g} {unit.replace('m', 'm²').replace('/s', '/s²')}"
-    root = f"root {np.sqrt(value):.2g} {unit}"
-    if row["criterion"] == "fix_residual":
-        size += f" from a fix, its noise included ({root})"
-    else:
-        size += f" {row['criterion']} MSE ({root})"
-    if chosen in BASELINES and row["baseline"] == chosen:
-        worse = row["baseline_difference"]
-        better = "no scheme is better" + " by a difference that matters" * bool(worse < 0.0)
-        text = f"{INSTEAD[chosen]} ({chosen}), {size}: {better}"
-        if best == chosen:  # a baseline that stands among the schemes
-            return text
-        ends = _list_ends(row, "baseline_ci_low", "baseline_ci_high")
-        return f"{text}; {best}, the best scheme, has {_compare(worse, value, *ends)}"
-    more = ""
-    if (rival := row["baseline"]) not in ("", row["best"]):
-        words = _compare(row["value_baseline"] - least, least)
-        more = f"; {rival}, the best baseline, has {words}"
-    ends = _list_ends(row, "ci_low", "ci_high")
-    if chosen != row["best"] and chosen not in same:
-        ends = [-end for end in reversed(ends)] if chosen == row["runner_up"] else []
-        less = f"{best} has {_compare(least - value, value, *ends)}"
-        return f"no difference that matters: run {chosen}, the simplest, {size}; {less}{more}"
-    if not row["runner_up"]:
-        return f"{best}, {size}; there is nothing to compare it with{more}"
-    start = "run" if row["matters"] else "no difference that matters;"
-    words = _compare(row["margin"] * least, least, *ends)
-    return f"{start} {best}, {size}; {row['runner_up']} has {words}{more}"
-
-
-def _list_ends(row: Row, *names: str) -> list[float]:
-    return [row[name] for name in names if name in row and row["source"] != "map"]
-
-
-def _compare(difference: float, base: float, *ends: float) -> str:
-    if not base > 0.0:
-        return f"{difference:.3g} more"
-    parts = [part / base for part in (difference, *ends)]
-    scale, start, unit, word = 100.0, 0.0, "%", "more"
-    if parts[0] >= MARGIN_IN_TIMES:
-        scale, start, unit, word = 1.0, 1.0, "times", "as much"
-    elif parts[0] < 0.0:
-        parts, word = [-parts[0], *(-part for part in reversed(parts[1:]))], "less"
-    texts = [f"{start + scale * part:.3g}" for part in parts]
-    interval = f" (95 %: {texts[1]} to {texts[2]} {unit})" if len(texts) > 2 else ""
-    return f"{texts[0]} {unit} {word}{interval}"
-
 
 def tell_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
     """Return the answer in sentences, in a sweep's words; [] if no scheme has an error.
 
     Of several records it is by the mean of their squared errors, with the stated noise.
     """
-    import pandas as pd
-
-    row, counted = _pick_row(config, tables)
-    if not row:
-        return []
-    chosen, same = row["recommended"], [row["best"], *row["same_as"].split()]
-    second = ("runner_up", "value_runner_up") if chosen in same else ("best", "value_best")
-    others = {*row["left"].split(SEPARATOR)} - {chosen, *same * (chosen in same)}
-    cell = {
-        "best": chosen,
-        "verdict": "tie" if others else "won",
-        "error_best": row["value_recommended"],
-        "error_low": row.get("recommended_ci_low", np.nan),
-        "error_high": row.get("recommended_ci_high", np.nan),
-        "n": row["n"],
-        "runner_up": row[second[0]],
-        "error_runner_up": row.get(second[1], np.nan),
-        "baseline": row["baseline"],
-        "error_baseline": row.get("value_baseline", np.nan),
-        "left": row["left"],
-    }
-    cell |= {name: np.sqrt(cell[name]) for name in cell if name.startswith("error_")}
-    nothing = pd.DataFrame(columns=["scheme", "n"])
-    criterion = JUDGED.get(row["criterion"], JUDGED["position"])
-    sentences = tell_cell(pd.DataFrame([cell]), nothing, criterion, counted)
-    if row["source"] == "fixes":
-        sentences.append("Errors are distances from later fixes, and hold the noise of these.")
-    noises = {*tables["advice"]["noise"]} if len(config.grid.files) == 1 else set()
-    if ESTIMATED in noises:
-        sentences.append(NOISES[row["noise"]])
-    return sentences
-
-
-def _pick_row(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> tuple[Row, str]:
-    """Return the row of advice that the answer rests on, and what its samples are."""
     if len(config.grid.files) > 1:
         errors = tables["errors"].rename(columns={"mean": "value"})
         judged = config.measures
         row = advise(errors, rank_schemes(config), judged.criterion, judged.window, by="file")
-        return row or {}, "record"
-    own = tables["advice"][tables["advice"]["counts"].astype(bool)]
-    if own.empty:
-        return {}, ""
-    known: Row = {str(name): value for name, value in own.iloc[0].dropna().items()}
-    is_drawn = "recommended_ci_low" in known
-    return {"same_as": "", "runner_up": "", "baseline": "", **known}, "draw" if is_drawn else "part"
+        return _tell(row, "record") if row else []
+    advised = tables["advice"]
+    own = advised[advised["counts"].astype(bool)].to_dict("records")
+    if not own:
+        return []
+    both = ESTIMATED in {*advised["noise"]}
+    return _tell(own[0]) + [NOISES[own[0]["noise"]]] * both
+
+
+def tell_others(advised: pd.DataFrame) -> list[str]:
+    """Return a sentence or more per row of the table of advice that is not the answer itself.
+
+    Of several records these are all; each begins with the record's name.
+    """
+    many = advised["file"].nunique() > 1
+    return [
+        (f"{row['file']}: " if many else "") + tell_row(row)
+        for row in advised.to_dict("records")
+        if many or not row["counts"]
+    ]
+
+
+def tell_row(row: Mapping[Any, Any]) -> str:
+    """Return in a few sentences what a row of the table of advice says, and by what."""
+    noise = " with the estimated noise" if row["noise"] == ESTIMATED else ""
+    text = f"by {SOURCES[row['source']]}{noise}: {' '.join(_tell(row))}"
+    if row["source"] != "map":
+        return text
+    covered = f"{100.0 * row['fit_share']:.0f} % of the variance"
+    if row["advises"]:
+        text += f" The fit of Eq. (1) covers {covered}."
+    else:
+        text = f"no advice, only for the {covered} that the fit of Eq. (1) covers: {text}"
+    if row["contradicts_record"]:
+        text += " This contradicts the record's own errors, which count because they judge all of "
+        text += "its motion."
+    return text
+
+
+def _tell(row: Mapping[Any, Any], counted: str = "") -> list[str]:
+    import pandas as pd
+
+    given = {str(name): value for name, value in row.items() if value == value}  # without NaN
+    chosen, same = given["recommended"], [given["best"], *given.get("same_as", "").split()]
+    second = ("runner_up", "value_runner_up") if chosen in same else ("best", "value_best")
+    others = {*given["left"].split(SEPARATOR)} - {chosen, *same * (chosen in same)}
+    cell = {
+        "best": chosen,
+        "verdict": "tie" if others else "won",
+        "error_best": given["value_recommended"],
+        "error_low": given.get("recommended_ci_low", np.nan),
+        "error_high": given.get("recommended_ci_high", np.nan),
+        "n": 0 if given["source"] == "map" else given["n"],
+        "runner_up": given.get(second[0], ""),
+        "error_runner_up": given.get(second[1], np.nan),
+        "baseline": given.get("baseline", ""),
+        "error_baseline": given.get("value_baseline", np.nan),
+        "left": given["left"],
+    }
+    cell |= {name: np.sqrt(cell[name]) for name in cell if name.startswith("error_")}
+    counted = counted or ("draw" if "recommended_ci_low" in given else "part")
+    nothing = pd.DataFrame(columns=["scheme", "n"])
+    criterion = JUDGED.get(given["criterion"], JUDGED["position"])
+    sentences = tell_cell(pd.DataFrame([cell]), nothing, criterion, counted)
+    if chosen in INSTEAD:
+        sentences.append(f"{chosen}: {INSTEAD[chosen]}.")
+    if given["source"] == "fixes":
+        sentences.append("Errors are distances from later fixes, and hold the noise of these.")
+    return sentences
 
 
 def count_advice(advised: pd.DataFrame) -> str:
@@ -238,7 +178,7 @@ def warn_of_noise(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> l
     return lines
 
 
-def _compare_with_stated(rows: list[dict[Hashable, Any]]) -> Iterator[str]:
+def _compare_with_stated(rows: list[dict[Any, Any]]) -> Iterator[str]:
     for row in rows:
         if row["parameter"] == TAILS:
             yield (
@@ -256,7 +196,7 @@ def _compare_with_stated(rows: list[dict[Hashable, Any]]) -> Iterator[str]:
             )
 
 
-def format_estimate(row: Mapping[Hashable, Any]) -> str:
+def format_estimate(row: Mapping[Any, Any]) -> str:
     """Write the estimate in a row of the table of noise, with its interval as far as it is one."""
     estimate, low, high, unit = (row[name] for name in ("estimate", "low", "high", "unit"))
     if row["parameter"] == TAILS:

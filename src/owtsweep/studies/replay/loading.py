@@ -1,4 +1,4 @@
-"""Load the record in a file, and look at the rates of its sensors before."""
+"""Load the record in a file: of motion here, of sensors by `of_sensors`."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from threading import Lock
 
+import numpy as np
+
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Recording, read
-from owtsweep.studies.hub.public import make_sensors
+from owtsweep.gravity import GRAVITY
+from owtsweep.motion.recorded import Gridded, Recording, read, to_motion
+from owtsweep.motion.recorded.composing import LEAST
+from owtsweep.studies.hub.public import Sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import hash_file
-from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors, measure_rates
-from owtsweep.studies.replay.record import ReplayRecord, release_memory
+from owtsweep.studies.replay.record import ReplayRecord, make_fixes, release_memory
 
 #: Bytes above which a record does not stay in memory beside another one.
 _MOST_BYTES = 1 << 28
@@ -120,7 +123,7 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
         recording = _rename(recording, "reference", "position")
         if not recording.has("position"):
             raise InputError(_explain_no_motion(recording))
-        record = make_record_of_motion(config, recording, sensors)
+        record = _make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
         length >= settling + sensors.fix_step,
@@ -129,6 +132,82 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
         "settling time",
     )
     return record
+
+
+def _make_record_of_motion(
+    config: ReplayConfig, recording: Recording, sensors: Sensors
+) -> ReplayRecord:
+    rate = config.sensors.imu.rate
+    gridded = to_motion(recording, rate, cutoff=config.replay.cutoff)
+    lowest = config.fit_band[0]
+    require(
+        gridded.cutoff > lowest,
+        f"{recording.path}: frequencies of the motion are kept up to {gridded.cutoff:.3g} Hz only, "
+        f"but the band begins at {lowest:g} Hz; check units.time, the record's rate, "
+        "replay.cutoff and replay.band",
+    )
+    settling = config.measures.settling_time if config.measures.window == "settled" else 0.0
+    lean = _describe_lean(recording, gridded, settling)
+    position = gridded.pairs["position"]
+    origin = position.mean(axis=0) if config.replay.remove_mean else np.zeros(2)
+    position -= origin
+    first = sensors.delay  # the first fix reports the position before step 0
+    steps = len(position) - first
+    require(
+        steps > 0,
+        f"{recording.path}: the record is shorter than sensors.gnss.delay; use a longer record or "
+        "a shorter delay",
+    )
+    return ReplayRecord(
+        file=str(recording.path),
+        gnss="simulated",
+        begin=gridded.grid.start + first / rate,
+        step=sensors.step,
+        steps=steps,
+        origin=origin,
+        position=position[first:],
+        velocity=gridded.pairs["velocity"][first:],
+        acceleration=gridded.pairs["acceleration"][first:],
+        fixes=make_fixes(position, first, steps, sensors),
+        truth="the recorded motion",
+        notes=(*recording.notes, *gridded.notes),
+        lean=lean,
+    )
+
+
+def _describe_lean(recording: Recording, gridded: Gridded, begin: float) -> str:
+    """Compare standard deviations of g sin(pitch) and the acceleration, from `begin` (s) on.
+
+    A constant lean is a constant bias, which schemes estimate.
+    """
+    sentences = []
+    start = gridded.grid.start + begin
+    for axis, (name, angle) in recording.leans.items():
+        if f"position_{axis}" not in recording.channels:
+            continue
+        if angle is None:
+            sentences.append(
+                f"g sin({name}) along {axis} is not known, as {name} has no unit of angle"
+            )
+            continue
+        there = angle[np.isfinite(angle) & (recording.time >= start)]
+        if len(there) == 0 or np.ptp(there) <= LEAST["angle"]:
+            continue
+        felt = GRAVITY * np.sin(there)
+        mean = round(float(felt.mean()), 4) + 0.0  # no -0, and no 1e-18
+        after = gridded.pairs["acceleration"][round(begin * gridded.grid.rate) :, "xy".index(axis)]
+        moved = float(np.std(after))
+        ratio = f"{felt.std() / moved:.2g} times" if moved > 0.0 else "beside"
+        sentences.append(
+            f"g sin({name}) along {axis} varies by {felt.std():.2g} m/s² (standard deviation; mean "
+            f"{mean:.2g}), {ratio} the motion's acceleration of {moved:.2g} m/s²"
+        )
+    if not sentences:
+        return ""
+    return (
+        "the file holds the platform's angles, but the simulated IMU does not turn with it: "
+        f"{'; '.join(sentences)}; so the advice holds for a levelled IMU only"
+    )
 
 
 def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:

@@ -18,12 +18,10 @@ from owtsweep.motion.recorded import (
     to_grid,
     to_motion,
 )
-from owtsweep.motion.recorded.gridding import FULL_BAND
 from owtsweep.motion.recorded.recording import fit_comb
 from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.of_motion import blame_cutoff, make_fixes
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import ReplayRecord, make_fixes
 
 #: A record with fewer fixes is refused.
 LEAST_FIXES = 3
@@ -75,10 +73,10 @@ def make_record_of_sensors(
         notes += _note_fixes(aligned, sensors, measured["gnss"])
     recording.let_go("fix")
     grid = TimeGrid(whole.start + offset / rate, rate, whole.steps - offset)
-    gridded = to_grid(recording, forces, rate, grid=grid)
-    force = gridded.pairs["specific_force"]
+    force = np.zeros((grid.steps, 2))
+    for role in forces:
+        force[:, "xy".index(role[-1])] = to_grid(recording, role, grid)
     recording.let_go("specific_force")
-    notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
         position, velocity, more = _derive_reference(config, recording, whole)
@@ -249,15 +247,14 @@ def _note_fixes(aligned: Aligned, sensors: Sensors, measured: float) -> list[str
 def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
-    with blame_cutoff(recording):
-        gridded = to_motion(
-            recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
-            grid=grid,
-        )  # fmt: skip
+    gridded = to_motion(
+        recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
+        grid=grid,
+    )  # fmt: skip
     position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
     notes = list(gridded.notes)
-    clear = _find_clear_band(config, recording, grid)
-    if clear > MOTION_CUTOFF:
+    clear = find_clear_band(recording, grid.rate)
+    if config.replay.cutoff is None and clear > MOTION_CUTOFF:
         del gridded  # of a long record, free this velocity before the next one is made
         velocity = to_motion(
             recording, grid.rate, quantity="reference", orders=2, cutoff=clear, grid=grid
@@ -278,11 +275,3 @@ def _derive_reference(
     )
     position[unknown] = velocity[unknown] = np.nan
     return position, velocity, notes
-
-
-def _find_clear_band(config: ReplayConfig, recording: Recording, grid: TimeGrid) -> float:
-    if config.replay.cutoff is not None:
-        return 0.0
-    roles = [role for role in recording.channels if role.startswith("reference")]
-    rates = [grid.rate, *(recording.rate(role) for role in roles)]
-    return min(find_clear_band(recording, roles, MOTION_CUTOFF), FULL_BAND * min(rates))

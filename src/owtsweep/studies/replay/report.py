@@ -92,7 +92,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
         if lean := tell_lean(config, files[0]):
             lines.append(f"lean: {lean}")
     if len(files) <= MOST_RECORDS:
-        lines += describe.warn_of_noise(config, tables) + describe.make_sentences(advised)
+        lines += describe.warn_of_noise(config, tables) + describe.tell_others(advised)
     else:
         lines += [*describe.count_doubted(tables["noise"]), describe.count_advice(advised)]
     lines += describe.tell_scope(config, tables)
@@ -148,7 +148,7 @@ def write(
     """Write report.md into a run folder, in which the figures lie; return the path of the file."""
     advised = tables["advice"]
     advice = [*tell_answer(config, tables), *describe.warn_of_noise(config, tables)]
-    advice += describe.make_sentences(advised)
+    advice += describe.tell_others(advised)
     if advised.empty:
         advice.append("none: no scheme ran")
     advice += describe.tell_scope(config, tables)
