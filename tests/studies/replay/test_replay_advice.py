@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from replay_tools import config_of
+from replay_tools import config_of, motion_file
 
-from owtsweep.studies.replay import advice, describe
+from owtsweep.studies.replay import advice, blocks, describe
 from owtsweep.studies.replay.results import rank_schemes
 
 NAMES = ["EKF", "MKF", "HME1"]
@@ -152,3 +152,12 @@ def test_skfa_is_a_contender_of_every_replay_and_the_least_simple():
     ranks = rank_schemes(config_of([Path("a.csv")]))
     assert list(ranks) == ["EKF", "MKF", "HME1", "HME2", "SKFA"]
     assert max(ranks, key=ranks.__getitem__) == "SKFA"
+
+
+def test_all_schemes_are_judged_at_the_same_steps(tmp_path):
+    file = motion_file(tmp_path / "a.csv", duration=45.0)
+    config = config_of([file], "schemes=[MKF,SKFA]", "replay.replicates=1")
+    rows = pd.concat([table for _, table in blocks.run(config, blocks.plan(config))])
+    judged = rows[(rows["measure"] == "position") & (rows["window"] == "settled")]
+    assert {"MKF", "SKFA", "no_estimate"} <= {*judged["scheme"]}
+    assert judged["n_samples"].nunique() == 1

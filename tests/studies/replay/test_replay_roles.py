@@ -72,3 +72,10 @@ def test_without_fixes_or_accelerations_it_promises_less(tmp_path: Path) -> None
     assert load_record(config_of([fixes], *typed[3:]), str(fixes)).gnss == "simulated"
     speed = write_csv(tmp_path / "v.csv", {"time": time, "vx": np.sin(time)})
     assert refuse(speed).endswith("no position: set columns.position_x and columns.position_y")
+
+
+def test_times_in_milliseconds_are_said_how_to_state(tmp_path: Path) -> None:
+    time = 10.0 * np.arange(6000)
+    columns = {"time": time, "ax": np.sin(time), "gps_x": np.where(time % 1000, np.nan, 1.0)}
+    file = write_csv(tmp_path / "ms.csv", columns)
+    assert refuse(file).endswith("if times are in milliseconds, set units.time=ms")
