@@ -21,7 +21,7 @@ PROSE = " ".join(README.split())
 LINES = README.splitlines()
 KEPT = ROOT / "results" / "reference"
 #: Fewer schemes, with the same answer.
-FEW = ["schemes=[HME1,HME2]"]
+FEW = ["schemes=[HME1,SKFA]"]
 SMALL = "grid.natural_period=[4.0] grid.amplitude=[0.5] record.duration=60 grid.replicates=2"
 
 
@@ -66,7 +66,7 @@ def test_the_commands_of_the_record_say_what_is_quoted(elsewhere, kernels, capsy
     assert len(commands) == 3
     for words in commands:
         assert main([*words, *(FEW if words[1:] == ["sample_sensors.csv"] else [])]) == 0
-    (quoted,) = re.findall(r"The last line.*?```\n(.*?)```", README, flags=re.DOTALL)
+    (quoted,) = re.findall(r"it ends .*?```\n(.*?)```", README, flags=re.DOTALL)
     assert capsys.readouterr().out.endswith(quoted)
 
 

@@ -16,7 +16,8 @@ from owtsweep.cli import main
 from owtsweep.studies.replay.files import MOTION, SENSORS, TABLE, find_data, write_sample
 from owtsweep.sweep.runs import Run
 
-PAGE = (ROOT / "docs/replay.md").read_text(encoding="utf-8")
+PAGES = ("replay", "noise", "research/replay")
+PAGE = "\n".join((ROOT / f"docs/{page}.md").read_text("utf-8") for page in PAGES)
 LINES = re.findall(r"^owtsweep (replay .*)$", PAGE, flags=re.MULTILINE)
 COMMANDS = [shlex.split(line, comments=True) for line in LINES]
 
