@@ -66,7 +66,7 @@ def test_the_commands_of_the_record_say_what_is_quoted(elsewhere, kernels, capsy
     assert len(commands) == 3
     for words in commands:
         assert main([*words, *(FEW if words[1:] == ["sample_sensors.csv"] else [])]) == 0
-    (quoted,) = re.findall(r"it ends .*?```\n(.*?)```", README, flags=re.DOTALL)
+    (quoted,) = re.findall(r"It ends.*?```\n(.*?)```", README, flags=re.DOTALL)
     assert capsys.readouterr().out.endswith(quoted)
 
 
