@@ -34,6 +34,8 @@ and 20 m. Numbers between the ends are rounded to 12 digits. `config.yaml` store
 The magnitude of a number other than 0 lies between 1e-30 and 1e30: beyond them, squares of squares
 cannot be computed with. Grids, windows and horizons that would need more than 4 GB are refused.
 
+What nobody knows may be an axis too: `over={world: [...]}` ([regret.md](regret.md)).
+
 This page is written by `python docs/make_configuration.py`."""
 
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")

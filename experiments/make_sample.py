@@ -28,8 +28,7 @@ from owtsweep.motion.synthesis import synthesise
 from owtsweep.streams import stream
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.files import MOTION, SENSORS, find_data
-from owtsweep.studies.replay.of_motion import make_fixes
-from owtsweep.studies.replay.record import ReplayRecord, listen
+from owtsweep.studies.replay.record import ReplayRecord, listen, make_fixes
 from owtsweep.studies.replay.running import compose_replay
 
 SEED = 2019

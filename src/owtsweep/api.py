@@ -33,9 +33,10 @@ def run(overrides: Sequence[str] = ()) -> Run:
     If a run of the same configuration was interrupted, only what is missing is computed.
     `overrides` are Hydra's as on the command line, e.g. `["grid.replicates=2", "tuning=matched"]`.
 
-    Returns: Its methods `cases()`, `summary()` and `best_scheme()` return tables; `config` is its
-        configuration. In `cases()`, the status is "failed" where a scheme failed, and "unable"
-        where it cannot work under the conditions; the column `reason` says why.
+    Returns: Its methods `cases()`, `summary()`, `best_scheme()`, and with the key `over` `regret()`
+        return tables; `config` is its configuration. In `cases()`, the status is "failed" where a
+        scheme failed, and "unable" where it cannot work under the conditions; the column `reason`
+        says why.
     Raises InputError if an override is wrong. Nothing has been written in this case.
 
     >>> import owtsweep

@@ -18,7 +18,7 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 #: These are looked things up in, not read.
 REFERENCE = {"configuration", "faults", "files_of_a_case", "glossary", "store"}
 #: Longer than they should be.
-LONG = {"recorded", "replay"}
+LONG = {"recorded"}
 FENCED = re.compile(r"^ *```.*?^ *```$", flags=re.DOTALL | re.MULTILINE)
 
 

@@ -16,6 +16,7 @@ CONDITIONS = (Condition("wind", "wind speed", "m/s"), Condition("sea", "sea stat
 SQUARE = Judged("error", Criterion("error", "square", "m", 0.001, "none"), "settled")
 SCHEMES, WORLDS, RECORDS = ["A", "B", "C"], ["nominal", "fog"], 12
 OVER = {"world": WORLDS}
+SENTENCES = {"nominal": "as schemes are told", "fog": "nobody sees far"}
 rng = np.random.default_rng(3)
 #: World, wind (2 values), scheme, record.
 VALUES = rng.gamma(3.0, size=(2, 2, 3, RECORDS)) * np.array([1.0, 2.0, 4.0])[:, None]
@@ -42,7 +43,7 @@ def make_cube(values: np.ndarray, drop: tuple[int, ...] = ()) -> Cube:
 
 def make_tables(over: dict[str, list] = OVER, drop: tuple[int, ...] = ()) -> dict:
     cubes = {"nominal": make_cube(VALUES[0]), "fog": make_cube(VALUES[1], drop)}
-    return make_regret(cubes, over, SQUARE)
+    return make_regret(cubes, over, SQUARE, SENTENCES)
 
 
 def test_regret_is_the_error_over_the_least_one_of_the_world():
@@ -114,17 +115,20 @@ def test_one_record_has_no_ranges():
     assert len(table) == 6
     rows = table.assign(status="ok", reason="", motion=np.nan, cross=np.nan, noise=np.nan)
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"wind": [0.0, 1.0], "sea": [1.0]})
-    lines = make_regret({"nominal": cube}, {"world": ["nominal"]}, SQUARE)["regret_summary"]
+    tables = make_regret({"nominal": cube}, {"world": ["nominal"]}, SQUARE, SENTENCES)
+    lines = tables["regret_summary"]
     assert lines["mean_low"].isna().all()
     assert (lines["n"] == 1).all()
 
 
 def test_the_answer_names_who_regrets_least_and_claims_no_victory():
     several = tell_regret(make_tables())
-    one = {name: table.query("wind == 0") for name, table in make_tables().items()}
+    tables = make_tables()
+    one = tables | {"regret_summary": tables["regret_summary"].query("wind == 0")}
     assert several[0].startswith("If nobody knows the world (over 2 worlds, equal weights): least")
     assert "of 2 cells" in several[0]
     assert "(95 %: " in tell_regret(one)[0]
+    assert several[1].endswith(("(fog: nobody sees far).", "nominal."))
     assert "won" not in " ".join(several + tell_regret(one))
     assert tell_regret({}) == []
 

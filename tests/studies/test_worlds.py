@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import owtsweep
+from owtsweep.cli.program import main
 from owtsweep.config import with_values
 from owtsweep.config.over import NOMINAL
 from owtsweep.errors import InputError
@@ -175,7 +178,7 @@ def _plan(config: Any) -> list[Any]:
         ("hub", "{world: [nominal], weights: [1, 2]}", "over.weights: [1, 2] does not fit 1"),
         ("hub", "{world: [nominal, multipath], weights: [1, 0]}", "over.weights: [1, 0] does"),
         ("hub", "{world: [nominal, nominal]}", "over.world: nominal stands there twice"),
-        ("hub", "{world: []}", "over.world: the list is empty"),
+        ("hub", "{world: []}", "over.world: it has 0 values; give 1 to 100"),
         ("hub", "{world: [nominal], sensors.gnss.sigma: [1]}", "over: it has 2 axes"),
         ("hub", "{weights: [1]}", "over: it has 0 axes"),
         ("hub", "{world: nominal}", "over.world: 'nominal' is no list; use e.g."),
@@ -208,3 +211,28 @@ def test_rules_of_the_tuning_do_not_follow_a_departure() -> None:
     given = find_worlds(declaration, config)["sensors.imu.tilt=0.02"].config
     assert (given.sensors.imu.tilt, given.mkf.tilt) == (0.02, 0.0)
     assert np.isfinite(given.mkf.q_a)
+
+
+def test_another_study_has_regret_in_its_tables_maps_and_answer(tmp_path: Path) -> None:
+    run = owtsweep.run([
+        "study=floater", f"results={tmp_path}", "record.duration=60", "record.rate=10",
+        "record.settling=20", "grid.delay=[0,2]", "grid.bias=[0.1]", "grid.replicates=2",
+        "schemes=[KF,KF_DELAY]", "over={world: [nominal,noisy], weights: [3,1]}",
+        "compute.backend=threading",
+    ])  # fmt: skip
+    regret, summary = run.regret(), run.table("regret_summary")
+    assert {*regret["world"]} == {"nominal", "noisy"}
+    assert regret.groupby(["delay", "bias", "world"])["regret"].min().eq(1.0).all()
+    assert summary.groupby(["delay", "bias"])["least_mean"].sum().eq(1).all()
+    assert run.table("worlds")["weight"].tolist() == [0.75, 0.25]
+    assert [path.suffix for path in run.draw("regret_mean")] == [".png", ".svg"]
+    page = run.write_report().read_text()
+    assert "If nobody knows the world (over 2 worlds, declared weights)" in page
+    assert "twice the noise: 6 dB less" in page
+
+
+def test_the_command_line_refuses_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sweep", "grid.replicates=2", "over={world: [fog]}"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("owtsweep: over.world: there is no world 'fog' here; ")
+    assert line.endswith("plant_seas, drifting_period")

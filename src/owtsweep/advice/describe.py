@@ -23,8 +23,12 @@ HEADING_OF_WORLDS = (
     "What if the world is another, and schemes are told what they were told "
     f"(over {RECORDS} records each; times the least error there):"
 )
-#: What is said first of the best contender, by verdict.
-VERDICTS = {"won": "is best", "tie": "is the simplest of a tie", "open": "is best so far"}
+#: What is said of the best contender, by verdict.
+VERDICTS = {
+    "won": "It is best.",
+    "tie": "It is the simplest of those that are within the margin.",
+    "open": "It is best so far, and not decided.",
+}
 
 
 def tell_question(question: Question) -> list[str]:
@@ -39,10 +43,7 @@ def tell_answer(given: Answer) -> list[str]:
     of_cell = tell_cell(found.cells, found.ratios, criterion)
     verdict = VERDICTS[str(found.cells["verdict"].iloc[0])]
     baseline = " (no estimator)" if given.best in found.contents.baselines else ""
-    first = (
-        f"Run {given.best}{baseline}: it {verdict}, and its error is "
-        f"{_show(given.error, criterion)}."
-    )
+    first = f"Run {given.best}{baseline}: its error is {_show(given.error, criterion)}. {verdict}"
     further = [line for line in found.contents.answer if line not in of_cell]
     return [
         first,
@@ -63,7 +64,7 @@ def _show(error: Error, criterion: Criterion) -> str:
     records = f"{error.n} record{'s' * (error.n != 1)}"
     if not np.isfinite(error.low):
         return f"{criterion.show(error.value)} ({records})"
-    ends = f"{error.low:.3g} to {error.high:.3g}"
+    ends = f"{show_error(error.low)} to {show_error(error.high)}"
     return f"{criterion.show(error.value)} (95 %: {ends}; {records})"
 
 
@@ -71,7 +72,7 @@ def _tell_bound(given: Answer) -> list[str]:
     if given.bound is None:
         return []
     least = given.found.criterion.show(given.bound)
-    return [f"No linear estimator has less than {least}, even if it is told the motion's spectrum."]
+    return [f"Bound: no linear estimator that knows the spectrum has less than {least}."]
 
 
 def _tell_simplest(given: Answer) -> str:

@@ -112,7 +112,10 @@ def _take_values(contents: Contents, name: str) -> dict[str, Array]:
 
 
 def divide(new: Array, old: Array, criterion: Criterion) -> Error:
-    """Return the ratio of two errors over the records of both, with its interval by Fieller."""
+    """Return the ratio of two errors over the records of both, with its interval by Fieller.
+
+    new, old: What is judged of each record, shape (records,); NaN where there is none.
+    """
     both = np.isfinite(new) & np.isfinite(old)
     a, b = new[both], old[both]
     ends = fieller(a, b, float(t_quantile(len(a) - 1))) if len(a) > 1 else (np.nan, np.nan)

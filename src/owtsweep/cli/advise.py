@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
+from textwrap import fill
 
 from owtsweep.cli.program import DONE
-from owtsweep.cli.running import show_answer
+from owtsweep.cli.running import WIDTH
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -24,10 +25,10 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     keep_freed_memory()
     question = ask(options.overrides, options.config_dir)
-    tell = (lambda line: None) if options.json else show_answer
     advice = Advice(question)
     for line in advice.tell(make_progress(), quick=options.quick):
-        tell(line)
+        if not options.json:
+            print(fill(line, WIDTH, break_on_hyphens=False), flush=True)
     if options.json:
         print(json.dumps(advice.as_plain(), indent=2))
     return DONE

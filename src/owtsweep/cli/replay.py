@@ -54,8 +54,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
-    from owtsweep.studies.replay.describe import list_fit_warnings, recommend
-    from owtsweep.studies.replay.loading import tell_lean
+    from owtsweep.studies.replay.describe import list_fit_warnings
 
     for warning in list_fit_warnings(config) if len(config.grid.files) == 1 else ():
         print(f"note: spectrum: {warning}", file=sys.stderr)
@@ -70,15 +69,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         except InputError as error:  # what was computed is stored
             print(f"failed: the report could not be written: {error}", file=sys.stderr)
             written = False
-        written &= print_answer(replayed, results)
     code = tell_end(outcome, argv, f"{replayed.place}/report.md")
-    if (
-        results
-        and len(config.grid.files) == 1
-        and (said := recommend(results[""].tables["advice"]))
-    ):
-        lean = tell_lean(config, config.grid.files[0])
-        print(f"{said}; this holds for a levelled IMU only" if lean else said)
+    written &= not results or print_answer(replayed, results)
     return code if written else FAILED
 
 
@@ -100,7 +92,7 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
         )
         for file in expand(files)
     ]
-    print("\n\n".join(map(str, described)))
+    print("\n\n".join(described))
     return DONE
 
 

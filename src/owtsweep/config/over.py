@@ -18,6 +18,8 @@ Over = Mapping[str, Sequence[Any]]
 NOMINAL = "nominal"
 #: The names in `over` that are no keys of the configuration.
 WORLD, WEIGHTS = "world", "weights"
+#: Each is checked as a configuration of its own, also when a stranger's run is read.
+MOST_WORLDS = 100
 
 
 def find_axis(over: Over) -> tuple[str, Sequence[Any]]:
@@ -32,7 +34,10 @@ def find_axis(over: Over) -> tuple[str, Sequence[Any]]:
             "over={world: [nominal]}"
         )
     ((axis, values),) = axes.items()
-    require(len(values) > 0, f"over.{axis}: the list is empty; give at least one value")
+    require(
+        1 <= len(values) <= MOST_WORLDS,
+        f"over.{axis}: it has {len(values)} values; give 1 to {MOST_WORLDS}",
+    )
     shown = [str(value) for value in values]
     for name in shown:
         require(shown.count(name) == 1, f"over.{axis}: {name} stands there twice; list it once")

@@ -14,10 +14,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 #: Kind of regret -> the map's title.
-TITLES = {
-    "mean": "mean regret over the worlds of `over`: error over the least one",
-    "worst": "worst regret over the worlds of `over`: error over the least one",
-}
+TITLES = {"mean": "mean regret of", "worst": "worst regret of"}
+NOTE = (
+    "Regret: a scheme's error over the least of any contender in a world, here over all worlds of "
+    "`over`."
+)
 
 
 def list_maps(
@@ -59,6 +60,7 @@ def _draw(
         criterion=table["criterion"][0],
         window=table["window"][0],
         tuning=tuning,
-        quantity=f"{table['criterion'][0]}, {TITLES[kind]}",
+        quantity=f"{TITLES[kind]} {table['criterion'][0]}",
         records=records,
+        notes=[NOTE],
     )

@@ -64,15 +64,20 @@ def tell_counts(cells: pd.DataFrame) -> str:
     return f"{winners} of {len(cells)} cells ({counted})."
 
 
-def tell_cell(cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion) -> list[str]:
-    """Return sentences on the only cell: its best scheme, error, runner-up, and what is open."""
+def tell_cell(
+    cells: pd.DataFrame, ratios: pd.DataFrame, criterion: Criterion, counted: str = "record"
+) -> list[str]:
+    """Return sentences on the only cell: its best scheme, error, runner-up, and what is open.
+
+    `counted` is what the column `n` counts, in the singular; 0 of them are not told.
+    """
     row: Row = cells.iloc[0].to_dict()
     how = {"won": "is best", "tie": "is the simplest of a tie", "open": "is best so far"}
     low, high = row["error_low"], row["error_high"]
     interval = f" (95 %: {low:.3g} to {high:.3g})" if np.isfinite(low) else ""
-    records = f"{row['n']} record{'s' * (row['n'] != 1)}"
+    records = f", {row['n']} {counted}{'s' * (row['n'] != 1)}" if row["n"] else ""
     error = f"error {criterion.show(row['error_best'])}{interval}"
-    sentences = [f"{row['best']} {how[row['verdict']]}: {error}, {records}."]
+    sentences = [f"{row['best']} {how[row['verdict']]}: {error}{records}."]
     if row["runner_up"]:
         ratio = row["error_runner_up"] / row["error_best"]
         sentences.append(

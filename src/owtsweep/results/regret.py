@@ -9,13 +9,14 @@ errors are divided, not subtracted, so that cells and units compare.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.config.over import Over, list_weights, name_worlds
+from owtsweep.config.over import NOMINAL, Over, list_weights, name_worlds
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube, join_lines
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: The tables, and their columns after those of the conditions.
-REGRET, SUMMARY = "regret", "regret_summary"
+REGRET, SUMMARY, WORLDS = "regret", "regret_summary", "worlds"
 COLUMNS = (
     "criterion", "window", "world", "weight", "scheme", "error", "least", "best", "regret", "low",
     "high", "n",
@@ -46,24 +47,29 @@ class Judged(NamedTuple):
     window: str
 
 
-def make_regret(cubes: Mapping[str, Cube], over: Over, judged: Judged) -> dict[str, pd.DataFrame]:
-    """Make the tables "regret" and "regret_summary".
+def make_regret(
+    cubes: Mapping[str, Cube], over: Over, judged: Judged, sentences: Mapping[str, str]
+) -> dict[str, pd.DataFrame]:
+    """Make the tables "regret", "regret_summary" and "worlds".
 
     The first has a line for each cell, world and scheme: conditions and `COLUMNS`; `best` has the
     least error of the world. The second has a line for each cell and scheme: conditions and
     `SUMMARY_COLUMNS`. Ranges hold 95 % of the resamples of records. All is over the `n` records
     that all schemes of a cell have in all worlds; a scheme without records in a world has no regret
-    over the worlds.
+    over the worlds. The third has world, weight, and in words what departs there.
 
     cubes: World -> the values of all schemes and baselines. A world without any has no part.
     over: the key `over`, which has the worlds' weights.
+    sentences: World -> what departs there, in words.
     """
     import pandas as pd
 
+    if not cubes:
+        return {}
     named = dict(zip(name_worlds(over), list_weights(over), strict=True))
-    weights = [named[world] / sum(named[each] for each in cubes) for world in cubes]
-    first = next(iter(cubes.values()))
-    names = first.names
+    total = math.fsum(named[world] for world in cubes)
+    weights = [named[world] / total for world in cubes]
+    names = next(iter(cubes.values())).names
     schemes = list(dict.fromkeys(name for cube in cubes.values() for name in cube.schemes))
     tables = {world: _take(cube, judged) for world, cube in cubes.items()}
     whole = pd.concat([table.assign(world=world) for world, table in tables.items()])
@@ -81,6 +87,9 @@ def make_regret(cubes: Mapping[str, Cube], over: Over, judged: Judged) -> dict[s
     return {
         REGRET: join_lines(lines, [*names, *COLUMNS]),
         SUMMARY: join_lines(summaries, [*names, *SUMMARY_COLUMNS]),
+        WORLDS: pd.DataFrame(
+            {"world": [*cubes], "weight": weights, "departs": [sentences[w] for w in cubes]}
+        ),
     }
 
 
@@ -204,13 +213,15 @@ def tell_regret(tables: Mapping[str, pd.DataFrame]) -> list[str]:
     """Return sentences on who regrets least over the worlds; none without such tables."""
     if SUMMARY not in tables or tables[SUMMARY].empty:
         return []
-    regret, summary = tables[REGRET], tables[SUMMARY]
-    worlds = regret[["world", "weight"]].drop_duplicates()
+    summary, worlds = tables[SUMMARY], tables[WORLDS]
     equal = np.ptp(worlds["weight"]) < 1e-9
     over = f"over {len(worlds)} worlds, {'equal' if equal else 'declared'} weights"
+    worst = summary.loc[summary["least_worst"], "worst_world"].value_counts().index[0]
+    departs = str(worlds.set_index("world")["departs"][worst])
+    where = "" if worst == NOMINAL else f" ({worst}: {departs})"
     return [
         f"If nobody knows the world ({over}): {_tell_chosen(summary, 'mean')}.",
-        f"Least worst regret: {_tell_chosen(summary, 'worst')}.",
+        f"Least worst regret: {_tell_chosen(summary, 'worst')}{where}.",
         "Regret: a scheme's error over the least of all schemes and baselines in that world.",
     ]
 

@@ -22,7 +22,7 @@ from owtsweep.report.run_page import (
     tell_answer,
 )
 from owtsweep.report.static_map import draw
-from owtsweep.results.regret import SUMMARY
+from owtsweep.results.regret import SUMMARY, WORLDS
 from owtsweep.sweep.asked import PAGE, find_home
 from owtsweep.sweep.details import read_details
 from owtsweep.sweep.gather import Results
@@ -120,6 +120,7 @@ def _gather_tables(
             caption = f"Regret over what nobody knows (mean and worst over the worlds){end}"
             chosen = summary[summary["least_mean"] | summary["least_worst"]]
             tables[caption] = chosen.drop(columns=["criterion", "window"])
+            tables[f"Worlds{end}"] = results[tuning].tables[WORLDS]
         claims = place / "fidelity" / tuning
         if (claims / "fidelity_claims.csv").is_file():
             tables[f"Claims of the paper{end}"] = read_table(claims, "fidelity_claims")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
-from owtsweep.config.over import NOMINAL, name_worlds
+from owtsweep.config.over import NOMINAL, Over, name_worlds
 from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import Drawing, draw_each
 from owtsweep.io.files import write_atomically
@@ -271,11 +271,20 @@ class Run:
                 with blame(self.study):
                     tables = self.engine.tables(config, rows)
                     if config.over is not None:
-                        worlds = {w: self.stored(w)[0].get(name) for w in name_worlds(config.over)}
-                        there = {w: rows for w, rows in worlds.items() if rows is not None}
-                        tables |= self.engine.make_regret(config, there)
+                        tables |= self.engine.make_regret(config, self._read_worlds(config.over))
                 results[name] = Results(config, rows, tables)
         return results
+
+    def _read_worlds(self, over: Over) -> dict[str, pd.DataFrame]:
+        """Return world -> the rows of its stored cases, with a warning of worlds without any."""
+        found = {}
+        for world in name_worlds(over):
+            rows = self.stored(world)[0].get("")
+            if rows is None or not (rows["status"] == OK).any():
+                logger.warning("over: no case of the world %s has succeeded; it is left out", world)
+            else:
+                found[world] = rows
+        return found
 
     def draw(
         self,

@@ -86,9 +86,9 @@ def test_large_parquet_file_is_described_from_its_beginning(tmp_path: Path, monk
     pq.write_table(
         pa.table({"time": TIME, "x": X, "s": text}), tmp_path / "r.parquet", store_schema=False
     )
-    description = describe(tmp_path / "r.parquet")
-    assert (description.rows, description.cut) == (100, True)
-    assert [channel.numeric for channel in description.channels] == [True, True, False]
+    text = describe(tmp_path / "r.parquet")
+    assert "3 channels, 100 rows looked at, the first of more" in text
+    assert text.endswith("The rest:\n  s")
 
 
 def test_repeated_names_of_parquet(tmp_path: Path) -> None:
@@ -176,7 +176,7 @@ def test_times_that_jump(tmp_path: Path, step: float) -> None:
     path = csv(tmp_path / "r.csv", np.r_[step * np.arange(399.0), 1e300])
     with pytest.raises(InputError, match="does the time jump"):
         read(path, gaps="interpolate")
-    assert "spans" in describe(path).clock
+    assert "spans" in describe(path)
 
 
 def test_numbers_that_cannot_be(tmp_path: Path) -> None:

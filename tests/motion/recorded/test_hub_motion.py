@@ -81,7 +81,7 @@ def test_the_hubs_motion_is_composed_to_a_thousandth(tmp_path: Path, kind: str) 
     (note,) = [note for note in recording.notes if "composed" in note]
     for word in ("PtfmSurge", "Ry(PtfmPitch)", "TTDspFA", "87.6 m"):
         assert word in note
-    assert note in " ".join(str(describe(path, tower_height=HEIGHT)).split())
+    assert note in " ".join(describe(path, tower_height=HEIGHT).split())
 
 
 def test_small_angles_turn_by_the_orthonormal_matrix_nearest_to_them(tmp_path: Path) -> None:
@@ -105,7 +105,7 @@ def test_a_moving_platform_needs_height_and_parts_unless_told_otherwise(tmp_path
     said = refusal(path)
     assert "columns.tower_height" in said
     assert "columns.motion=tower" in said
-    assert said.partition(": ")[2] in " ".join(str(describe(path)).split())
+    assert said.partition(": ")[2] in " ".join(describe(path).split())
     tower = read(path, motion="tower")
     np.testing.assert_allclose(tower.channels["position_x"], table["TTDspFA"][1], atol=1e-7)
     assert any("relative to the tower base" in note for note in tower.notes)

@@ -67,7 +67,7 @@ def test_iso_times_in_pieces_with_quotes_and_decimal_commas(tmp_path: Path, monk
     path.write_text("\n".join(["time;x", *rows]) + "\n")
     np.testing.assert_allclose(read(path).time, TIME, rtol=0.0, atol=1e-9)
     np.testing.assert_array_equal(read(path).channels["position_x"], X)
-    assert "time              = time  ISO 8601, 0 to 4.95" in str(describe(path))
+    assert "time              = time  ISO 8601, 0 to 4.95" in describe(path)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_a_footer_is_left_out_and_told(tmp_path: Path) -> None:
         np.testing.assert_allclose(recording.time, TIME)
         said = "2 line(s) below the table are left out, the first is 'The end of the simulation.'"
         assert said in recording.notes
-        assert f"note: {said}" in str(describe(path))
+        assert f"note: {said}" in describe(path)
 
 
 @pytest.mark.parametrize("lost", [1, 2, 7, 17, 33])

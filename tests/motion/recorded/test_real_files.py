@@ -26,7 +26,7 @@ def test_the_fast_record_of_the_monopile() -> None:
     assert recording.rate("position_x") == pytest.approx(20.0)
     (note,) = recording.notes
     assert "a gauge at a height on the tower" in note
-    text = str(describe(path))
+    text = describe(path)
     assert "54 channels" in text
     assert text.index("TwHt1TPxi") < text.index("Wave1Elev") < text.index("GenPwr")
 
@@ -35,7 +35,7 @@ def test_both_monopile_records_have_the_tower_at_0_28_hz() -> None:
     """Two peaks, wave and tower: a fit over the whole band says so, one around the tower holds."""
     for name in ("oc3_monopile_FAST_Test19.outb", "oc3_monopile_towertop.csv.gz"):
         motion = to_motion(read(DATA / name), 100.0)
-        both = np.array([motion.channels["position_x"], motion.channels["position_y"]])
+        both = motion.pairs["position"].T
         assert any("one peak" in text for text in fit(both, 0.01).warnings)
         tower = fit(both, 0.01, band=(0.18, 0.6))
         assert not tower.warnings
@@ -46,10 +46,9 @@ def test_force_and_optical_position_of_the_hand_held_sensor_agree() -> None:
     """Specific force less its mean is the second derivative of the optical position."""
     recording = read(DATA / "broad10_imu_optical.csv.gz")
     reference = to_motion(recording, 100.0, quantity="reference", cutoff=3.0)
-    roles = ["specific_force_x", "specific_force_y"]
-    force = to_grid(recording, roles, 100.0, grid=reference.grid)
-    for axis in "xy":
-        derived = reference.channels[f"acceleration_{axis}"]
+    for i, axis in enumerate("xy"):
+        derived = reference.pairs["acceleration"][:, i]
+        force = to_grid(recording, f"specific_force_{axis}", reference.grid)
         both = np.isfinite(derived)
-        pair = np.corrcoef(derived[both], force.channels[f"specific_force_{axis}"][both])
+        pair = np.corrcoef(derived[both], force[both])
         assert pair[0, 1] > 0.9

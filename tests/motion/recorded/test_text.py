@@ -227,4 +227,4 @@ def test_names_can_be_printed(tmp_path: Path) -> None:
     assert all(name.isprintable() for name in opened.names)
     loaded = opened.load(opened.names, None)
     assert [loaded[name][0] for name in opened.names] == [0, 1, 2, 3]
-    assert describe(opened.path).channels[3].name == "x (2)"
+    assert "x (2)" in describe(opened.path)

@@ -272,7 +272,7 @@ def test_a_lift_with_dates_for_times_is_refused() -> None:
 
 def test_sentences_are_described_as_a_table() -> None:
     _write_nmea()
-    told = str(describe("fixes.nmea"))
+    told = describe("fixes.nmea")
     assert "NMEA, GGA sentences, 5 channels" in told
     assert "time (time): 100 s to" in told
 

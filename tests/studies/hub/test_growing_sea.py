@@ -35,7 +35,7 @@ def test_an_envelope_names_the_blocks() -> None:
     ("words", "told"),
     [
         (("motion.envelope=[[0,1],[9,0]]",), "motion.envelope: the factor 0 at 9 s is not above"),
-        ((GROWS, "engine=expected"), "motion.envelope: engine=expected needs motion that neither"),
+        ((GROWS, "engine=expected"), "motion.envelope: engine=expected needs motion of one steady"),
     ],
 )
 def test_an_envelope_that_cannot_be_is_refused(words: tuple[str, ...], told: str) -> None:
@@ -46,5 +46,5 @@ def test_an_envelope_that_cannot_be_is_refused(words: tuple[str, ...], told: str
 
 
 def test_commands_that_need_a_steady_sea_say_so() -> None:
-    with pytest.raises(InputError, match=r"motion\.envelope: `tune` needs motion that neither"):
+    with pytest.raises(InputError, match=r"motion\.envelope: `tune` needs motion of one steady"):
         get_study("hub").count_trials(configure(GROWS))

@@ -169,3 +169,18 @@ def test_motions_that_cannot_be_are_refused(words: list[str], line: str) -> None
     with pytest.raises(InputError) as caught:
         owtsweep.studies.compose(words)
     assert str(caught.value).startswith(line)
+
+
+def test_the_default_answer_quotes_the_stored_sweep_over_worlds() -> None:
+    from owtsweep.studies import compose
+    from owtsweep.studies.hub.quoted import quote_worlds
+
+    (line,) = quote_worlds(compose([]))
+    assert line.startswith("If the world is another one (10 worlds, `owtsweep sweep experiment=")
+    assert "2026-" in line
+    assert "of 9 cells" in line
+    for other in (
+        ["experiment=worlds"], ["sensors=strong_bias"], ["tuning=paper"], ["motion=plant"],
+        ["motion.pace=[[0,1.1]]"],
+    ):  # fmt: skip
+        assert quote_worlds(compose(other)) == []

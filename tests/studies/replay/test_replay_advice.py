@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
+from replay_tools import config_of, motion_file
 
-from owtsweep.studies.replay import advice, describe
+from owtsweep.studies.replay import advice, blocks, describe
+from owtsweep.studies.replay.results import rank_schemes
 
 NAMES = ["EKF", "MKF", "HME1"]
+RANKS = {"MKF": 17, "HME1": 19}
 
 
 def pairs(best: float, second: float, spread: float, n: int = 20) -> np.ndarray:
@@ -31,10 +36,6 @@ def test_too_small_a_margin_does_not_matter():
     assert found["best"] == "HME1"
     assert found["ci_low"] > 0.0
     assert not found["matters"]
-    row = {"source": "record", "criterion": "position", "noise": "stated", **found}
-    chosen = {"recommended": "HME1", "value_recommended": found["value_best"]}
-    line = describe.write_sentence({**row, **chosen})
-    assert "no difference that matters" in line
 
 
 def test_an_interval_that_holds_zero_does_not_matter():
@@ -72,31 +73,91 @@ def rows(measure: str, replicates: int) -> pd.DataFrame:
 
 
 def test_draws_are_compared_in_pairs_and_a_single_record_piece_by_piece():
-    found = advice.advise_from_record(rows("position", 5), ["MKF", "HME1"], "position", "settled")
+    found = advice.advise(rows("position", 5), RANKS, "position", "settled")
     assert (found["source"], found["n"], found["best"]) == ("record", 5, "HME1")
-    found = advice.advise_from_record(rows("position", 1), ["MKF", "HME1"], "position", "settled")
+    found = advice.advise(rows("position", 1), RANKS, "position", "settled")
     assert (found["n"], found["window"]) == (20, "settled")
     assert found["ci_low"] < found["difference"] < found["ci_high"]
     assert found["value_best"] == 1.0  # the whole settled record's; the pieces make the interval
 
 
 def test_without_errors_the_fixes_advise():
-    found = advice.advise_from_record(
-        rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled"
-    )
+    found = advice.advise(rows("fix_residual", 1), RANKS, "position", "settled")
     assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
-    assert "from a fix" in describe.write_sentence({**found, "noise": "stated"})
+    assert "distances from later fixes" in describe.tell_row({**found, "noise": "stated"})
 
 
-def test_large_margins_are_told_in_times():
+def test_the_noise_counts_that_is_better_on_fixes_that_were_withheld():
+    stated, estimated = {"value_recommended": 0.01}, {"value_recommended": 0.009}
+    advice.prefer_better(stated, estimated)
+    assert (stated["counts"], estimated["counts"]) == (False, True)
+    advice.prefer_better(stated, stated | {"value_recommended": 0.01})
+    assert stated["counts"]
+
+
+def answer(*rows: dict) -> list[str]:
+    config = config_of([Path("a.csv")])
+    return describe.tell_answer(config, {"advice": pd.DataFrame(rows)})
+
+
+def test_the_answer_is_in_the_words_of_a_sweep():
     row = {
-        "source": "record", "criterion": "position", "best": "HME1", "same_as": "",
-        "runner_up": "MKF", "value_best": 0.01, "recommended": "HME1", "value_recommended": 0.01,
-        "noise": "stated", "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
-        "matters": True,
+        "source": "record", "criterion": "position", "best": "HME1", "same_as": "", "n": 20,
+        "value_best": 0.04, "runner_up": "MKF", "value_runner_up": 0.09, "noise": "stated",
+        "counts": True, "recommended": "HME1", "value_recommended": 0.04, "left": "HME1",
+        "recommended_ci_low": 0.01, "recommended_ci_high": 0.09, "baseline": "HOLD",
+        "value_baseline": 0.25,
     }  # fmt: skip
-    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in describe.write_sentence(row)
-    of_map = {"source": "map", "fit_share": 0.8, "advises": True, "contradicts_record": False}
-    assert "MKF has 5 times as much;" in describe.write_sentence({**row, **of_map})
-    near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
-    assert "MKF has 50 % more (95 %: 40 to 60 %)" in describe.write_sentence(near)
+    assert answer(row) == [
+        "HME1 is best: error 0.200 m (95 %: 0.1 to 0.3), 20 draws.",
+        "Runner-up: MKF, 0.300 m, 1.5 times as much.",
+        "No estimator (best baseline HOLD): 0.500 m.",
+    ]
+    tie = row | {"recommended": "MKF", "value_recommended": 0.0441, "left": "MKF; HME1"}
+    said = answer(tie)
+    assert said[0].startswith("MKF is the simplest of a tie: error 0.210 m")
+    assert said[1] == "Runner-up: HME1, 0.200 m, 0.9524 times as much."
+    assert said[-1] == "Not surely worse: HME1."
+    parts = {"source": "fixes", "criterion": "fix_residual", "recommended_ci_low": np.nan}
+    said = answer(row | parts)
+    assert said[0] == "HME1 is best: error 0.200 m, 20 parts."
+    assert "distances from later fixes" in said[-1]
+    alike = row | {"same_as": "EKF", "recommended": "EKF", "left": "EKF; HME1"}
+    assert answer(alike)[0].startswith("EKF is best")
+    by_map = row | {"source": "map", "counts": False}
+    assert answer(by_map) == []
+    second = row | {"noise": "estimated"}
+    assert answer(row | {"counts": False}, second)[-1].startswith("Run with the noise that")
+    assert answer(row, second | {"counts": False})[-1].startswith("Run with the stated noise")
+
+
+def test_several_records_are_judged_together():
+    mean = {"EKF": 2.0, "SKFA": 1.0, "no_estimate": 9.0}
+    errors = pd.DataFrame(
+        [
+            (f"{number}.csv", scheme, "position", "settled", value + 0.1 * number)
+            for scheme, value in mean.items()
+            for number in range(6)
+        ],
+        columns=["file", "scheme", "measure", "window", "mean"],
+    )
+    config = config_of([Path("0.csv"), Path("1.csv")])
+    said = describe.tell_answer(config, {"errors": errors, "advice": pd.DataFrame()})
+    assert said[0].startswith("SKFA is best: error 1.12 m (95 %: ")
+    assert said[0].endswith("6 records.")
+    assert said[2] == "No estimator (best baseline NONE): 3.04 m."
+
+
+def test_skfa_is_a_contender_of_every_replay_and_the_least_simple():
+    ranks = rank_schemes(config_of([Path("a.csv")]))
+    assert list(ranks) == ["EKF", "MKF", "HME1", "HME2", "SKFA"]
+    assert max(ranks, key=ranks.__getitem__) == "SKFA"
+
+
+def test_all_schemes_are_judged_at_the_same_steps(tmp_path):
+    file = motion_file(tmp_path / "a.csv", duration=45.0)
+    config = config_of([file], "schemes=[MKF,SKFA]", "replay.replicates=1")
+    rows = pd.concat([table for _, table in blocks.run(config, blocks.plan(config))])
+    judged = rows[(rows["measure"] == "position") & (rows["window"] == "settled")]
+    assert {"MKF", "SKFA", "no_estimate"} <= {*judged["scheme"]}
+    assert judged["n_samples"].nunique() == 1

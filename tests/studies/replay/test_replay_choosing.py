@@ -14,18 +14,19 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice, measures
-from owtsweep.studies.replay.describe import write_sentence
+from owtsweep.studies.replay.describe import tell_row
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import listen
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=5", "measures.settling_time=5"]
 NAMES = ["MKF", "HME1", "NONE", "HOLD", "DELTA"]
+RANKS = {"MKF": 17, "HME1": 19}
 
 
 def choose(*means: float, spread: float = 0.0, n: int = 20) -> dict:
     noise = spread * np.random.default_rng(0).standard_normal((len(means), n))
     best = NAMES[int(np.argmin(means[:2]))]
-    return advice.choose_simplest(np.array(means)[:, None] + noise, NAMES, best)
+    return advice.choose_simplest(np.array(means)[:, None] + noise, NAMES, best, RANKS)
 
 
 def test_what_a_baseline_beats_is_not_recommended():
@@ -47,7 +48,7 @@ def test_one_bad_part_does_not_hide_a_large_difference():
     samples = np.ones((5, 20))
     samples[[0, 2, 3]] = 50.0
     samples[4, 7] = 400.0  # a gap of fixes
-    found = advice.choose_simplest(samples, NAMES, "HME1")
+    found = advice.choose_simplest(samples, NAMES, "HME1", RANKS)
     assert found["recommended"] == "HME1"
 
 
@@ -90,9 +91,10 @@ def test_a_still_record_needs_no_estimator_and_the_report_begins_so(tmp_path, mo
     row = advised.iloc[0]
     assert (row["best"], row["recommended"], row["baseline"]) == ("MKF", "NONE", "NONE")
     assert row["value_baseline"] < row["value_best"]
-    sentence = write_sentence(row.to_dict())
-    assert "no estimator needed, motion below the sensors (NONE)" in sentence
-    assert "no scheme is better; MKF, the best scheme, has" in sentence
+    sentence = tell_row(row.to_dict())
+    assert "NONE is best: error 0.00" in sentence
+    assert "Runner-up: MKF, " in sentence
+    assert "NONE: no estimator needed, motion below the sensors." in sentence
 
 
 def test_the_map_is_no_advice_for_a_peak_outside_the_band(tmp_path, monkeypatch):
@@ -111,9 +113,9 @@ def test_the_map_is_no_advice_for_a_peak_outside_the_band(tmp_path, monkeypatch)
     assert not by_map["advises"]
     assert advised.loc["record", "recommended"] == "HME1"
     assert by_map["contradicts_record"]
-    sentence = write_sentence({**by_map.to_dict(), "source": "map"})
+    sentence = tell_row({**by_map.to_dict(), "source": "map"})
     assert sentence.startswith("no advice, only for the")
-    assert "this contradicts the record's own errors" in sentence
+    assert "This contradicts the record's own errors" in sentence
 
 
 def test_peaks_beside_each_other_and_none_in_one_peak():

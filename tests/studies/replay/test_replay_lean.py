@@ -64,7 +64,7 @@ def test_terminal_and_report_say_that_the_advice_holds_for_a_levelled_imu(
     assert main(["replay", "f.csv", *quick, "name=one"]) == 0
     out, _ = capsys.readouterr()
     assert says in " ".join(out.split())
-    assert out.splitlines()[-1].endswith("; this holds for a levelled IMU only")
+    assert out.splitlines()[-1] == "This holds for a levelled IMU only."
     advice = (tmp_path / "results" / "one" / "report.md").read_text().partition("## The record")[0]
     assert says in advice
     assert main(["replay", "g.csv", *quick, "name=level"]) == 0

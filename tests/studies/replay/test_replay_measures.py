@@ -7,6 +7,7 @@ import pytest
 from replay_tools import config_of, estimate, measure, motion_file, sensor_file
 
 from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.replay import facts, measures, place
 from owtsweep.studies.replay.loading import load_record
@@ -123,7 +124,8 @@ def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
             measured = listen(config, sensors, record, replicate)
             state = estimate(config, scheme, sensors, measured).state[4000:]
             mse.append(np.mean(np.sum((state[:, :2] - record.position[4000:]) ** 2, axis=1)))
-        known = place.expect_errors(config, scheme, sensors, record.steps, (0.05, 0.6))
+        chain = scheme.kernel(Known(sensors, config), record.steps)
+        known = place.expect_errors(chain, sensors, (0.05, 0.6))
         rms = float(np.sqrt(np.mean(np.sum(record.position[4000:] ** 2, axis=1))))
         expected, _ = known.mse(translated(5.0).density, (0.05, 0.6), rms)
         assert np.mean(mse) == pytest.approx(expected, rel=0.1), name

@@ -36,16 +36,18 @@ def test_outputs(capsys):
     assert main(["replay", "tower.csv", *QUICK]) == 0
     out, err = capsys.readouterr()
     assert "HME1" in out
-    assert "by this record's own errors" in out
+    assert "by the expected map at its period and amplitude" in " ".join(out.split())
     assert OTHER_WINDOW["settled"] in " ".join(out.split())
     alone = "The advice is for this motion of tower.csv alone, with noise drawn anew."
     assert alone in " ".join(out.split())
     assert "note: motion kept up to 5 Hz" in err
     (run,) = Path("results").iterdir()
     assert run.name.startswith("replay-tower-")
-    folder, recommended = out.splitlines()[-2:]
-    assert folder.endswith(f"{run.resolve().name}/report.md")
-    assert recommended.startswith("recommended: run HME1; its position error is 0.0")
+    assert out.splitlines()[0].endswith(f"{run.resolve().name}/report.md")
+    best, second, nothing = out.splitlines()[-3:]
+    assert best.startswith("HME1 is best: error 0.0")
+    assert second.startswith("Runner-up: MKF, 0.0")
+    assert nothing.startswith("No estimator (best baseline ")
     replayed = pd.read_csv(run / "replay.csv")
     assert list(replayed.columns) == ["scheme", "measure", "window", "value"]
     keys = replayed.set_index(["scheme", "measure", "window"])["value"]

@@ -3,7 +3,7 @@
 from owtsweep.motion.recorded.choosing import MotionKind
 from owtsweep.motion.recorded.composing import Rotation
 from owtsweep.motion.recorded.deriving import MOTION_CUTOFF, find_clear_band, to_motion
-from owtsweep.motion.recorded.describing import Channel, Description, describe, tell_alone
+from owtsweep.motion.recorded.describing import describe, tell_alone
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.gridding import Gridded, TimeGrid, find_common_grid, to_grid
 from owtsweep.motion.recorded.reading import read
@@ -12,8 +12,6 @@ from owtsweep.motion.recorded.signals import Signals, Wanted, read_signals
 
 __all__ = [
     "MOTION_CUTOFF",
-    "Channel",
-    "Description",
     "Gridded",
     "MotionKind",
     "Recording",

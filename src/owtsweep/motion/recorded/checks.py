@@ -154,7 +154,8 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
     if force and 1.0 / median < LOWEST_IMU_RATE:
         raise refuse(
             path,
-            f"{name} comes at {1.0 / median:.3g} Hz; an IMU needs {LOWEST_IMU_RATE:g} Hz or more",
+            f"{name} comes at {1.0 / median:.3g} Hz; an IMU needs {LOWEST_IMU_RATE:g} Hz or more; "
+            "if times are in milliseconds, set units.time=ms",
         )
     holes = find_gaps(time)
     sparse = role.startswith(("fix", "reference"))

@@ -152,6 +152,12 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
             channel = _find_partner(names, name, role[-1])
             if channel is not None and channel not in chosen.values():
                 chosen[partner] = channel
+    # beside fixes, and without a motion that they could belong to, accelerations are an IMU's
+    felt = [role for role in chosen if role.startswith("acceleration_")]
+    other = {"position_x", "specific_force_x"} & chosen.keys()
+    if "fix_x" in chosen and not other and not {*felt} & given.keys():
+        for role in felt:
+            chosen[role.replace("acceleration", "specific_force")] = chosen.pop(role)
     return chosen
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from owtsweep.arrays import Array
@@ -14,7 +12,6 @@ from owtsweep.motion.recorded.gridding import (
     Gridded,
     TimeGrid,
     find_common_grid,
-    make_column,
     make_uniform,
     mark_gaps,
     to_grid,
@@ -65,34 +62,31 @@ def to_motion(
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
     if not 0.0 < chosen <= highest * (1 + 1e-9):
         raise InputError(
-            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, which is 0.4 of the "
-            "lower of two rates, the record's and the IMU's"
+            f"{recording.path}: replay.cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} "
+            "Hz, which is 0.4 of the lower of two rates, the record's and the IMU's"
         )
-    channels: dict[str, Array] = {}
-    pairs: dict[str, Array] = {}
+    names = ("position", "velocity", "acceleration")[:orders]
+    pairs = {name: np.zeros((grid.steps, 2)) for name in names}
     notes = [f"motion kept up to {chosen:.4g} Hz, nothing above {1.25 * chosen:.4g} Hz"]
-    for axis in "xy":
+    for column, axis in enumerate("xy"):
         role = f"{quantity}_{axis}"
-        function, holes = None, list[tuple[float, float]]()
-        if role in sources:
-            source, step, holes = sources.pop(role)
-            function = BandLimited(source[1], source[0], step, chosen, grid.rate)
-        else:
+        if role not in sources:
             notes.append(f"no {role}: that axis is at rest")
-        for order, name in enumerate(("position", "velocity", "acceleration")[:orders]):
+            continue
+        (start, values), step, holes = sources.pop(role)
+        function = BandLimited(values, start, step, chosen, grid.rate)
+        del values
+        for order, name in enumerate(names):
             given = f"{name}_{axis}"
-            channels[given] = make_column(pairs, given, grid)
-            if function is None:
-                continue
             derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
             if quantity == "position" and order > 0 and given in recording.channels:
-                recorded = to_grid(recording, [given], rate, grid=grid)
-                notes.append(_describe_mismatch(given, recorded.channels[given], derived))
-                derived = recorded.channels[given]
-            channels[given][:] = derived
+                recorded = to_grid(recording, given, grid)
+                notes.append(_describe_mismatch(given, recorded, derived))
+                derived = recorded
+            pairs[name][:, column] = derived
             if quantity == "reference":
-                mark_gaps(channels[given], grid, holes)
-    return Gridded(grid, channels, pairs, chosen, tuple(notes))
+                mark_gaps(pairs[name][:, column], grid, holes)
+    return Gridded(grid, pairs, chosen, tuple(notes))
 
 
 def _describe_mismatch(role: str, recorded: Array, derived: Array) -> str:
@@ -103,24 +97,26 @@ def _describe_mismatch(role: str, recorded: Array, derived: Array) -> str:
     return f"{role} taken as recorded; it differs from the derivative of the positions by {share}"
 
 
-def find_clear_band(recording: Recording, roles: Sequence[str], lowest: float) -> float:
-    """Return the frequency (Hz) above `lowest` up to which positions are mostly motion.
+def find_clear_band(recording: Recording, rate: float) -> float:
+    """Return the frequency (Hz) above `MOTION_CUTOFF` up to which a reference is mostly motion.
 
     The noise is taken as white: its density is the median above 0.4 of the sampling rate. The
-    result is that of the role with the widest band; `lowest` with fewer than 512 samples.
+    result is that of the axis with the widest band; `MOTION_CUTOFF` with fewer than 512 samples. It
+    is at most 0.4 of the lower of two rates, the record's and `rate`.
     """
     from scipy.signal import welch
 
-    found = lowest
-    for role in roles:
+    found = MOTION_CUTOFF
+    for role in (role for role in recording.channels if role.startswith("reference")):
+        rate = min(rate, recording.rate(role))
         (_, values), step, _ = make_uniform(recording, role)
-        if FULL_BAND / step <= lowest or len(values) < SEGMENT:
+        if FULL_BAND / step <= MOTION_CUTOFF or len(values) < SEGMENT:
             continue
         used = values[:MOST_SAMPLES]
         frequency, density = welch(used, 1.0 / step, nperseg=SEGMENT, detrend="linear")
         noise = np.median(density[frequency > FULL_BAND / step])
-        kept = (frequency > lowest) & (frequency <= FULL_BAND / step)
+        kept = (frequency > MOTION_CUTOFF) & (frequency <= FULL_BAND / step)
         drowned = np.flatnonzero(kept & (density <= CLEAR * noise))
         clear = frequency[drowned[0] - 1] if len(drowned) else FULL_BAND / step
-        found = max(found, clear)
-    return float(found)
+        found = max(found, float(clear))
+    return min(found, FULL_BAND * rate)

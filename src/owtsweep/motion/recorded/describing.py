@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from textwrap import wrap
 
@@ -28,8 +29,8 @@ from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_fact
 
 #: Of a longer file only this many rows are read, and fewer if it has more than 200 channels.
 MOST_ROWS = 1_000_000
-#: Width of the printed lists, characters.
-WIDTH = 100
+#: Width of the printed lists, characters, and the most channels that may be motion or force.
+WIDTH, MOST_LIKELY = 100, 30
 
 
 def tell_alone(*files: str) -> str:
@@ -37,64 +38,6 @@ def tell_alone(*files: str) -> str:
     names = [printable(Path(file).name) for file in files]
     which = f"this motion of {names[0]}" if len(names) == 1 else f"these {len(names)} motions"
     return f"{which} alone, with noise drawn anew"
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One channel of a file, in the unit that the file uses; NaN where there is no number."""
-
-    name: str
-    unit: str  # "" if the file states none
-    missing: int = 0  # rows
-    mean: float = np.nan
-    deviation: float = np.nan
-    smallest: float = np.nan
-    largest: float = np.nan
-    rate: float = np.nan  # Hz, from the median interval
-    gaps: tuple[tuple[float, float], ...] = ()  # (start, end) in s, longer than 0.1 s and ten steps
-    numeric: bool = True
-
-
-@dataclass(frozen=True)
-class Description:
-    """The contents of a file in summary; `str(description)` is the text for the terminal."""
-
-    path: Path
-    format: str  # in words
-    rows: int  # that were read
-    cut: bool  # whether there may be more
-    guess: dict[str, str]  # role -> the channel that would be taken
-    channels: tuple[Channel, ...]
-    clock: str  # a sentence about the times
-    motion: str = ""  # how the hub's motion is composed, or why it cannot be
-    notes: tuple[str, ...] = ()  # what was left out
-
-    def __str__(self) -> str:
-        rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
-        path = printable(str(self.path))
-        lines = [f"{path}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
-        lines += [f"note: {note}" for note in self.notes]
-        by_name = {channel.name: channel for channel in self.channels}
-        if self.guess:
-            lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
-            width = max(map(len, self.guess.values()))
-            for role, name in self.guess.items():
-                values = _describe_values(by_name[name], role)
-                lines.append(f"  {role:<17} = {name:<{width}}  {values}")
-        else:
-            lines += ["", "No channel has a well-known name: set columns.time=... and others."]
-        if self.motion:
-            lines += ["", *wrap(f"What moved: {self.motion}", WIDTH, break_on_hyphens=False)]
-        others = [c for c in self.channels if c.name not in self.guess.values()]
-        if likely := [c for c in others if _is_likely(c)]:
-            lines += ["", "Others that could be motion or force, by their unit:"]
-            width = max(len(channel.name) for channel in likely[:30])
-            lines += [f"  {c.name:<{width}}  {_describe_values(c)}" for c in likely[:30]]
-            lines += _wrap(f"{c.name} ({c.unit})" for c in likely[30:])
-        if rest := [c for c in others if not _is_likely(c)]:
-            lines += ["", "The rest:"]
-            lines += _wrap(f"{c.name} ({c.unit})" if c.unit else c.name for c in rest)
-        return "\n".join(lines)
 
 
 def describe(
@@ -105,8 +48,10 @@ def describe(
     motion: str = "auto",
     tower_height: float | None = None,
     rotation: str = "zyx",
-) -> Description:
+) -> str:
     """Describe every channel of a file, from its first million rows; arguments as of `read`.
+
+    Returns lines for the terminal.
 
     Raises InputError if the file cannot be read at all, or a given role, channel or unit is wrong.
     """
@@ -128,17 +73,33 @@ def describe(
         if len(loaded[name]) > 1 and np.all(np.diff(loaded[name]) > 0.0):
             time = to_seconds * loaded[name]
     rows = max(map(len, loaded.values()), default=0)
-    channels = tuple(
-        _summarise(name, unit, loaded.get(name), time)
-        for name, unit in zip(table.names, table.units, strict=True)
-    )
     moved = choice.problem or choice.note
     if parts := {role: name for role, name in mapping.items() if role in PARTS}:
         moved = _describe_parts(table, parts, loaded, hub)
-    notes = tuple(dict.fromkeys(table.notes))
-    return Description(
-        table.path, table.format, rows, rows >= most, mapping, channels, clock, moved, notes
-    )
+    counted = f"{rows} rows" + (" looked at, the first of more" if rows >= most else "")
+    shown = printable(str(table.path))
+    lines = [f"{shown}: {table.format}, {len(table.names)} channels, {counted}", clock]
+    lines += [f"note: {note}" for note in dict.fromkeys(table.notes)]
+    told = partial(_describe_values, table, loaded, time)
+    if mapping:
+        lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
+        width = max(map(len, mapping.values()))
+        lines += [f"  {r:<17} = {name:<{width}}  {told(name, r)}" for r, name in mapping.items()]
+    else:
+        lines += ["", "No channel has a well-known name: set columns.time=... and others."]
+    if moved:
+        lines += ["", *wrap(f"What moved: {moved}", WIDTH, break_on_hyphens=False)]
+    others = [name for name in table.names if name not in mapping.values()]
+    likely = [name for name in others if _is_likely(table.unit(name), loaded.get(name))]
+    if likely:
+        lines += ["", "Others that could be motion or force, by their unit:"]
+        width = max(map(len, likely[:MOST_LIKELY]))
+        lines += [f"  {name:<{width}}  {told(name)}" for name in likely[:MOST_LIKELY]]
+        lines += _wrap(f"{name} ({table.unit(name)})" for name in likely[MOST_LIKELY:])
+    if rest := [name for name in others if name not in likely]:
+        lines += ["", "The rest:"]
+        lines += _wrap(f"{name} ({u})" if (u := table.unit(name)) else name for name in rest)
+    return "\n".join(lines)
 
 
 def _describe_parts(
@@ -189,46 +150,39 @@ def _describe_clock(path: Path, name: str, time: Array) -> str:
     )
 
 
-def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -> Channel:
-    if values is None:
-        return Channel(name, unit, numeric=False)
-    there = np.isfinite(values)
-    kept, missing = values[there], int(np.count_nonzero(~there))
-    if len(kept) == 0:
-        return Channel(name, unit, missing)
-    rate, gaps = np.nan, []
-    if time is not None and len(kept) > 1:
-        rate, gaps = 1.0 / float(np.median(np.diff(time[there]))), find_gaps(time[there], 10.0)
-    with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
-        mean, deviation = float(kept.mean()), float(kept.std())
-    ends = float(kept.min()), float(kept.max())
-    return Channel(name, unit, missing, mean, deviation, *ends, rate, tuple(gaps))
-
-
-def _is_likely(channel: Channel) -> bool:
-    if not channel.deviation > 0.0:  # NaN without numbers
+def _is_likely(unit: str, values: Array | None) -> bool:
+    if values is None or not np.isfinite(values).any():
         return False
-    return not channel.unit or find_dimension(channel.unit) in QUANTITIES.values()
+    kept = values[np.isfinite(values)]
+    return kept.min() < kept.max() and (not unit or find_dimension(unit) in QUANTITIES.values())
 
 
-def _describe_values(channel: Channel, role: str | None = None) -> str:
-    unit = channel.unit or "no unit"
-    if role and not channel.unit:
-        unit = f"{imply_unit(role, channel.name) or DIMENSIONS[ROLES[role]][0]}?"
-    if np.isnan(channel.mean):
+def _describe_values(
+    table: ChannelTable,
+    loaded: Mapping[str, Array],
+    time: Array | None,
+    name: str,
+    role: str = "",
+) -> str:
+    unit, values = table.unit(name) or "no unit", loaded[name]
+    if role and not table.unit(name):
+        unit = f"{imply_unit(role, name) or DIMENSIONS[ROLES[role]][0]}?"
+    there = np.isfinite(values)
+    kept = values[there]
+    if len(kept) == 0:
         return f"{unit}, no value at all"
     if role == "time":
-        return f"{unit}, {channel.smallest:.6g} to {channel.largest:.6g}"
-    text = (
-        f"{unit}, {channel.smallest:.4g} to {channel.largest:.4g}, mean {channel.mean:.4g}, "
-        f"deviation {channel.deviation:.3g}"
-    )
-    if not np.isnan(channel.rate):
-        text += f", {channel.rate:.4g} Hz"
-    if channel.missing:
-        text += f", {channel.missing} missing"
-    if channel.gaps:
-        text += f", {len(channel.gaps)} gap(s): {describe_gaps(channel.gaps, 2)}"
+        return f"{unit}, {kept.min():.6g} to {kept.max():.6g}"
+    with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
+        mean, deviation = kept.mean(), kept.std()
+    text = f"{unit}, {kept.min():.4g} to {kept.max():.4g}, mean {mean:.4g}, "
+    text += f"deviation {deviation:.3g}"
+    if time is not None and len(kept) > 1:
+        text += f", {1.0 / float(np.median(np.diff(time[there]))):.4g} Hz"
+    if missing := len(values) - len(kept):
+        text += f", {missing} missing"
+    if time is not None and (gaps := find_gaps(time[there], 10.0)):
+        text += f", {len(gaps)} gap(s): {describe_gaps(gaps, 2)}"
     return text
 
 

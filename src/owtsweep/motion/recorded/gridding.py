@@ -114,15 +114,13 @@ class TimeGrid:
 
 @dataclass(frozen=True)
 class Gridded:
-    """Channels resampled to one grid."""
+    """A motion resampled to a grid."""
 
     grid: TimeGrid
-    #: role -> values, shape (steps,). Fixes are NaN at steps without one, references in long gaps.
-    channels: Mapping[str, Array]
-    #: quantity (but fixes) -> values, shape (steps, 2), which share memory with `channels`; an axis
-    #: that was not requested is zero.
+    #: quantity -> values, shape (steps, 2), NaN in a reference's long gaps; an axis without a
+    #: channel is zero.
     pairs: Mapping[str, Array]
-    cutoff: float | None  # Hz, up to which the motion is kept; None if none was derived
+    cutoff: float  # Hz, up to which the motion is kept
     notes: tuple[str, ...]
 
 
@@ -149,55 +147,21 @@ def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) ->
     return TimeGrid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
 
 
-def to_grid(
-    recording: Recording,
-    roles: Sequence[str],
-    rate: float,
-    *,
-    grid: TimeGrid | None = None,
-) -> Gridded:
-    """Resample channels to a grid.
+def to_grid(recording: Recording, role: str, grid: TimeGrid) -> Array:
+    """Resample a channel of a checked recording to a grid, shape (steps,).
 
     Frequencies up to 0.4 of the lower rate (of channel and grid) are kept in full, those above half
     of it removed; samples on the grid are not changed. Irregular times and missing samples are
-    first interpolated (`fill`). Fixes move to the nearest step; of two at one step the later is
-    kept.
-
-    recording, roles: a checked recording, and the roles to resample, e.g. "position_x".
-    rate: of the grid, Hz; not used if `grid` is given.
-    grid: by default it covers the time that the channels have in common, without fixes and
-        references if there are others.
+    first interpolated (`fill`).
     """
-    if grid is None:
-        dense = [role for role in roles if not role.startswith(("fix", "reference"))]
-        grid = find_common_grid(recording, dense or roles, rate)
-    channels: dict[str, Array] = {}
-    pairs: dict[str, Array] = {}
-    notes: list[str] = []
-    for role in roles:
-        if role.startswith("fix"):
-            channels[role], said = _place_fixes(recording, role, grid)
-            notes += said
-            continue
-        source, step, holes = make_uniform(recording, role)
-        cutoff = FULL_BAND * min(1.0 / step, grid.rate)
-        values = _take_if_on_grid(source, step, grid)
-        if values is None:
-            function = BandLimited(source[1], source[0], step, cutoff, grid.rate)
-            values = function.on_grid(grid.start, grid.rate, grid.steps)
-        channels[role] = make_column(pairs, role, grid)
-        channels[role][:] = values
-        if role.startswith("ref"):
-            mark_gaps(channels[role], grid, holes)
-    return Gridded(grid, channels, pairs, None, tuple(dict.fromkeys(notes)))
-
-
-def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
-    """Make zeros, (steps,), for a role; with an axis they are a column of `pairs[quantity]`."""
-    quantity, _, axis = role.rpartition("_")
-    if axis not in ("x", "y"):
-        return np.zeros(grid.steps)
-    return pairs.setdefault(quantity, np.zeros((grid.steps, 2)))[:, "xy".index(axis)]
+    (start, values), step, _ = make_uniform(recording, role)
+    first = (grid.start - start) / step
+    place = round(first)
+    drift = abs(step * grid.rate - 1.0) * grid.steps
+    if abs(first - place) + drift <= 1e-3 and 0 <= place <= len(values) - grid.steps:
+        return values[place : place + grid.steps]
+    function = BandLimited(values, start, step, FULL_BAND * min(1.0 / step, grid.rate), grid.rate)
+    return function.on_grid(grid.start, grid.rate, grid.steps)
 
 
 def make_uniform(
@@ -230,16 +194,6 @@ def fill(time: Array, values: Array, comb: Comb) -> Array:
     return filled
 
 
-def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
-    start, values = source
-    first = (grid.start - start) / step
-    drift = abs(step * grid.rate - 1.0) * grid.steps
-    place = round(first)
-    if abs(first - place) + drift > 1e-3 or place < 0 or place + grid.steps > len(values):
-        return None
-    return values[place : place + grid.steps]
-
-
 def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
     result = np.zeros(len(time), dtype=bool)
     for start, end in holes:
@@ -251,20 +205,3 @@ def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -
     """Set the values inside gaps, each (start, end) in s, to NaN, in place."""
     if holes:
         values[_mark_inside(grid.time, holes)] = np.nan
-
-
-def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
-    time, values = recording.series(role)
-    exact = (time - grid.start) * grid.rate
-    place = np.rint(exact).astype(np.int64)
-    kept = (place >= 0) & (place < grid.steps)
-    result = np.full(grid.steps, np.nan)
-    result[place[kept]] = values[kept]
-    moved = float(np.max(np.abs(exact - place)[kept], initial=0.0)) / grid.rate
-    notes = []
-    if moved > 1e-6:
-        notes.append(f"fixes moved to the nearest step, by {moved:.3g} s at most")
-    lost = int(kept.sum()) - len(np.unique(place[kept]))
-    if lost:
-        notes.append(f"{role}: {lost} fixes dropped: a later fix fell on the same IMU step")
-    return result, notes

@@ -44,6 +44,7 @@ def read(
     motion: str = "auto",
     tower_height: float | None = None,
     rotation: str = "zyx",
+    rows: int | None = None,
 ) -> Recording:
     """Read and check one recorded file; return its contents by role, in SI units.
 
@@ -58,6 +59,7 @@ def read(
         alone; "rigid" the platform with a stiff tower; "platform" the platform alone.
     tower_height: of the tower top above the platform's reference point, m; needed to compose.
     rotation: of the platform: "zyx" as in OpenFAST from 4.0 on, "small" as in FAST and before.
+    rows: how many are read, from the first on; None: all.
     Raises InputError if the file cannot be read or fails a check.
     """
     if gaps not in GAPS:
@@ -68,7 +70,7 @@ def read(
     factors, notes = find_factors(table, chosen, units or {})
     out = [role for role, name in (columns or {}).items() if not (name and str(name).strip())]
     angles = {} if "specific_force_x" in chosen else find_angles(table.names, chosen, out)
-    loaded = _load(table, chosen.values(), angles.values())
+    loaded = _load(table, chosen.values(), angles.values(), rows)
     leans = _find_leans(table, loaded, {**angles, **chosen}, factors)
     channels = to_si(loaded, chosen, factors)
     del loaded
@@ -83,15 +85,17 @@ def read(
     return replace(bare, notes=(*left_out, *notes, *said_of_motion, *checked), leans=leans)
 
 
-def _load(table: ChannelTable, needed: Iterable[str], wished: Iterable[str]) -> Mapping[str, Array]:
+def _load(
+    table: ChannelTable, needed: Iterable[str], wished: Iterable[str], rows: int | None
+) -> Mapping[str, Array]:
     names = list(dict.fromkeys(needed))
     more = [name for name in wished if name not in names]
     if more:
         try:
-            return table.load([*names, *more], None)
+            return table.load([*names, *more], rows)
         except InputError:
             pass  # a file is not refused for a channel that nobody asked for
-    return table.load(names, None)
+    return table.load(names, rows)
 
 
 def _find_leans(

@@ -106,7 +106,10 @@ def _list_content(
 
     So a world that does not depart has the blocks of a run without others.
     """
-    told, given = (declaration.list_content(each) for each in (config, world.config))
+    told = declaration.list_content(config)
+    if world.config is config:
+        return told
+    given = declaration.list_content(world.config)
     departed = {key: value for key, value in given.items() if told.get(key) != value}
     departed |= world.moved
     return {**told, "truth": departed} if departed else told
@@ -387,6 +390,11 @@ class DeclaredBlocks:
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each with its rows."""
         return run(self.declaration, config, of_group)
+
+    def tell_worlds(self, config: AnyConfig) -> dict[str, str]:
+        """Return world -> what departs there, in words."""
+        worlds = find_worlds(self.declaration, config)
+        return {name: world.sentence for name, world in worlds.items()}
 
     def warm_up(self, config: AnyConfig) -> None:
         """Warn of what the configuration makes doubtful."""

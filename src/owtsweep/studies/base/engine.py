@@ -58,14 +58,6 @@ class ContestEngine(Engine, Generic[C]):
     def tables(self, config: C, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         return tables.make_tables(self.contest, config, rows, self.rank(config))
 
-    def make_regret(self, config: C, rows: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
-        judged = Judged(config.criterion, self.contest.criteria[config.criterion], WINDOW)
-        cubes = {
-            world: make_cube(self.contest, config, part, list_competing(config, part))
-            for world, part in rows.items()
-        }
-        return make_regret(cubes, config.over or {}, judged)
-
     def drawings(
         self,
         config: C,
@@ -119,3 +111,13 @@ class DeclaredEngine(DeclaredBlocks, ContestEngine[ContestConfig]):
 
     def rank(self, config: ContestConfig) -> Sequence[str]:
         return [*self.declaration.schemes.rank(config)]
+
+    def make_regret(
+        self, config: ContestConfig, rows: Mapping[str, pd.DataFrame]
+    ) -> dict[str, pd.DataFrame]:
+        judged = Judged(config.criterion, self.contest.criteria[config.criterion], WINDOW)
+        cubes = {
+            world: make_cube(self.contest, config, part, list_competing(config, part))
+            for world, part in rows.items()
+        }
+        return make_regret(cubes, config.over or {}, judged, self.tell_worlds(config))

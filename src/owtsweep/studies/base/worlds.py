@@ -51,10 +51,12 @@ class World(NamedTuple):
 
     config: the configuration of truth and measurements.
     moved: Axis of the grid -> its value in truth and measurements, in place of the cell's.
+    sentence: What departs, in words.
     """
 
     config: AnyConfig
     moved: Cell = MappingProxyType({})
+    sentence: str = "as schemes are told"
 
     def place(self, cell: Cell) -> Cell:
         """Return where truth and measurements are, of the cell that schemes are told of."""
@@ -72,13 +74,15 @@ def make_worlds(axes: Axes[Any], untold: Untold, config: AnyConfig) -> dict[str,
         return worlds
     axis, values = find_axis(config.over)
     if axis == WORLD:
-        departures = [_find(untold, str(name)) for name in values]
+        departures = {str(name): _find(untold, str(name)) for name in values if name != NOMINAL}
     else:
         key = _find_key(axes, untold, config, axis)
-        departures = [{key: value} for value in values]
-    for name, keys in zip(name_worlds(config.over), departures, strict=True):
-        worlds[name] = _depart(axes, config, keys)
-    return worlds
+        names = name_worlds(config.over)
+        departures = {
+            name: Departure(f"{key} is {value}", {key: value})
+            for name, value in zip(names, values, strict=True)
+        }
+    return worlds | {name: _depart(axes, config, each) for name, each in departures.items()}
 
 
 def check(
@@ -112,14 +116,12 @@ def check(
             raise InputError(f"over: in the world {name}, {error}") from error
 
 
-def _find(untold: Untold, name: str) -> Mapping[str, object]:
-    if name == NOMINAL:
-        return {}
+def _find(untold: Untold, name: str) -> Departure:
     known = [NOMINAL, *untold.departures]
     require(
         name in known, f"over.{WORLD}: there is no world {name!r} here; {suggest_name(name, known)}"
     )
-    return untold.departures[name].keys
+    return untold.departures[name]
 
 
 def _find_key(axes: Axes[Any], untold: Untold, config: AnyConfig, name: str) -> str:
@@ -134,12 +136,13 @@ def _find_key(axes: Axes[Any], untold: Untold, config: AnyConfig, name: str) -> 
     require(
         any(part in untold.keys for part in (key, *sections)),
         f"over.{name}: it does not change the truth alone, which schemes are not told; use one of "
-        f"{', '.join(untold.keys)}",
+        f"{', '.join(untold.keys) or 'none: here schemes are told all'}",
     )
     return key
 
 
-def _depart(axes: Axes[Any], config: AnyConfig, keys: Mapping[str, object]) -> World:
+def _depart(axes: Axes[Any], config: AnyConfig, departure: Departure) -> World:
+    keys = departure.keys
     start = f"{axes.section}."
     moved = {
         key.removeprefix(start): value
@@ -153,6 +156,5 @@ def _depart(axes: Axes[Any], config: AnyConfig, keys: Mapping[str, object]) -> W
     except InputError as error:
         raise InputError(f"over: {error}") from error
     found, told = axes.get_values(departed), axes.get_values(config)
-    return World(
-        departed, {axis: (found[axis] or [None])[0] for axis in moved if found[axis] != told[axis]}
-    )
+    changed = {axis: (found[axis] or [])[0] for axis in moved if found[axis] != told[axis]}
+    return World(departed, changed, departure.sentence)

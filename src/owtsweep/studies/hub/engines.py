@@ -48,6 +48,7 @@ from owtsweep.studies.hub.listed import (
     scheme_names,
 )
 from owtsweep.studies.hub.plant import FRICTION_ANGLE
+from owtsweep.studies.hub.quoted import quote_worlds
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
 from owtsweep.studies.hub.world import World
 from owtsweep.sweep.study import Engine, Look, Square
@@ -129,7 +130,7 @@ class _Engine(Engine):
             lines += tell_answer(table, ratios, judged, get_map_conditions(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, ratios, judged)
-        lines += tell_regret(tables)
+        lines += tell_regret(tables) or quote_worlds(config)
         lines += _tell_bound(config)
         lines += tell_not_asked(config)
         return [*lines, OTHER_WINDOW[config.measures.window]]
@@ -234,7 +235,7 @@ class RecordsEngine(DeclaredBlocks, _Engine):
         name = config.measures.criterion
         judged = Judged(name, JUDGED[name], config.measures.window)
         cubes = {w: make_cube(config, part, baselines=True) for w, part in rows.items()}
-        return make_regret(cubes, config.over or {}, judged)
+        return make_regret(cubes, config.over or {}, judged, self.tell_worlds(config))
 
 
 class ExpectedEngine(_Engine):
@@ -267,9 +268,8 @@ def _tell_bound(config: HubConfig) -> list[str]:
     judged = JUDGED[config.measures.criterion]
     return [
         "Bound: an estimator that assumes nothing of the motion has on average at least "
-        f"{judged.show(float(judged.express(bound)))}. Less comes by chance of few records, or "
-        "where a scheme assumes that the motion is small, or knows its spectrum "
-        "(measures.efficiency=true)."
+        f"{judged.show(float(judged.express(bound)))}. Less takes knowledge of the motion "
+        "(measures.efficiency=true), or chance."
     ]
 
 

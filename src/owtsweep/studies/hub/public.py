@@ -13,7 +13,7 @@ from owtsweep.studies.hub.study import ROOMS
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import backend, sum_errors
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
-    from owtsweep.studies.hub.conditions import find_world
+    from owtsweep.studies.hub.conditions import JUDGED, find_world
     from owtsweep.studies.hub.config import Grid, HubConfig
     from owtsweep.studies.hub.contract import Known, Scheme
     from owtsweep.studies.hub.describe import OTHER_WINDOW
@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.tuning_rules import assume_tilt, follow_sensors
 
 __all__ = [
-    "BASELINES", "INSTEAD", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain", "ErrorSpectrum",
-    "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "Line", "NoiseFloor",
-    "OnePassSeries", "Scheme", "Sensors", "assume_tilt", "backend", "bias_of", "chunks",
-    "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
+    "BASELINES", "INSTEAD", "JUDGED", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain",
+    "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "Line",
+    "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "assume_tilt", "backend", "bias_of",
+    "chunks", "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
     "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_records",
     "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
     "state_chunks", "sum_errors", "trajectories",
@@ -54,7 +54,7 @@ __all__ = [
 _HOMES = {
     "batch": ["backend", "sum_errors"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
-    "conditions": ["find_world"],
+    "conditions": ["JUDGED", "find_world"],
     "config": ["Grid", "HubConfig"],
     "contract": ["Known", "Scheme"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],

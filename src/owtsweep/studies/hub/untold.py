@@ -43,9 +43,12 @@ SENSORS = {
         "1 % of the fixes are outliers of 10 standard deviations",
         {"sensors.gnss.outliers.rate": 0.01},
     ),
-    "outliers_5": Departure("5 % are such outliers", {"sensors.gnss.outliers.rate": 0.05}),
+    "outliers_5": Departure(
+        "5 % of the fixes are outliers of 10 standard deviations",
+        {"sensors.gnss.outliers.rate": 0.05},
+    ),
     "multipath": Departure(
-        "5 % are such outliers, in bursts of 5 fixes with one offset",
+        "5 % of the fixes are outliers, in bursts of 5 with one offset (multipath)",
         {"sensors.gnss.outliers.rate": 0.05, "sensors.gnss.outliers.length": 5},
     ),
 }

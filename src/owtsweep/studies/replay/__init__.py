@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
 from owtsweep.studies.hub.public import ROOMS, HubKeys
-from owtsweep.sweep.study import Block, Engine, add_versions
+from owtsweep.sweep.asked import find_home
+from owtsweep.sweep.study import FAILED, Block, Engine, add_versions
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import pandas as pd
+    from matplotlib.figure import Figure
     from rich.console import RenderableType
 
     from owtsweep.figures.drawings import Drawing
@@ -19,6 +24,12 @@ if TYPE_CHECKING:
     from owtsweep.studies.replay.config import ReplayConfig
 
 __all__ = ["ReplayStudy"]
+
+ESTIMATES = "estimates.parquet"
+#: Figures that show a quantity over time; those ending in `_zoom` show some seconds only.
+HISTORIES = (
+    "position", "position_zoom", "velocity", "velocity_zoom", "acceleration_zoom", "bias",
+)  # fmt: skip
 
 
 class ReplayStudy(HubKeys, Engine):
@@ -108,11 +119,41 @@ class ReplayStudy(HubKeys, Engine):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        from owtsweep.studies.replay.figures.listing import drawings
+        from owtsweep.figures.drawings import save_figure
+        from owtsweep.studies.replay.facts import pick_facts
+        from owtsweep.studies.replay.figures import histories, place, records, spectrum, traces
 
-        return drawings(config, tables, rows, metadata)
+        if len(config.grid.files) > 1:
+            draw = partial(records.draw, config, tables["records"], tables["advice"])
+            return {self.overview(config): save_figure(draw, metadata)}
+        open_session = cache(partial(traces.Session, config, config.grid.files[0]))
+        advice, failures = tables["advice"], rows[rows["status"] == FAILED]
+        # a baseline has no lines in the figures
+        advised = str(advice.iloc[0]["recommended"]) if len(advice) else None
+        failed = dict(zip(failures["scheme"], failures["reason"], strict=True))
+
+        def draw_history(folder: Path, name: str, quantity: str, *, zoom: bool) -> list[Path]:
+            # the folder of a question that is not the latest holds its own estimates
+            own = folder.parent / ESTIMATES
+            path = own if own.is_file() else (find_home(folder.parent) or folder.parent) / ESTIMATES
+
+            def draw() -> Figure:
+                session = open_session(path)
+                return histories.draw(session, quantity, zoom=zoom, advised=advised, failed=failed)
+
+            return save_figure(draw, metadata)(folder, name)
+
+        history = {
+            name: partial(
+                draw_history, quantity=name.removesuffix("_zoom"), zoom=name.endswith("_zoom")
+            )
+            for name in HISTORIES
+        }
+        others = {
+            "spectrum": lambda: spectrum.draw(config, pick_facts(tables["records"])),
+            "place_in_map": lambda: place.draw(config, pick_facts(tables["records"])),
+        }
+        return {**history, **{name: save_figure(draw, metadata) for name, draw in others.items()}}
 
     def overview(self, config: ReplayConfig) -> str:
-        from owtsweep.studies.replay.figures.listing import overview
-
-        return overview(config)
+        return "position_zoom" if len(config.grid.files) == 1 else "best_scheme_by_record"

@@ -1,7 +1,8 @@
 """Advise which scheme to run, by how much it beats the runner-up, and whether the margin matters.
 
-Schemes are compared in pairs on the same data: replicate by replicate, or, if everything was
-recorded, part by part of the settled record.
+Schemes are compared in pairs on the same data: record by record, replicate by replicate, or, if
+everything was recorded, part by part of the settled record. All are judged in one window: a scheme
+that needs time to start, as SKFA does, is judged while it starts.
 
 Recommended is the simplest of those schemes and baselines that are not worse; a baseline, if it
 cannot be told apart from a scheme. Worse is an error larger than the least one by a difference that
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.results.verdicts import SEPARATOR
 from owtsweep.statistics.contest import find_alike, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES
@@ -27,7 +29,8 @@ if TYPE_CHECKING:
 COLUMNS = (
     "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",
     "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters", "noise",
-    "recommended", "value_recommended", "baseline", "value_baseline", "baseline_difference",
+    "recommended", "value_recommended", "recommended_ci_low", "recommended_ci_high", "left",
+    "counts", "baseline", "value_baseline", "baseline_difference",
     "baseline_ci_low", "baseline_ci_high", "fit_share", "advises", "contradicts_record",
 )  # fmt: skip
 #: A margin (an error / the least error - 1) below this does not matter for the choice.
@@ -37,8 +40,6 @@ LEAST_MARGIN = 0.05
 LARGE_MARGIN = 1.0
 #: With fewer pairs than this, an interval says too little, and only the margin decides.
 FEWEST_PAIRS = 5
-#: Name -> place in the order of simplicity; other schemes come after these.
-SIMPLICITY = {"NONE": 0, "HOLD": 1, "DELTA": 2, "EKF": 3, "MKF": 3, "HME1": 4, "HME2": 5}
 #: The map advises for a record only if the fitted spectrum covers this share of its variance. A
 #: curve of the right shape covers 0.87, and a curve fitted to one of two equal peaks some 0.56.
 LEAST_COVERED = 0.6
@@ -92,14 +93,20 @@ def compare(
     }
 
 
-def advise_from_record(
-    values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
+def advise(
+    values: pd.DataFrame,
+    schemes: Mapping[str, int],
+    criterion: str,
+    window: str,
+    by: str = "replicate",
 ) -> dict[str, object] | None:
-    """Advise which scheme to run, from the schemes' errors on one record; None if there are none.
+    """Advise which scheme to run, from the schemes' errors; None if there are none.
 
     Without reference position, squared distances to later fixes take the place of errors.
 
-    values: the rows of results on the record, with those of baselines (`BASELINE_ROWS`).
+    values: the rows of results, with those of baselines (`BASELINE_ROWS`).
+    schemes: name -> how simple it is (`Listed.simplicity`).
+    by: the column that tells samples apart: "replicate" of one record, or "file".
     """
     measures = set(values["measure"])
     source = "record"
@@ -107,22 +114,32 @@ def advise_from_record(
         criterion, source = "fix_residual", "fixes"
     rows = values[values["measure"] == criterion]
     entrants = [*schemes, *BASELINE_ROWS]
-    samples = _pivot(rows[rows["window"] == window], entrants, "replicate")
+    samples = _pivot(rows[rows["window"] == window], entrants, by)
     whole = None
     if samples.shape[1] == 1:  # one replicate: use the parts of the settled record
         parts = _pivot(rows[rows["window"].str.startswith("part_")], entrants, "window")
         if parts.shape[1] > 1:
             window = "settled"
-            whole = _pivot(rows[rows["window"] == window], entrants, "replicate")[:, 0]
+            whole = _pivot(rows[rows["window"] == window], entrants, by)[:, 0]
             samples = parts
     count = len(schemes)
-    compared = compare(samples[:count], schemes, whole=None if whole is None else whole[:count])
+    compared = compare(samples[:count], [*schemes], whole=None if whole is None else whole[:count])
     if compared is None:
         return None
     names = [*schemes, *BASELINE_ROWS.values()]
-    chosen = choose_simplest(samples, names, str(compared["best"]), whole=whole)
+    chosen = choose_simplest(samples, names, str(compared["best"]), schemes, whole=whole)
     row = {"source": source, "criterion": criterion, "window": window}
-    return {**row, **compared, **chosen, "advises": True}
+    return {**row, **compared, **chosen, "advises": True, "counts": True}
+
+
+def prefer_better(stated: dict[str, object], estimated: dict[str, object]) -> None:
+    """Let the row of advice count with the noise that gives the smaller error, the stated in doubt.
+
+    Without reference position, errors are distances from fixes that an estimate has not used: an
+    estimate of the noise that lies off for want of fixes shows there.
+    """
+    better = float(str(estimated["value_recommended"])) < float(str(stated["value_recommended"]))
+    stated["counts"], estimated["counts"] = not better, better
 
 
 def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
@@ -131,7 +148,12 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
 
 
 def choose_simplest(
-    samples: Array, names: Sequence[str], best: str, *, whole: Array | None = None
+    samples: Array,
+    names: Sequence[str],
+    best: str,
+    schemes: Mapping[str, int],
+    *,
+    whole: Array | None = None,
 ) -> dict[str, object]:
     """Choose the simplest of the schemes and baselines that are not worse than another.
 
@@ -139,10 +161,12 @@ def choose_simplest(
         value which the best scheme has.
     names: of schemes and baselines; of a name that is there twice the first one counts.
     best: the scheme of the least error.
+    schemes: scheme -> how simple it is.
     whole: the errors of the whole record; by default the means of the samples.
-    Returns the columns of the table of advice from `recommended` to `baseline_ci_high`. `baseline`
-        is what is recommended, if a baseline, else the best one ("": none); `baseline_difference`
-        is positive where it beats the best scheme.
+    Returns the columns of the table of advice from `recommended` to `baseline_ci_high`, without
+        `counts`. `left` are those that are not worse, the simplest first. `baseline` is what is
+        recommended, if a baseline, else the best one ("": none); `baseline_difference` is positive
+        where it beats the best scheme.
     """
     at_best = list(names).index(best)
     common = np.isfinite(samples[at_best])
@@ -153,11 +177,17 @@ def choose_simplest(
     ]
     means = np.mean(samples[:, common], axis=1) if whole is None else whole
     least = min(able, key=lambda i: means[i])
+    ranks = {**schemes, **{name: listed.simplicity for name, listed in BASELINES.items()}}
     good = [i for i in able if not _is_worse(samples[:, common], means, i, least)]
-    chosen = min(good, key=lambda i: (SIMPLICITY.get(names[i], len(SIMPLICITY)), -i))
+    good.sort(key=lambda i: ranks[names[i]])
+    chosen = good[0]
+    half = np.nan if whole is not None else _measure_half(samples[chosen, common])
     row: dict[str, object] = {
         "recommended": names[chosen],
         "value_recommended": float(means[chosen]),
+        "recommended_ci_low": max(float(means[chosen]) - half, 0.0),
+        "recommended_ci_high": float(means[chosen]) + half,
+        "left": SEPARATOR.join(names[i] for i in good),
         "baseline": "",
     }
     rivals = [i for i in able if names[i] in BASELINES]
@@ -183,9 +213,13 @@ def _is_worse(samples: Array, means: Array, one: int, other: int) -> bool:
 
 
 def _compare(samples: Array, means: Array, one: int, other: int) -> tuple[float, float]:
-    _, error, n = mean_and_error(samples[one] - samples[other])
-    half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
-    return float(means[one] - means[other]), half
+    return float(means[one] - means[other]), _measure_half(samples[one] - samples[other])
+
+
+def _measure_half(values: Array) -> float:
+    # of the 95 % interval of their mean
+    _, error, n = mean_and_error(values)
+    return float(t_quantile(n - 1) * error) if n > 1 else np.nan
 
 
 def relate_to_record(

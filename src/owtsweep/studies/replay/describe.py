@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,143 +10,119 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.motion.modes import LEAST_SHARE, LEVEL
 from owtsweep.motion.recorded import tell_alone
-from owtsweep.studies.hub.public import BASELINES, INSTEAD, OTHER_WINDOW, assume_tilt, make_sensors
-from owtsweep.studies.replay.advice import LEAST_MARGIN
+from owtsweep.results.answer import tell_cell
+from owtsweep.results.verdicts import SEPARATOR
+from owtsweep.studies.hub.public import (
+    INSTEAD,
+    JUDGED,
+    OTHER_WINDOW,
+    assume_tilt,
+    make_sensors,
+)
+from owtsweep.studies.replay.advice import LEAST_MARGIN, advise
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES, summarise_motion
-from owtsweep.studies.replay.measures import ESTIMATED, TAILS
+from owtsweep.studies.replay.measures import ESTIMATED, STATED, TAILS
 from owtsweep.studies.replay.place import expect_at_record
+from owtsweep.studies.replay.results import rank_schemes
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A margin (an error / the best error - 1) of at least this is stated as a factor, not in percent.
-MARGIN_IN_TIMES = 2.0
 SOURCES = {
     "record": "this record's own errors",
     "fixes": "the distance from the fixes that came later",
     "map": "the expected map at its period and amplitude",
 }
-#: What the root of a criterion's mean square is called.
-ERRORS = {
-    "position": "position error",
-    "velocity": "velocity error",
-    "fix_residual": "distance from later fixes",
+#: Noise that the answer rests on, of two -> what is said of it.
+NOISES = {
+    ESTIMATED: "Run with the noise that the record shows (noise.csv), not the stated one: errors "
+    "are smaller.",
+    STATED: "Run with the stated noise: errors are no smaller with what the record shows "
+    "(noise.csv).",
 }
 #: NIS per degree of freedom outside of this range is said; a fix has two degrees of freedom.
 RIGHT_NIS, FREEDOM = (0.5, 2.0), 2
 
-#: A row of the table of advice without what is missing; names that may be missing are "".
-Row = Mapping[str, Any]
+
+def tell_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Return the answer in sentences, in a sweep's words; [] if no scheme has an error.
+
+    Of several records it is by the mean of their squared errors, with the stated noise.
+    """
+    if len(config.grid.files) > 1:
+        errors = tables["errors"].rename(columns={"mean": "value"})
+        judged = config.measures
+        row = advise(errors, rank_schemes(config), judged.criterion, judged.window, by="file")
+        return _tell(row, "record") if row else []
+    advised = tables["advice"]
+    own = advised[advised["counts"].astype(bool)].to_dict("records")
+    if not own:
+        return []
+    both = ESTIMATED in {*advised["noise"]}
+    return _tell(own[0]) + [NOISES[own[0]["noise"]]] * both
 
 
-def make_sentences(advised: pd.DataFrame) -> list[str]:
-    """Write a sentence per row of the table of advice; it names the record if there are several."""
+def tell_others(advised: pd.DataFrame) -> list[str]:
+    """Return a sentence or more per row of the table of advice that is not the answer itself.
+
+    Of several records these are all; each begins with the record's name.
+    """
     many = advised["file"].nunique() > 1
     return [
-        (f"{row['file']}: " if many else "") + write_sentence(row)
+        (f"{row['file']}: " if many else "") + tell_row(row)
         for row in advised.to_dict("records")
+        if many or not row["counts"]
     ]
 
 
-def write_sentence(row: Mapping[Hashable, object]) -> str:
-    """Write one row of the table of advice as a sentence that begins with what is recommended."""
-    known = {str(name): value for name, value in row.items() if value == value}  # without NaN
-    given: Row = {"same_as": "", "runner_up": "", "baseline": "", **known}
-    noise = " with the estimated noise" if given["noise"] == ESTIMATED else ""
-    text = f"by {SOURCES[given['source']]}{noise}: {_recommend(given)}"
-    if given["source"] != "map":
+def tell_row(row: Mapping[Any, Any]) -> str:
+    """Return in a few sentences what a row of the table of advice says, and by what."""
+    noise = " with the estimated noise" if row["noise"] == ESTIMATED else ""
+    text = f"by {SOURCES[row['source']]}{noise}: {' '.join(_tell(row))}"
+    if row["source"] != "map":
         return text
-    covered = f"{100.0 * given['fit_share']:.0f} % of the variance"
-    if given["advises"]:
-        text += f"; the fit of Eq. (1) covers {covered}"
+    covered = f"{100.0 * row['fit_share']:.0f} % of the variance"
+    if row["advises"]:
+        text += f" The fit of Eq. (1) covers {covered}."
     else:
         text = f"no advice, only for the {covered} that the fit of Eq. (1) covers: {text}"
-    if given["contradicts_record"]:
-        text += "; this contradicts the record's own errors, which count because they judge all of "
-        text += "its motion"
+    if row["contradicts_record"]:
+        text += " This contradicts the record's own errors, which count because they judge all of "
+        text += "its motion."
     return text
 
 
-def _recommend(row: Row) -> str:
-    chosen, value, least = row["recommended"], row["value_recommended"], row["value_best"]
-    same = row["same_as"].split()
-    best = f"{row['best']} (= {' = '.join(same)})" if same else row["best"]
-    unit = "m/s" if row["criterion"] == "velocity" else "m"
-    size = f"{value:.3g} {unit.replace('m', 'm²').replace('/s', '/s²')}"
-    root = f"root {np.sqrt(value):.2g} {unit}"
-    if row["criterion"] == "fix_residual":
-        size += f" from a fix, its noise included ({root})"
-    else:
-        size += f" {row['criterion']} MSE ({root})"
-    if chosen in BASELINES and row["baseline"] == chosen:
-        worse = row["baseline_difference"]
-        better = "no scheme is better" + " by a difference that matters" * bool(worse < 0.0)
-        text = f"{INSTEAD[chosen]} ({chosen}), {size}: {better}"
-        if best == chosen:  # a baseline that stands among the schemes
-            return text
-        ends = _list_ends(row, "baseline_ci_low", "baseline_ci_high")
-        return f"{text}; {best}, the best scheme, has {_compare(worse, value, *ends)}"
-    more = ""
-    if (rival := row["baseline"]) not in ("", row["best"]):
-        words = _compare(row["value_baseline"] - least, least)
-        more = f"; {rival}, the best baseline, has {words}"
-    ends = _list_ends(row, "ci_low", "ci_high")
-    if chosen != row["best"] and chosen not in same:
-        ends = [-end for end in reversed(ends)] if chosen == row["runner_up"] else []
-        less = f"{best} has {_compare(least - value, value, *ends)}"
-        return f"no difference that matters: run {chosen}, the simplest, {size}; {less}{more}"
-    if not row["runner_up"]:
-        return f"{best}, {size}; there is nothing to compare it with{more}"
-    start = "run" if row["matters"] else "no difference that matters;"
-    words = _compare(row["margin"] * least, least, *ends)
-    return f"{start} {best}, {size}; {row['runner_up']} has {words}{more}"
+def _tell(row: Mapping[Any, Any], counted: str = "") -> list[str]:
+    import pandas as pd
 
-
-def _list_ends(row: Row, *names: str) -> list[float]:
-    return [row[name] for name in names if name in row and row["source"] != "map"]
-
-
-def _compare(difference: float, base: float, *ends: float) -> str:
-    if not base > 0.0:
-        return f"{difference:.3g} more"
-    parts = [part / base for part in (difference, *ends)]
-    scale, start, unit, word = 100.0, 0.0, "%", "more"
-    if parts[0] >= MARGIN_IN_TIMES:
-        scale, start, unit, word = 1.0, 1.0, "times", "as much"
-    elif parts[0] < 0.0:
-        parts, word = [-parts[0], *(-part for part in reversed(parts[1:]))], "less"
-    texts = [f"{start + scale * part:.3g}" for part in parts]
-    interval = f" (95 %: {texts[1]} to {texts[2]} {unit})" if len(texts) > 2 else ""
-    return f"{texts[0]} {unit} {word}{interval}"
-
-
-def recommend(advised: pd.DataFrame) -> str:
-    """Write the recommendation for the only record of a run as one sentence; "" if there is none.
-
-    A record's own errors count before the expected map, and those with the estimated noise first.
-    """
-    if advised.empty:
-        return ""
-    own = advised[advised["source"] != "map"]
-    if (own["noise"] == ESTIMATED).any():
-        own = own[own["noise"] == ESTIMATED]
-    row = (own if len(own) else advised).iloc[0].dropna().to_dict()
-    if not row["advises"]:
-        return ""  # the map covers too little of the record
-    unit = "m/s" if row["criterion"] == "velocity" else "m"
-    what = ERRORS.get(row["criterion"], f"error of {row['criterion']}")
-    chosen, size = row["recommended"], np.sqrt(row["value_recommended"])
-    what_to_do = f"{INSTEAD[chosen]} ({chosen})" if chosen in INSTEAD else f"run {chosen}"
-    if row["noise"] == ESTIMATED:
-        what_to_do += " with the noise that the record shows (noise.csv), not the stated one"
-    text = f"recommended: {what_to_do}; its {what} is {size:.3g} {unit} (root mean square)"
-    if chosen not in [row["best"], *row.get("same_as", "").split()]:
-        return f"{text}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
-    if not row.get("runner_up"):
-        return text
-    text += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
-    return text if row["matters"] else f"{text}; the difference does not matter"
+    given = {str(name): value for name, value in row.items() if value == value}  # without NaN
+    chosen, same = given["recommended"], [given["best"], *given.get("same_as", "").split()]
+    second = ("runner_up", "value_runner_up") if chosen in same else ("best", "value_best")
+    others = {*given["left"].split(SEPARATOR)} - {chosen, *same * (chosen in same)}
+    cell = {
+        "best": chosen,
+        "verdict": "tie" if others else "won",
+        "error_best": given["value_recommended"],
+        "error_low": given.get("recommended_ci_low", np.nan),
+        "error_high": given.get("recommended_ci_high", np.nan),
+        "n": 0 if given["source"] == "map" else given["n"],
+        "runner_up": given.get(second[0], ""),
+        "error_runner_up": given.get(second[1], np.nan),
+        "baseline": given.get("baseline", ""),
+        "error_baseline": given.get("value_baseline", np.nan),
+        "left": given["left"],
+    }
+    cell |= {name: np.sqrt(cell[name]) for name in cell if name.startswith("error_")}
+    counted = counted or ("draw" if "recommended_ci_low" in given else "part")
+    nothing = pd.DataFrame(columns=["scheme", "n"])
+    criterion = JUDGED.get(given["criterion"], JUDGED["position"])
+    sentences = tell_cell(pd.DataFrame([cell]), nothing, criterion, counted)
+    if chosen in INSTEAD:
+        sentences.append(f"{chosen}: {INSTEAD[chosen]}.")
+    if given["source"] == "fixes":
+        sentences.append("Errors are distances from later fixes, and hold the noise of these.")
+    return sentences
 
 
 def count_advice(advised: pd.DataFrame) -> str:
@@ -202,7 +178,7 @@ def warn_of_noise(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> l
     return lines
 
 
-def _compare_with_stated(rows: list[dict[Hashable, Any]]) -> Iterator[str]:
+def _compare_with_stated(rows: list[dict[Any, Any]]) -> Iterator[str]:
     for row in rows:
         if row["parameter"] == TAILS:
             yield (
@@ -220,7 +196,7 @@ def _compare_with_stated(rows: list[dict[Hashable, Any]]) -> Iterator[str]:
             )
 
 
-def format_estimate(row: Mapping[Hashable, Any]) -> str:
+def format_estimate(row: Mapping[Any, Any]) -> str:
     """Write the estimate in a row of the table of noise, with its interval as far as it is one."""
     estimate, low, high, unit = (row[name] for name in ("estimate", "low", "high", "unit"))
     if row["parameter"] == TAILS:

@@ -18,11 +18,10 @@ from owtsweep.motion.recorded import (
     to_grid,
     to_motion,
 )
-from owtsweep.motion.recorded.gridding import FULL_BAND
+from owtsweep.motion.recorded.recording import fit_comb
 from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.of_motion import blame_cutoff, make_fixes
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import ReplayRecord, make_fixes
 
 #: A record with fewer fixes is refused.
 LEAST_FIXES = 3
@@ -59,7 +58,8 @@ def make_record_of_sensors(
     whole = find_common_grid(recording, forces, rate)
     gnss = _choose_gnss(config, recording)
     notes = [*recording.notes]
-    measured = measure_rates(config, recording, "specific_force")
+    measured = measure_rates(config, recording)
+    notes.append(_tell_roles(recording, measured["gnss"]))
     if measured["imu"] < rate:
         notes.append(
             f"specific force comes at {measured['imu']:.4g} Hz and is run at {rate:g} Hz, its "
@@ -73,10 +73,10 @@ def make_record_of_sensors(
         notes += _note_fixes(aligned, sensors, measured["gnss"])
     recording.let_go("fix")
     grid = TimeGrid(whole.start + offset / rate, rate, whole.steps - offset)
-    gridded = to_grid(recording, forces, rate, grid=grid)
-    force = gridded.pairs["specific_force"]
+    force = np.zeros((grid.steps, 2))
+    for role in forces:
+        force[:, "xy".index(role[-1])] = to_grid(recording, role, grid)
     recording.let_go("specific_force")
-    notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
         position, velocity, more = _derive_reference(config, recording, whole)
@@ -108,14 +108,15 @@ def make_record_of_sensors(
     )
 
 
-def measure_rates(config: ReplayConfig, recording: Recording, force: str) -> dict[str, float]:
+def measure_rates(config: ReplayConfig, recording: Recording) -> dict[str, float]:
     """Return the rates (Hz) at which to run sensors, "imu" and "gnss", as a recording shows them.
 
-    That of the IMU is the stated one, or its own if that is lower; `force` is what holds the
-    specific force. Without fixes, that of GNSS is the stated one.
+    That of the IMU is the stated one, or its own if that is lower. Without fixes, that of GNSS is
+    the stated one.
     """
-    roles = [role for role in recording.channels if role.startswith(force)]
-    slow, imu = min(recording.rate(role) for role in roles), config.sensors.imu.rate
+    roles = [role for role in recording.channels if role.startswith("specific_force")]
+    slow = min(1.0 / fit_comb(recording.series(role)[0]).step for role in roles)
+    imu = config.sensors.imu.rate
     imu = imu if slow >= 0.999 * imu else float(f"{slow:.6g}")
     gnss = config.sensors.gnss.rate
     fix = next((role for role in recording.channels if role.startswith("fix")), None)
@@ -123,8 +124,23 @@ def measure_rates(config: ReplayConfig, recording: Recording, force: str) -> dic
         time, value = recording.series(fix)
         came = time[np.flatnonzero(np.diff(value, prepend=np.nan))]  # a repeated fix is no new one
         if len(came) > 1:
-            gnss = imu / max(round(imu * float(np.median(np.diff(came)))), 1)
+            gnss = imu / max(round(imu * fit_comb(came).step), 1)
     return {"imu": imu, "gnss": gnss}
+
+
+def _tell_roles(recording: Recording, gnss_rate: float) -> str:
+    said = []
+    for quantity, what in (
+        ("specific_force", "specific force of a level IMU"),
+        ("fix", "fixes"),
+        ("reference", "reference"),
+    ):
+        found = {a: r for a in "xy" if (r := f"{quantity}_{a}") in recording.channels}
+        if found:
+            rate = gnss_rate if quantity == "fix" else recording.rate(next(iter(found.values())))
+            names = ", ".join(recording.names[role] for role in found.values())
+            said.append(f"{what}: {names} at {rate:.4g} Hz")
+    return f"{'; '.join(said)} (columns.ROLE=NAME takes others)"
 
 
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
@@ -231,15 +247,14 @@ def _note_fixes(aligned: Aligned, sensors: Sensors, measured: float) -> list[str
 def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
-    with blame_cutoff(recording):
-        gridded = to_motion(
-            recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
-            grid=grid,
-        )  # fmt: skip
+    gridded = to_motion(
+        recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
+        grid=grid,
+    )  # fmt: skip
     position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
     notes = list(gridded.notes)
-    clear = _find_clear_band(config, recording, grid)
-    if clear > MOTION_CUTOFF:
+    clear = find_clear_band(recording, grid.rate)
+    if config.replay.cutoff is None and clear > MOTION_CUTOFF:
         del gridded  # of a long record, free this velocity before the next one is made
         velocity = to_motion(
             recording, grid.rate, quantity="reference", orders=2, cutoff=clear, grid=grid
@@ -260,11 +275,3 @@ def _derive_reference(
     )
     position[unknown] = velocity[unknown] = np.nan
     return position, velocity, notes
-
-
-def _find_clear_band(config: ReplayConfig, recording: Recording, grid: TimeGrid) -> float:
-    if config.replay.cutoff is not None:
-        return 0.0
-    roles = [role for role in recording.channels if role.startswith("reference")]
-    rates = [grid.rate, *(recording.rate(role) for role in roles)]
-    return min(find_clear_band(recording, roles, MOTION_CUTOFF), FULL_BAND * min(rates))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -45,19 +44,12 @@ class Expectation:
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
 
 
-def expect_errors(
-    config: hub.HubConfig, scheme: Any, sensors: hub.Sensors, steps: int, band: tuple[float, float]
-) -> Expectation:
-    """Compute the errors expected of a scheme with a `kernel`, for motions inside a band (Hz)."""
-    chain = scheme.kernel(hub.Known(sensors, config), steps)
-    return _compute(chain, sensors, *band)
-
-
 @lru_cache(maxsize=8)
-def _compute(chain: hub.Chain, sensors: hub.Sensors, low: float, high: float) -> Expectation:
-    frequencies = np.geomspace(low, high, NODES)
+def expect_errors(chain: hub.Chain, sensors: hub.Sensors, band: tuple[float, float]) -> Expectation:
+    """Compute the errors expected of a scheme's chain for motions inside a band (Hz)."""
     return Expectation(
-        hub.error_spectrum(chain, sensors, frequencies), hub.noise_floor(chain, sensors)
+        hub.error_spectrum(chain, sensors, np.geomspace(*band, NODES)),
+        hub.noise_floor(chain, sensors),
     )
 
 
@@ -181,4 +173,5 @@ def _expect_all(
     baselines = [name for name in hub.BASELINES if name not in config.schemes]
     for scheme in hub.resolve_all([*config.schemes, *baselines], config):
         if scheme.name not in left_out:
-            yield scheme.name, expect_errors(config, scheme, sensors, steps, config.fit_band)
+            chain = scheme.kernel(hub.Known(sensors, config), steps)
+            yield scheme.name, expect_errors(chain, sensors, config.fit_band)

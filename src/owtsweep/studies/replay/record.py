@@ -17,6 +17,7 @@ from owtsweep.streams import stream
 from owtsweep.studies.hub.public import (
     ForceNoise,
     Sensors,
+    fix_count,
     fix_noise,
     simulate_bias,
 )
@@ -140,6 +141,16 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
             yield part
 
     return Signals(steps, fixes, force)
+
+
+def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
+    """Make fixes without noise of positions (n, 2) at every IMU step, shape (fixes, 2), in m.
+
+    The first arrives at the row `first`, at least `sensors.delay`, and tells of that delay before.
+    """
+    count = fix_count(steps, sensors.fix_interval)
+    at = first - sensors.delay + sensors.fix_interval * np.arange(count)
+    return np.array(position[at])
 
 
 def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:

@@ -92,13 +92,22 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
         if lean := tell_lean(config, files[0]):
             lines.append(f"lean: {lean}")
     if len(files) <= MOST_RECORDS:
-        lines += describe.warn_of_noise(config, tables) + describe.make_sentences(advised)
+        lines += describe.warn_of_noise(config, tables) + describe.tell_others(advised)
     else:
         lines += [*describe.count_doubted(tables["noise"]), describe.count_advice(advised)]
     lines += describe.tell_scope(config, tables)
     if len(files) > 1:
         lines += list_left_out(tables["refused"])
+    lines += ["", *tell_answer(config, tables)]
     return Group(*parts, *map(Text, lines))
+
+
+def tell_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Return the answer in sentences, with what it holds for if a platform turns."""
+    sentences = describe.tell_answer(config, tables)
+    if sentences and len(config.grid.files) == 1 and tell_lean(config, config.grid.files[0]):
+        sentences.append("This holds for a levelled IMU only.")
+    return sentences
 
 
 def list_left_out(refused: pd.DataFrame) -> list[str]:
@@ -138,7 +147,8 @@ def write(
 ) -> Path:
     """Write report.md into a run folder, in which the figures lie; return the path of the file."""
     advised = tables["advice"]
-    advice = [*describe.warn_of_noise(config, tables), *describe.make_sentences(advised)]
+    advice = [*tell_answer(config, tables), *describe.warn_of_noise(config, tables)]
+    advice += describe.tell_others(advised)
     if advised.empty:
         advice.append("none: no scheme ran")
     advice += describe.tell_scope(config, tables)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.statistics.inference import mean_and_error, t_quantile
-from owtsweep.studies.hub.public import resolve_all
+from owtsweep.studies.hub.public import SCHEMES, resolve_all
 from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
@@ -38,14 +39,14 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     import pandas as pd
 
     done = rows[rows["status"] == OK]
-    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
+    schemes = rank_schemes(config)
     labels = list(label_files(config.grid.files))
-    shown = [*names, *BASELINE_ROWS]
+    shown = [*schemes, *BASELINE_ROWS]
     errors = _average_errors(done[done["scheme"].isin(shown)], labels, shown)
     kept = ["scheme", "measure", "window", "mean"]
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
     records = _list_records(config, done[done["scheme"] == RECORD], labels)
-    advised = [*_advise(config, done, names, labels, records)]
+    advised = [*_advise(config, done, schemes, labels, records)]
     tables = {
         "replay": values.rename(columns={"mean": "value"}),
         "errors": errors,
@@ -56,6 +57,12 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     if len(labels) > 1:  # a single record that cannot be used is refused before it is run
         tables["refused"] = _list_refused(rows, labels)
     return tables
+
+
+def rank_schemes(config: ReplayConfig) -> dict[str, int]:
+    """Return scheme -> how simple it is, in the order of the key `schemes`."""
+    ranks = SCHEMES.rank(config)
+    return {scheme.name: ranks[scheme.name] for scheme in resolve_all(config.schemes, config)}
 
 
 def _list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
@@ -124,34 +131,36 @@ def _tabulate_noise(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
 def _advise(
     config: ReplayConfig,
     rows: pd.DataFrame,
-    schemes: Sequence[str],
+    schemes: Mapping[str, int],
     files: Sequence[str],
     records: pd.DataFrame,
 ) -> Iterator[dict[str, object]]:
-    criterion, window = config.measures.criterion, config.measures.window
+    again = {name_second_run(scheme): scheme for scheme in [*schemes, *BASELINE_ROWS]}
+    judge = partial(
+        advice.advise,
+        schemes=schemes,
+        criterion=config.measures.criterion,
+        window=config.measures.window,
+    )
     for file in files:
-        advised = []
-        values = rows[(rows["file"] == file) & rows["scheme"].isin([*schemes, *BASELINE_ROWS])]
-        if values["scheme"].isin(schemes).any():
-            advised.append(advice.advise_from_record(values, schemes, criterion, window))
+        of_file = rows[rows["file"] == file]
+        stated = judge(of_file[of_file["scheme"].isin([*schemes, *BASELINE_ROWS])])
+        second = of_file[of_file["scheme"].isin([*again])]
+        estimated = judge(second.assign(scheme=second["scheme"].map(again)))
+        if stated and estimated:
+            advice.prefer_better(stated, estimated)
+        by_map = None
         record = records[records["file"] == file]
         if not record.empty:
-            by_record = advised[0] if advised else None
             with suppress(InputError):  # a scheme has no expectation; the report says so
-                advised.append(_advise_from_map(config, schemes, pick_facts(record), by_record))
-        yield from ({"file": file, **row, "noise": STATED} for row in advised if row is not None)
-        names = {name_second_run(scheme): scheme for scheme in [*schemes, *BASELINE_ROWS]}
-        again = rows[(rows["file"] == file) & rows["scheme"].isin(list(names))]
-        if not again.empty:
-            again = again.assign(scheme=again["scheme"].map(names))
-            row = advice.advise_from_record(again, schemes, criterion, window)
-            if row is not None:
-                yield {"file": file, **row, "noise": ESTIMATED}
+                by_map = _advise_from_map(config, schemes, pick_facts(record), stated)
+        noises = ((stated, STATED), (by_map, STATED), (estimated, ESTIMATED))
+        yield from ({"file": file, **row, "noise": noise} for row, noise in noises if row)
 
 
 def _advise_from_map(
     config: ReplayConfig,
-    schemes: Sequence[str],
+    schemes: Mapping[str, int],
     record: Mapping[str, float],
     by_record: Mapping[str, object] | None,
 ) -> dict[str, object] | None:
@@ -163,8 +172,8 @@ def _advise_from_map(
         return None
     criterion = "velocity" if config.measures.criterion == "velocity" else "position"
     errors = {name: both[criterion == "velocity"] for name, both in expected.items()}
-    schemes = [name for name in schemes if name in errors]  # SKFA has no place in the map
-    compared = advice.compare(np.array([[errors[name]] for name in schemes]), schemes)
+    known = [name for name in schemes if name in errors]
+    compared = advice.compare(np.array([[errors[name]] for name in known]), known)
     if compared is None:
         return None
     samples = np.array([[error] for error in errors.values()])
@@ -173,6 +182,7 @@ def _advise_from_map(
         "criterion": criterion,
         "window": "settled",
         **compared,
-        **advice.choose_simplest(samples, list(errors), str(compared["best"])),
+        **advice.choose_simplest(samples, list(errors), str(compared["best"]), schemes),
+        "counts": False,
         **advice.relate_to_record(errors, by_record, record["fit_share"]),
     }

@@ -21,7 +21,7 @@ from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import label_files
 from owtsweep.studies.replay.identification.of_record import estimate_noise
-from owtsweep.studies.replay.loading import load_record, tell_lean
+from owtsweep.studies.replay.loading import load_record, measure_sensors, tell_lean
 from owtsweep.studies.replay.place import check_band
 from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
@@ -55,7 +55,9 @@ def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> R
 def configure(
     files: Sequence[str], overrides: Sequence[str] = (), config_dir: str | None = None
 ) -> ReplayConfig:
-    """Compose and check the configuration of a replay of some files, without reading these files.
+    """Compose and check the configuration of a replay of some files.
+
+    Rates of recorded sensors that the overrides do not state are those that the files show.
 
     files: paths or patterns such as "*.csv"; without any, the files of the table `replay.table`.
     overrides: Hydra overrides, e.g. `["tuning=matched"]`.
@@ -70,6 +72,11 @@ def configure(
     require(
         len(paths) > 0, "FILE: name a record's file or a pattern, or give replay.table=FILE.csv"
     )
+    stated = {word.lstrip("+~").partition("=")[0] for word in overrides}
+    if "sensors" not in stated:
+        rates = measure_sensors(config, paths)
+        measured = [f"{key}={rate:.12g}" for key, rate in rates.items() if key not in stated]
+        config = compose_replay([*overrides, *measured], config_dir)
     # Absolute, so that the run can be read from another folder.
     grid = changed(config.grid, files=paths)
     if table is not None:

@@ -205,7 +205,7 @@ def _list_readings() -> dict[str, Array]:
         "its axes swapped and both signs turned": -swapped,
         "the sign of x turned": np.diag([-1.0, 1.0]),
         "the sign of y turned": np.diag([1.0, -1.0]),
-        "the unit g instead of m/s^2": STANDARD_GRAVITY * unit,
+        "the unit g (units.specific_force_x=g units.specific_force_y=g)": STANDARD_GRAVITY * unit,
         "the unit m/s^2 instead of g": unit / STANDARD_GRAVITY,
         "a unit a thousand times smaller": 1e-3 * unit,
         "a unit a thousand times larger": 1e3 * unit,
