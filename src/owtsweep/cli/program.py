@@ -209,7 +209,7 @@ COMMANDS = {
         _add_tune,
     ),
     "vary": (
-        "Draw each scheme's error over the values of one key, e.g. a GNSS rate (study=hub).",
+        "Draw each scheme's error over the values of one key, e.g. a GNSS rate.",
         "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4]",
         _add_vary,
     ),

@@ -6,10 +6,11 @@ import argparse
 from collections.abc import Sequence
 from typing import Literal
 
-from owtsweep.cli.combinations import combine, count_runs, list_swept, parse
+from owtsweep.cli.combinations import Combination, combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
 from owtsweep.cli.running import name_folder, require_serving, show_answer
-from owtsweep.config import Config, as_mapping, dump, dump_with_units
+from owtsweep.config import Config, as_mapping, compose_plain, dump, dump_with_units
+from owtsweep.config.records import Records
 from owtsweep.config.section import unit_of
 from owtsweep.config.tuned import GROUP
 from owtsweep.config.typed import value_at
@@ -20,7 +21,7 @@ from owtsweep.studies.registry import DEFAULT
 from owtsweep.sweep.keys import NOT_IDENTIFYING, question_hash
 from owtsweep.sweep.study import blame
 
-EXAMPLE = "sensors.gnss.rate=1,2,5,10"
+EXAMPLE = "KEY=1,2,5"
 #: Most values of a key: more can be told apart neither in the table nor in the figure.
 MOST_VALUES = 100
 #: From this ratio of the largest to the smallest value on, the figure's axis is logarithmic.
@@ -55,7 +56,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if options.dry_run:
         print("Nothing was computed or written. This command without --dry-run would do:")
         print(f"folder  {printable(str(folder))}/")
-        print(f"values  {len(configs)} of {key}; each takes some seconds the first time")
+        print(f"values  {len(configs)} of {key}")
         return DONE
     with blame(study):
         with show_steps():
@@ -93,7 +94,8 @@ def compose_each(
     swept = [key.lstrip("+") for key in list_swept(parsed)]
     require(
         bool(swept),
-        f"overrides: none has several values; give one key its values, e.g. {EXAMPLE}",
+        f"overrides: none has several values; give one key its values, e.g. {EXAMPLE}, or ask "
+        "`advise` about one",
     )
     key = swept[0]
     require(
@@ -101,8 +103,11 @@ def compose_each(
         f"{' and '.join(swept)}: `vary` takes several values of one key only; give each other key "
         "one value",
     )
+    study = require_serving("vary", located.study or DEFAULT)
+    section, _, axis = key.partition(".")
+    on_axis = section == "grid" and axis not in Records.model_fields
     require(
-        key.partition(".")[0] not in (*NOT_IDENTIFYING, "study"),
+        on_axis or section not in (*NOT_IDENTIFYING, "study"),
         f"{key}: `vary` compares sensors, tunings and truths; give this key one value",
     )
     require(
@@ -116,11 +121,15 @@ def compose_each(
         number <= MOST_VALUES,
         f"{key}: {number:.6g} values are too many; give at most {MOST_VALUES}",
     )
-    study = require_serving("vary", located.study or DEFAULT)
-    start = _leave_out_given(study.list_vary_defaults(), overrides)
+    listed = combine(parsed, located.tree)
+    if on_axis:  # an axis takes a list, here of one value
+        listed = [_put_into_list(key, one) for one in listed]
+    first = locate(listed[0].overrides)
+    plain = compose_plain(first.tree, first.overrides, config_dir)
+    start = _leave_out_given(study.list_vary_defaults(plain), overrides)
     composed = [
         (next(iter(values.values())), compose([*start, *words], config_dir))
-        for words, values in combine(parsed, located.tree)
+        for words, values in listed
     ]
     for _, config in composed:
         require_serving("vary", config.study)  # an experiment may name another study
@@ -130,6 +139,22 @@ def compose_each(
             f"{GROUP}=paper,matched without brackets",
         )
     return key, _by_value(key, composed)
+
+
+def _put_into_list(key: str, one: Combination) -> Combination:
+    """Return a combination whose value of an axis stands in brackets: grid.noise=3 as [3]."""
+    value = one.values[key]
+    if value.startswith("["):
+        return one
+    words = [
+        f"{word.partition('=')[0]}=[{value}]" if _is_of(word, key) else word
+        for word in one.overrides
+    ]
+    return Combination(words, one.values)
+
+
+def _is_of(word: str, key: str) -> bool:
+    return word.lstrip("+").partition("=")[0] == key
 
 
 def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[str]:
@@ -162,6 +187,8 @@ def _read_number(config: Config, key: str) -> float | None:
     The key of a config group, e.g. `sensors`, holds a section.
     """
     value = value_at(as_mapping(config), key)
+    if isinstance(value, list) and len(value) == 1:  # an axis
+        (value,) = value
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     return float(value)

@@ -378,10 +378,11 @@ class Study(ABC):
         """Search the best numbers; call `advance` with the scheme's name after each trial."""
         raise NotImplementedError
 
-    def list_vary_defaults(self) -> Sequence[str]:
+    def list_vary_defaults(self, plain: Plain) -> Sequence[str]:
         """Return the overrides that `vary` puts before those of the user.
 
-        The command leaves out an override whose key the user sets, or whose section.
+        The command leaves out an override whose key the user sets, or whose section. `plain` has
+        the keys as the user's overrides compose them, with one value of the varied key.
         """
         raise NotImplementedError
 

@@ -7,7 +7,7 @@ from tools import SMALL
 
 from owtsweep.studies import compose
 from owtsweep.studies.hub.describe import describe_origin, list_origin, list_sensors
-from owtsweep.studies.hub.varying.errors import list_common_facts
+from owtsweep.studies.hub.varying import list_common_facts
 
 #: Override -> name and value in words of a fault that the paper's sensors do not have.
 FAULTS = {

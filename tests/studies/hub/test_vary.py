@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from matplotlib.text import Text
-from rich.console import Console
 from tools import SMALL
 
 from owtsweep.cli import BAD_INPUT, DONE, main
@@ -20,13 +16,11 @@ from owtsweep.cli.vary import compose_each
 from owtsweep.config import conf_directory, with_values
 from owtsweep.results.conditions import Condition
 from owtsweep.statistics.inference import t_quantile
+from owtsweep.studies.base.varying.sentences import answer_each
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.describe import OTHER_WINDOW
 from owtsweep.studies.hub.tuning.errors import errors_on_records
-from owtsweep.studies.hub.varying.drawing import draw
-from owtsweep.studies.hub.varying.errors import Errors, compute, list_common_facts
-from owtsweep.studies.hub.varying.sentences import answer_each, find_best
-from owtsweep.studies.hub.varying.varied import VariedErrors
+from owtsweep.studies.hub.varying import compute, list_common_facts, make_errors
 
 RATE = Condition("value", "sensors.gnss.rate", "Hz", "log")
 #: Two schemes and a baseline on short records, at one motion.
@@ -45,7 +39,7 @@ def test_the_errors_are_what_records_show() -> None:
         one = with_values(config, {"tune.amplitude": [0.7, 0.7]})
         errors = errors_on_records(one, ["MKF", "HME1"], count)[:, 0, 0]  # type: ignore[arg-type]
         reach = t_quantile(count - 1) * errors.std(axis=-1, ddof=1) / np.sqrt(count)
-        assert np.all(np.abs(errors.mean(axis=-1) - varied.mse["position"][:2, v, 0]) < reach)
+        assert np.all(np.abs(errors.mean(axis=-1) - varied.error[:2, v, 0] ** 2) < reach)
 
 
 def test_table_figure_and_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -100,12 +94,13 @@ def test_flags_that_compute_nothing(
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["sensors.gnss.rate=5"], "overrides: none has several values; give one key its values"),
+        (["sensors.gnss.rate=5"], "e.g. KEY=1,2,5, or ask `advise` about one"),
         (["seed=1,2", "sensors.gnss.rate=1,5"], "seed and sensors.gnss.rate: `vary` takes several"),
         (["sensors.gnss.rate=1,1.0"], "sensors.gnss.rate: 1.0 stands there twice"),
         (["sensors.gnss.rate=glob(*)"], "sensors.gnss.rate: list its values, e.g. "),
         (["seed=range(1,1000)"], "seed: 999 values are too many; give at most 100"),
-        (["grid.amplitude=[1],[2]"], "grid.amplitude: `vary` compares sensors, tunings and truths"),
+        (["grid.replicates=1,2"], "grid.replicates: `vary` compares sensors, tunings and truths"),
+        (["grid.amplitude=1,2"], "grid.amplitude: its values differ in grid, measures, schemes or"),
         (["grid=small", "seed=1,2"], "grid: 20 motions are too many for a figure; give at most 6"),
         (["seed=1,2", "engine=batch"], "engine: `vary` computes means over all records, and "),
         (
@@ -116,8 +111,7 @@ def test_flags_that_compute_nothing(
         (["sensors.imu.sigma=1e-20,1e20", "tuning=printed", "schemes=[MKF]", "record.duration=50"],
          "sensors: the Kalman bound cannot be computed for noise of 0.03 m (GNSS) and 1e+20"),
         (["hme.mhe.constraints.bias=null,1"], "schemes: HME2 has no kernel or is not linear"),
-        (["seed=1,2", "study=readings"], "study: `vary` serves hub only, not 'readings'"),
-        (["seed=1,2", "study=tower"], "`vary` serves hub only, not 'tower'"),
+        (["seed=1,2", "study=readings"], "study: `vary` serves hub, tower, floater, blade, "),
         (["seed=1,2", "hydra.verbose=true"], "Hydra's own settings work with `sweep --multirun`"),
     ],
 )  # fmt: skip
@@ -138,53 +132,20 @@ def test_a_fact_that_differs_is_left_out() -> None:
     assert not any("noise" in fact for fact in facts)
 
 
-def test_a_terminal_of_80_columns_cuts_no_number() -> None:
-    schemes, baselines = ("EKF", "MKF", "HME1", "HME2"), ("NONE", "HOLD", "DELTA")
-    mse = np.random.default_rng(0).uniform(0.001, 0.01, (7, 3, 1))
-    errors = Errors(
-        along=Condition("value", "sensors.gnss.rate", "Hz"), values=(1.0, 2.5, 10.0),
-        schemes=schemes, baselines=baselines, motions=((4.0, 0.5),), criterion="position",
-        mse={"position": mse}, bounds={"position": np.full(3, 0.00123)}, facts=("tuning x",),
-        notes=(),
-    )  # fmt: skip
-    texts = " ".join(" ".join(text.get_text() for text in draw(errors).findobj(Text)).split())
-    assert "Thin: baselines (NONE, no estimator: zero position, zero velocity; HOLD" in texts
-    console = Console(width=80, record=True, file=io.StringIO())
-    console.print(VariedErrors(errors).answer())
-    told = console.export_text()
-    assert "…" not in told
-    for number in np.sqrt(mse).flat:
-        assert f" {number:.3g} " in told
-
-
 def test_best_is_a_baseline_where_it_has_less_error() -> None:
     rms = np.array([[0.2, 0.1, 0.3], [0.4, 0.2, 0.25], [0.15, 0.15, 0.5]])
-    errors = Errors(
-        along=RATE, values=(1.0, 2.0, 5.0), schemes=("A", "B"), baselines=("NONE",),
-        motions=((4.0, 0.5),), criterion="position", mse={"position": rms[:, :, None] ** 2},
-        bounds={"position": np.ones(3)}, facts=(), notes=(),
+    _, configs = compose_each([*QUICK, "sensors.gnss.rate=1,2,5"])
+    errors = make_errors(
+        RATE, configs, [(4.0, 0.7)], {"position": rms[:, :, None] ** 2},  # type: ignore[arg-type]
+        {"position": np.array([0.3, 0.2, 0.1]) ** 2},
     )  # fmt: skip
-    assert find_best(errors, errors.names) == [[("NONE",), ("A",), ("B",)]]
-    assert find_best(errors, errors.schemes) == [[("A",), ("A",), ("B",)]]
-    console = Console(width=100, record=True, file=io.StringIO())
-    console.print(VariedErrors(errors).answer())
-    rows = [line.split() for line in console.export_text().splitlines()]
-    assert [row[-1] for row in rows if row[:1] in (["1"], ["2"], ["5"])] == ["NONE", "A", "B"]
-
-
-def test_the_sentences_say_what_the_numbers_are() -> None:
-    rms = np.array([[0.2, 0.1, 0.3], [0.4, 0.2, 0.25], [0.15, 0.15, 0.5]])
-    errors = Errors(
-        along=RATE, values=(1.0, 2.0, 5.0), schemes=("A", "B"), baselines=("NONE",),
-        motions=((4.0, 0.5),), criterion="position", mse={"position": rms[:, :, None] ** 2},
-        bounds={"position": np.array([0.3, 0.2, 0.1]) ** 2}, facts=(), notes=(),
-    )  # fmt: skip
-    assert list(answer_each(errors)) == [
-        "From 1 Hz to 5 Hz the best scheme's error rises from 0.2 m (A) to 0.25 m (B), and the "
-        "Kalman bound falls from 0.3 to 0.1 m. The error is smallest at 2 Hz: 0.1 m (A). NONE has "
-        "less error than every scheme at 1 Hz."
-    ]
-    names = replace(errors, along=Condition("value", "tuning"), values=("x", "y", "z"))
-    assert next(answer_each(names)).startswith(
-        "The best scheme's error is smallest with y (A, 0.1 m; bound 0.2 m) and largest with z (B"
+    assert [errors.name_best(v, 0) for v in range(3)] == ["NONE", "MKF", "HME1"]
+    assert [errors.name_best_scheme(v, 0) for v in range(3)] == ["MKF", "MKF", "HME1"]
+    assert errors.footnotes == (
+        "Thin: baselines (NONE, no estimator: zero position, zero velocity).",
     )
+    assert list(answer_each(errors)) == [
+        "From 1 Hz to 5 Hz the best scheme's error rises from 0.2 m (MKF) to 0.25 m (HME1), and "
+        "the Kalman bound falls from 0.3 to 0.1 m. The error is smallest at 2 Hz: 0.1 m (MKF). "
+        "NONE has less error than every scheme at 1 Hz."
+    ]

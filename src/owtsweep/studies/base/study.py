@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
     from owtsweep.config import Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
-    from owtsweep.results.conditions import Condition
+    from owtsweep.results.conditions import Condition, Value
     from owtsweep.studies.base.contest import AnyContest, ContestConfig
     from owtsweep.studies.base.declaration import AnyDeclaration
     from owtsweep.studies.base.schemes import SchemeTable
-    from owtsweep.sweep.study import Engine
+    from owtsweep.sweep.study import Engine, Varied
 
 
 class ContestStudy(Study):
@@ -28,7 +28,7 @@ class ContestStudy(Study):
     and `check_outside` of a configuration in its module `checks`.
     """
 
-    commands = frozenset({"compare"})
+    commands = frozenset({"compare", "vary"})
 
     def config_type(self) -> type[ContestConfig]:
         """Return the class of the study's configurations."""
@@ -82,6 +82,28 @@ class ContestStudy(Study):
         describe = partial(describe_run, self.contest())
         return compare(comparison, folder, describe, metadata=metadata)
 
+    def list_vary_defaults(self, plain: Plain) -> list[str]:
+        """Return the overrides of `vary`: the cell in the middle of the map, and few records."""
+        from owtsweep.config import checked
+        from owtsweep.studies.base.varying.records import list_defaults
+
+        # the study's own check is not due: it may refuse another cell of the map
+        config = checked(self.config_type(), self.complete({**plain, "study": self.name}))
+        return list_defaults(self.contest(), config)
+
+    def check_vary(self, along: Condition, configs: Mapping[Value, ContestConfig]) -> None:
+        """Raise `InputError` if the errors cannot be shown together, as `Study.check_vary` says."""
+        from owtsweep.studies.base.varying.records import check
+
+        check(self.contest(), along, configs)
+
+    def vary(self, along: Condition, configs: Mapping[Value, ContestConfig]) -> Varied:
+        """Run the records of each configuration, and return the schemes' errors."""
+        from owtsweep.studies.base.varying.records import compute
+        from owtsweep.studies.base.varying.varied import VariedErrors
+
+        return VariedErrors(compute(self, self.contest(), along, configs))
+
     def _find(self, module: str, name: str) -> Any:
         return getattr(import_module(f"{type(self).__module__}.{module}"), name)
 
@@ -89,7 +111,7 @@ class ContestStudy(Study):
 class DeclaredStudy(ContestStudy):
     """A study whose package has a `DECLARATION` in its module `declaration`, and `SCHEMES`."""
 
-    commands = frozenset({"compare", "estimate"})
+    commands = ContestStudy.commands | {"estimate"}
 
     def describe_code(self, config: ContestConfig) -> object:
         """Return what a run stores of its schemes, so that reading it makes no user's class."""

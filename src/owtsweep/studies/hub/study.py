@@ -177,20 +177,20 @@ class HubStudy(HubKeys):
 
         return tune(config, advance)
 
-    def list_vary_defaults(self) -> list[str]:
+    def list_vary_defaults(self, plain: Plain) -> list[str]:
         """Return the overrides of `vary`: a tuning that follows the sensors, and one motion."""
-        from owtsweep.studies.hub.varying.errors import DEFAULTS
+        from owtsweep.studies.hub.varying import DEFAULTS
 
         return DEFAULTS
 
     def check_vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> None:
-        from owtsweep.studies.hub.varying.errors import check
+        from owtsweep.studies.hub.varying import check
 
         check(along, configs)
 
     def vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> Varied:
         """Compute the settled errors of all schemes and baselines with each configuration."""
-        from owtsweep.studies.hub.varying.errors import compute
-        from owtsweep.studies.hub.varying.varied import VariedErrors
+        from owtsweep.studies.base.varying.varied import VariedErrors
+        from owtsweep.studies.hub.varying import compute
 
         return VariedErrors(compute(along, configs))

@@ -1,4 +1,4 @@
-"""Draws the schemes' errors and the Kalman bound over the values of one key, a panel per motion."""
+"""Draws the schemes' errors and the Kalman bound over the values of one key, a panel per cell."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from owtsweep.arrays import Array
 from owtsweep.figures import curves, style
 from owtsweep.figures.palette import style_of
-from owtsweep.studies.hub.listed import BASELINES
-from owtsweep.studies.hub.varying.errors import Errors
-from owtsweep.studies.hub.varying.sentences import describe_error, describe_motion, find_best
+from owtsweep.studies.base.varying.errors import Errors
 
 #: Most panels in a row.
 COLUMNS = 3
 #: Characters of the title in a line, per inch of the figure's width.
 LETTERS = 12.5
+#: Characters of a line beside a panel.
+LONGEST_LABEL = 40
 #: A space at which no line is broken.
 NO_BREAK = "\N{NO-BREAK SPACE}"
 #: Most values that each have a tick of their own on a linear axis.
@@ -31,8 +32,8 @@ BOUND_LINE: style.Look = {
 
 
 def draw(errors: Errors) -> Figure:
-    """Draw the root mean square error of each scheme and baseline over the values of the key."""
-    count = len(errors.motions)
+    """Draw the error of each scheme, and of those apart, over the values of the key."""
+    count = len(errors.cells)
     columns = min(count, COLUMNS)
     rows = -(-count // columns)
     width = 2.6 + 4.6 * columns + (1.0 if columns == 1 else 0.0)
@@ -44,7 +45,7 @@ def draw(errors: Errors) -> Figure:
             continue
         _draw_panel(axes, errors, number)
     for axes in grid[:, 0]:
-        axes.set_ylabel(describe_error(errors))
+        axes.set_ylabel(textwrap.fill(errors.title, LONGEST_LABEL))
     handles, labels = grid[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right center", frameon=False)
     whole = [fact.replace(" ", NO_BREAK) for fact in errors.facts]
@@ -52,7 +53,7 @@ def draw(errors: Errors) -> Figure:
     figure.suptitle(
         f"Settled error over {errors.along.label}\n{facts}", x=0.01, ha="left", fontsize=10
     )
-    style.footnote(figure, " ".join([*_explain_baselines(errors), *errors.notes]))
+    style.footnote(figure, " ".join([*errors.footnotes, *errors.notes]))
     return figure
 
 
@@ -66,7 +67,7 @@ def _draw_panel(axes: Axes, errors: Errors, number: int) -> None:
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_locator(NullLocator())
-    axes.set_title(describe_motion(*errors.motions[number]), loc="left", fontsize=10)
+    axes.set_title(errors.cells[number], loc="left", fontsize=10)
 
 
 def _every(errors: Errors) -> int:
@@ -75,45 +76,53 @@ def _every(errors: Errors) -> int:
 
 
 def _draw_curves(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors over numbers: a line for each scheme and baseline, and for the bound."""
-    place = [float(value) for value in errors.values]
-    best = find_best(errors, errors.schemes)[number]
-    for name, rms in zip(errors.names, errors.rms()[:, :, number], strict=True):
-        if name in errors.baselines:
-            drawn = style_of(name, errors.baselines)
-            axes.plot(place, rms, label=style.label_of(name), **curves.thin_line(drawn))
+    """Draw the errors over numbers: a line for each scheme and those apart, and for the bound."""
+    place = np.array(errors.values, dtype=float)
+    for n, name in enumerate(errors.names):
+        of_name = errors.error[n, :, number]
+        if name in errors.apart:
+            drawn = style_of(name, errors.apart)
+            axes.plot(place, of_name, label=style.label_of(name), **curves.thin_line(drawn))
             continue
         drawn = style_of(name, errors.schemes)
-        on_top = sum(name in names for names in best) / len(
-            best
-        )  # of lines that coincide, the best scheme's is seen
+        # of lines that coincide, the best scheme's is seen
+        on_top = float(errors.best_scheme[n, :, number].mean())
         axes.plot(
-            place, rms, color=drawn.color, linestyle=drawn.line, marker=drawn.marker,
+            place, of_name, color=drawn.color, linestyle=drawn.line, marker=drawn.marker,
             markersize=4.5, zorder=2.0 + on_top, label=style.label_of(name),
         )  # fmt: skip
-    axes.plot(place, errors.rms_of_bound(), zorder=3.5, **BOUND_LINE)
+        _draw_interval(axes, errors, place, n, number)
+    if errors.bound is not None:
+        axes.plot(place, errors.bound, zorder=3.5, **BOUND_LINE)
 
 
 def _draw_marks(axes: Axes, errors: Errors, number: int) -> None:
-    """Draw the errors over texts: marks for schemes, short lines for baselines and bound."""
+    """Draw the errors over texts: marks for schemes, short lines for those apart and the bound."""
     place = np.arange(len(errors.values))
     ends = (place - HALF_WIDTH, place + HALF_WIDTH)
     offsets = np.linspace(-0.6, 0.6, len(errors.schemes)) * HALF_WIDTH
-    for n, (name, rms) in enumerate(zip(errors.names, errors.rms()[:, :, number], strict=True)):
-        if name in errors.baselines:
-            line = curves.thin_line(style_of(name, errors.baselines))
-            axes.hlines(rms, *ends, label=style.label_of(name), **line)
+    for n, name in enumerate(errors.names):
+        of_name = errors.error[n, :, number]
+        if name in errors.apart:
+            line = curves.thin_line(style_of(name, errors.apart))
+            axes.hlines(of_name, *ends, label=style.label_of(name), **line)
             continue
         drawn = style_of(name, errors.schemes)
         axes.plot(
-            place + offsets[n], rms, color=drawn.color, linestyle="none", marker=drawn.marker,
+            place + offsets[n], of_name, color=drawn.color, linestyle="none", marker=drawn.marker,
             markersize=6, label=style.label_of(name),
         )  # fmt: skip
-    axes.hlines(errors.rms_of_bound(), *ends, **BOUND_LINE)
+        _draw_interval(axes, errors, place + offsets[n], n, number)
+    if errors.bound is not None:
+        axes.hlines(errors.bound, *ends, **BOUND_LINE)
 
 
-def _explain_baselines(errors: Errors) -> list[str]:
-    if not errors.baselines:
-        return []
-    each = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in errors.baselines)
-    return [f"Thin: baselines ({each})."]
+def _draw_interval(axes: Axes, errors: Errors, place: Array, scheme: int, cell: int) -> None:
+    """Draw the 95 % intervals of a scheme as vertical lines, if there are any."""
+    if errors.interval is None:
+        return
+    low, high = (end[scheme, :, cell] for end in errors.interval)
+    color = style_of(errors.schemes[scheme], errors.schemes).color
+    # a logarithmic axis has no zero
+    low = np.maximum(low, curves.LOWEST * errors.error[scheme, :, cell])
+    axes.vlines(place, low, high, color=color, linewidth=1.0)

@@ -1,4 +1,4 @@
-"""Computes the errors of all schemes and baselines over the values of one key.
+"""Computes the errors of all schemes and baselines over the values of one key, for `vary`.
 
 The errors are expected ones (`studies.hub.expected`), of the settled part of a record.
 """
@@ -6,14 +6,14 @@ The errors are expected ones (`studies.hub.expected`), of the settled part of a 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from itertools import product
 from operator import attrgetter
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, as_text, require
@@ -21,13 +21,14 @@ from owtsweep.io.steps import tell_step
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.results.status import OK
 from owtsweep.statistics.contest import agree, group_coinciding
+from owtsweep.studies.base.varying.errors import Errors
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import OTHER_WINDOW, list_sensors, tell_not_asked
-from owtsweep.studies.hub.expected.answers import expected
+from owtsweep.studies.hub.expected.answers import RESOLUTION, expected, find_winning
 from owtsweep.studies.hub.expected.engine import rows
-from owtsweep.studies.hub.listed import list_baselines, resolve_all, scheme_names
+from owtsweep.studies.hub.listed import BASELINES, list_baselines, resolve_all, scheme_names
 from owtsweep.studies.hub.tuning_rules import RECORDED, RECORDED_FOR
 
 
@@ -86,54 +87,6 @@ MOST_MOTIONS = 6
 WINDOW = "settled"
 
 
-@dataclass(frozen=True)
-class Errors:
-    """The expected settled MSE of schemes over the values of one key.
-
-    along, values: the key that is varied, and its values in the order of tables and figure.
-    motions: the motions, as pairs of natural period (s) and amplitude (m).
-    mse: measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
-    bounds: measure -> Kalman bound of the MSE at each value, shape (values,).
-    facts: what holds at every value, e.g. the tuning and the sensors' properties that do not vary.
-    notes: sentences that a reader of the errors needs.
-    """
-
-    along: Condition
-    values: tuple[Value, ...]
-    schemes: tuple[str, ...]
-    baselines: tuple[str, ...]
-    motions: tuple[tuple[float, float], ...]
-    criterion: str
-    mse: Mapping[str, Array]
-    bounds: Mapping[str, Array]
-    facts: tuple[str, ...]
-    notes: tuple[str, ...]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return (*self.schemes, *self.baselines)
-
-    def rms(self) -> Array:
-        """Return the square roots of the MSE of the criterion, m or m/s, in the shape of `mse`."""
-        return np.sqrt(self.mse[self.criterion])
-
-    def rms_of_bound(self) -> Array:
-        """Return the square roots of the bounds of the criterion, m or m/s, shape (values,)."""
-        return np.sqrt(self.bounds[self.criterion])
-
-    def table(self) -> pd.DataFrame:
-        """Make the table vary.csv: a row per value, scheme and motion."""
-        lines = []
-        places = product(enumerate(self.values), enumerate(self.names), enumerate(self.motions))
-        for (v, value), (s, name), (m, (period, amplitude)) in places:
-            errors = {f"mse_{measure}": mse[s, v, m] for measure, mse in self.mse.items()}
-            bounds = {f"bound_{measure}": bound[v] for measure, bound in self.bounds.items()}
-            place = {"value": value, "scheme": name}
-            motion = {"natural_period": period, "amplitude": amplitude}
-            lines.append({**place, **motion, **errors, **bounds})
-        return pd.DataFrame(lines)
-
-
 def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
     """Compute the errors of all schemes and baselines, and the Kalman bound, at each value.
 
@@ -156,19 +109,91 @@ def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
             errors[measure].append(at.reshape(len(names), -1))
             bounds[measure].append(bound[measure])
     mse = {measure: np.stack(parts, axis=1) for measure, parts in errors.items()}
-    of_schemes = mse[one.measures.criterion][: len(schemes)]
+    bound_mse = {measure: np.array(parts) for measure, parts in bounds.items()}
+    judged = mse[one.measures.criterion]
+    notes = list_notes(along, configs, schemes, judged[: len(schemes)])
+    motions = list(product(periods, amplitudes.tolist()))
+    return make_errors(along, configs, motions, mse, bound_mse, notes)
+
+
+def make_errors(
+    along: Condition,
+    configs: Mapping[Value, HubConfig],
+    motions: Sequence[tuple[float, float]],
+    mse: Mapping[str, Array],
+    bounds: Mapping[str, Array],
+    notes: Sequence[str] = (),
+) -> Errors:
+    """Return the errors by the criterion, with what table, figure and answer say of them.
+
+    motions: Pairs of natural period (s) and amplitude (m).
+    mse: Measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
+    bounds: Measure -> Kalman bound of the MSE at each value, shape (values,).
+    """
+    one = next(iter(configs.values()))
+    schemes, baselines = scheme_names(one), list_baselines(one)
+    criterion = one.measures.criterion
+    judged, count = mse[criterion], len(schemes)
+    what = {"position": "position, x + y", "velocity": "velocity, vx + vy"}
+    unit = "m/s" if criterion == "velocity" else "m"
+    listed = "; ".join(f"{name}, {BASELINES[name].sentence}" for name in baselines)
     return Errors(
         along=along,
         values=tuple(configs),
         schemes=tuple(schemes),
-        baselines=tuple(baselines),
-        motions=tuple(product(periods, amplitudes.tolist())),
-        criterion=one.measures.criterion,
-        mse=mse,
-        bounds={measure: np.array(parts) for measure, parts in bounds.items()},
+        apart=tuple(baselines),
+        cells=tuple(f"natural period {T:g} s, amplitude {N:g} m" for T, N in motions),
+        title=f"rms error of {what.get(criterion, f'position, {criterion}')} ({unit})",
+        unit=unit,
+        error=np.sqrt(judged),
+        best=_are_least(judged),
+        best_scheme=_are_least(judged[:count]),
+        bound=np.sqrt(bounds[criterion]),
         facts=list_common_facts(list(configs.values())),
-        notes=list_notes(along, configs, schemes, of_schemes),
+        further=tuple(
+            tuple(_name_baselines(along, tuple(configs), baselines, judged[:, :, n], count))
+            for n in range(len(motions))
+        ),
+        notes=tuple(notes),
+        footnotes=(f"Thin: baselines ({listed}).",) if baselines else (),
+        table=_make_table(tuple(configs), [*schemes, *baselines], motions, mse, bounds),
     )
+
+
+def _are_least(mse: Array) -> NDArray[np.bool_]:
+    """Return who has the least MSE; several where the accuracy, `RESOLUTION`, cannot tell."""
+    return np.asarray(mse <= (1.0 + RESOLUTION) * mse.min(axis=0))
+
+
+def _name_baselines(
+    along: Condition, values: Sequence[Value], baselines: Sequence[str], mse: Array, count: int
+) -> Iterator[str]:
+    """Yield a sentence on each baseline that is best, and beats every scheme, at some values."""
+    winning, _ = find_winning(mse[count:, :, None], mse[:count].min(axis=0)[:, None])
+    for number, name in enumerate(baselines):
+        winners = zip(values, winning[:, 0], strict=True)
+        places = [along.show(value) for value, winner in winners if winner == number]
+        if places:
+            yield f"{name} has less error than every scheme at {', '.join(places)}."
+
+
+def _make_table(
+    values: Sequence[Value],
+    names: Sequence[str],
+    motions: Sequence[tuple[float, float]],
+    mse: Mapping[str, Array],
+    bounds: Mapping[str, Array],
+) -> pd.DataFrame:
+    """Make the table vary.csv: a row per value, scheme and motion."""
+    lines = []
+    places = product(enumerate(values), enumerate(names), enumerate(motions))
+    for (v, value), (s, name), (m, (period, amplitude)) in places:
+        of_schemes = {f"mse_{measure}": every[s, v, m] for measure, every in mse.items()}
+        of_bounds = {f"bound_{measure}": bound[v] for measure, bound in bounds.items()}
+        place = {"value": value, "scheme": name}
+        motion = {"natural_period": period, "amplitude": amplitude}
+        lines.append({**place, **motion, **of_schemes, **of_bounds})
+    return pd.DataFrame(lines)
 
 
 def check(along: Condition, configs: Mapping[Value, HubConfig]) -> None:
