@@ -6,15 +6,12 @@ default, bounds and meaning of each key.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args, get_origin
-
-from pydantic.fields import FieldInfo
+from typing import Any
 
 from owtsweep.config import Config
-from owtsweep.config.axes import is_axis
-from owtsweep.config.section import bare_type, is_section, item_type, read_facts
+from owtsweep.config.reference import KeyFacts, describe_keys
 from owtsweep.config.typed import as_mapping
 from owtsweep.io.markdown import table
 from owtsweep.studies.registry import OURS, compose
@@ -41,14 +38,6 @@ This page is written by `python docs/make_configuration.py`."""
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")
 #: One row of a table of the page, about one key: the texts of the `COLUMNS`.
 Row = tuple[str, ...]
-TYPES: dict[Any, str] = {
-    bool: "true or false", str: "text", int: "whole number", float: "number", Literal: "choice",
-    dict: "mapping",
-}  # fmt: skip
-#: pydantic's name of a bound -> its sign.
-LIMITS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤", "min_length": "", "max_length": ""}
-#: A default with more characters than this is not shown; `--cfg` prints all defaults.
-LONGEST = 72
 
 
 def reference() -> str:
@@ -71,86 +60,19 @@ def reference() -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list[Row]:
-    """Return a row of the page's tables for each key of a model, including keys of its sections.
-
-    Parameters
-    ----------
-    model
-        The pydantic model of a configuration or of a section.
-    defaults
-        Key -> value in a configuration without overrides. The row of a key that is missing here
-        shows no default.
-    prefix
-        The text before each key, e.g. "compute." for the keys of that section.
-    """
-    rows: list[Row] = []
-    for name, field in model.model_fields.items():
-        kind = bare_type(field.annotation)
-        unit, bounds = read_facts(field)["unit"], ", ".join(dict.fromkeys(_bounds(field)))
-        key, meaning = f"`{prefix}{name}`", str(field.description or "")
-        if is_section(kind):
-            rows.append((key, "section", unit, "", bounds, meaning))
-            rows += _describe(kind, defaults.get(name) or {}, f"{prefix}{name}.")
-        else:
-            default = _shown(defaults[name]) if name in defaults else ""
-            rows.append((key, _type(field), unit, default, bounds, meaning))
-    return rows
+def _describe(model: Any, defaults: Mapping[str, Any]) -> list[Row]:
+    """Return a row of the page's tables for each key of a model, including keys of its sections."""
+    return [_make_row(facts) for facts in describe_keys(model, defaults)]
 
 
-def _type(field: FieldInfo) -> str:
-    kind = bare_type(field.annotation)
-    if get_origin(kind) is list:
-        item = TYPES.get(item_type(kind))
-        text = ("axis" if is_axis(field) else "list") + (f" of {item}s" if item else "")
-    else:
-        text = TYPES.get(get_origin(kind) or kind, "any")
-    return text + (" or null" if type(None) in get_args(field.annotation) else "")
-
-
-def _bounds(field: FieldInfo) -> Iterator[str]:
-    """Yield the bounds of a field's value as texts, e.g. "≥ 0"; for a choice, yield each option."""
-    kind = bare_type(field.annotation)
-    if get_origin(kind) is Literal:
-        yield from (f"`{option}`" for option in get_args(kind))
-    marks = [*field.metadata, *_nested(field.annotation)]
-    limits = {name: getattr(m, name) for m in marks for name in LIMITS if hasattr(m, name)}
-    lengths = limits.pop("min_length", None), limits.pop("max_length", None)
-    if lengths[0] is not None:
-        yield f"{lengths[0]} values" if lengths[0] == lengths[1] else "not empty"
-    yield from (f"{LIMITS[name]} {limit}" for name, limit in limits.items())
-    if not limits and any(getattr(m, "allow_inf_nan", None) is False for m in marks):
-        yield "finite"
-
-
-def _nested(annotation: Any) -> Iterator[Any]:
-    """Yield pydantic's bounds that stand inside a type, e.g. the bounds of a list's items.
-
-    Parameters
-    ----------
-    annotation
-        The type annotation of a field, e.g. for a list of positive floats.
-    """
-    for argument in get_args(annotation):
-        yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
-    if get_origin(annotation) is Annotated:
-        yield from annotation.__metadata__
-
-
-def _shown(value: Any) -> str:
-    """Return a default value between backticks, in the form in which a user would write the value.
-
-    If the text is empty or longer than `LONGEST` characters, return a hint at `--cfg` instead.
-    """
-    if value is None:
-        text = "null"
-    elif isinstance(value, bool):
-        text = str(value).lower()
-    elif isinstance(value, list):
-        text = f"[{', '.join(map(str, value))}]"
-    else:
-        text = str(value)
-    return f"`{text}`" if 0 < len(text) <= LONGEST else "shown by `--cfg`"
+def _make_row(facts: KeyFacts) -> Row:
+    default = f"`{facts.default}`" if facts.default else facts.default
+    if default is None:
+        default = "shown by `--cfg`"
+    bounds = [f"`{bound}`" if facts.type == "choice" else bound for bound in facts.bounds]
+    return (
+        f"`{facts.key}`", *facts[1:3], default, ", ".join(bounds), facts.meaning,
+    )  # fmt: skip
 
 
 if __name__ == "__main__":

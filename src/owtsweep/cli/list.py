@@ -1,4 +1,4 @@
-"""The command `list`: print the available studies, schemes and config groups."""
+"""The command `list`: print the available studies, schemes and config groups, or one of them."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ import argparse
 import math
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
 
 from owtsweep.cli import DONE
 from owtsweep.config import Tree
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, shorten
 from owtsweep.studies import get_study, names
 from owtsweep.studies.registry import (
     DEFAULT,
@@ -30,9 +31,14 @@ PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Print all studies, then the schemes and config groups of each study, and return 0.
 
-    A study of another package that cannot be loaded is listed with its error. The arguments
-    `options` and `argv` are not used.
+    With `options.name`, print what this study, group or scheme is. A study of another package that
+    cannot be loaded is listed with its error. `argv` is not used.
+
+    Raises InputError if nothing has this name.
     """
+    if options.name is not None:
+        print("\n".join(_find(options.name)))
+        return DONE
     print("studies (study=...):")
     choices: dict[Path, list[str]] = {}
     for name in names():
@@ -49,15 +55,57 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     return DONE
 
 
-def _list_choices(study: str, tree: Tree) -> list[str]:
-    prefix = "" if study == DEFAULT else f"study={study} "
-    with blame_package(study):
-        lines = _list_schemes(study, prefix)
-        for group in tree.groups():
-            lines.append(f"{prefix}{PLURALS.get(group, group + 's')} ({group}=...):")
-            for option in tree.options(group):
-                lines.append(_entry(option, _first_comment(tree, group, option)))
+def _find(name: str) -> list[str]:
+    """Return lines on a study, a config group or a scheme, in every study that has it.
+
+    Raises InputError if nothing has this name; the message names what is most alike.
+    """
+    if name in names():
+        return [_entry(name, _purpose(name)), *_list_choices(name, find_tree(name))]
+    lines: list[str] = []
+    known: set[str] = {*names()}
+    seen: set[Path] = set()
+    for study in names():
+        try:
+            schemes, tree = list_schemes(study), find_tree(study)
+        except InputError:  # a broken study of another package
+            continue
+        shared, groups = tree.folder in seen, tree.groups()
+        seen.add(tree.folder)
+        known |= {*schemes, *groups}
+        if name in groups and not shared:
+            lines += _list_group(_prefix(study), tree, name)
+        if name in schemes:
+            lines += _list_facts(study, name, schemes[name])
+    if not lines:
+        near = get_close_matches(name, sorted(known), n=2, cutoff=0.6)
+        hint = f"did you mean {' or '.join(near)}?" if near else "`owtsweep list` has all names"
+        raise InputError(f"{shorten(name)}: no study, config group or scheme; {hint}")
     return lines
+
+
+def _list_facts(study: str, name: str, sentence: str) -> list[str]:
+    with blame_package(study):
+        facts = get_study(study).describe_scheme(name)
+    told = (f"  {fact:<10} {text}" for fact, text in facts.items())
+    return [f"{_prefix(study)}schemes=[{name}]: {sentence}", *told]
+
+
+def _prefix(study: str) -> str:
+    return "" if study == DEFAULT else f"study={study} "
+
+
+def _list_choices(study: str, tree: Tree) -> list[str]:
+    prefix = _prefix(study)
+    with blame_package(study):
+        groups = (_list_group(prefix, tree, group) for group in tree.groups())
+        return [*_list_schemes(study, prefix), *chain(*groups)]
+
+
+def _list_group(prefix: str, tree: Tree, group: str) -> list[str]:
+    return [f"{prefix}{PLURALS.get(group, group + 's')} ({group}=...):"] + [
+        _entry(option, _first_comment(tree, group, option)) for option in tree.options(group)
+    ]
 
 
 def _list_schemes(study: str, prefix: str) -> list[str]:

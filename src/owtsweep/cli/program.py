@@ -14,13 +14,14 @@ import shlex
 import shutil
 import sys
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import NoReturn
 
 from owtsweep._version import __version__
-from owtsweep.errors import InputError, as_text, require
+from owtsweep.errors import InputError, as_text, require, shorten
 from owtsweep.io.search_path import no_modules_of_this_folder
 from owtsweep.sweep.log import Lines
 
@@ -45,12 +46,16 @@ class Parser(argparse.ArgumentParser):
     commands: Mapping[str, Parser]
 
     def error(self, message: str) -> NoReturn:
-        """Raise `InputError` with the message of argparse, followed by a hint to `--help`."""
-        raise InputError(f"{message}; see `{self.prog} --help`")
+        """Raise `InputError` with the message of argparse, and what the user may have meant."""
+        flags = [flag for action in self._actions for flag in action.option_strings]
+        _, unknown, words = message.partition("unrecognized arguments: ")
+        near = get_close_matches(words.split()[0], flags, n=1) if unknown else []
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise InputError(f"{message}; {hint}see `{self.prog} --help`")
 
 
 def _add_sweep(parser: Parser) -> None:
-    _add_overrides(parser, "grid.replicates=2")
+    _add_overrides(parser, "grid.replicates=2 (`--help study=NAME` shows a study's keys)")
     _add_flag(parser, "-m", "--multirun", help="one run for each value of a=1,2,3")
     _add_run_options(parser)
 
@@ -133,7 +138,17 @@ def _add_report(parser: Parser) -> None:
     _add_flag(parser, "--details", help=text)
 
 
+def _add_list(parser: Parser) -> None:
+    text = "a study, a config group, or a scheme, e.g. tower, sensors or HME1; default: all"
+    parser.add_argument("name", nargs="?", metavar="NAME", help=text)
+
+
 def _add_runs(parser: Parser) -> None:
+    text = "the folder that holds the runs; default: results"
+    parser.add_argument("folder", nargs="?", default="results", metavar="FOLDER", help=text)
+
+
+def _add_compare(parser: Parser) -> None:
     parser.add_argument(
         "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
     )
@@ -196,7 +211,7 @@ COMMANDS = {
     "compare": (
         "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
         "compare results/multirun-0a1b2c3d4e",
-        _add_runs,
+        _add_compare,
     ),
     "spectrum": (
         "Draw the schemes' error spectra and noise floors, without any record (study=hub).",
@@ -229,9 +244,14 @@ COMMANDS = {
         _add_init,
     ),
     "list": (
-        "List schemes, tunings, spectra, sensors, grids and experiments.",
-        "list",
-        lambda parser: None,
+        "List studies, schemes and config groups, or what one name stands for.",
+        "list tower",
+        _add_list,
+    ),
+    "runs": (
+        "List the runs in a folder: study, tuning, decided cells, date, what is missing.",
+        "runs results",
+        _add_runs,
     ),
 }
 
@@ -344,6 +364,12 @@ def _run(arguments: list[str]) -> int:
         return BAD_INPUT
     name = arguments[0]
     require(_here_exists(), "the current folder has been deleted; change to one that exists")
+    require(name in COMMANDS or name.startswith("-"), _explain_unknown(name))
+    studies = [word.partition("=")[2] for word in arguments if word.startswith("study=")]
+    if name == "sweep" and studies and not {"-h", "--help"}.isdisjoint(arguments):
+        from owtsweep.cli.keys import print_keys
+
+        return print_keys(studies[-1])
     if name in COMMANDS:
         # Intermixed parsing lets flags stand anywhere among the overrides.
         options = parser.commands[name].parse_intermixed_args(_without_cfg_kind(arguments))
@@ -356,6 +382,13 @@ def _run(arguments: list[str]) -> int:
     except Exception as error:
         raise_interrupt(error)
         raise
+
+
+def _explain_unknown(name: str) -> str:
+    """Return in a line that there is no command of this name, and which the user may have meant."""
+    near = get_close_matches(name, COMMANDS, n=2, cutoff=0.5)
+    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    return f"{shorten(name)}: there is no such command; {hint}`{PROGRAM} --help` lists all"
 
 
 def raise_interrupt(error: BaseException) -> None:

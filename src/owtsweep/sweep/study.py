@@ -267,6 +267,10 @@ class Study(ABC):
         """Return name -> description in one sentence of each scheme, for `list`."""
         return {}
 
+    def describe_scheme(self, name: str) -> Mapping[str, str]:
+        """Return facts on one of `schemes` in words, for `list`: its size, its keys, and so on."""
+        return {}
+
     def complete(self, plain: Plain) -> Plain:
         """Return composed keys with the values that follow from other keys filled in.
 

@@ -32,6 +32,11 @@ GROUP = "owtsweep.schemes"
 AnyScheme = Scheme[Any, Any, Any]
 
 
+#: What the simplicity of a scheme that waits has more, for each of these steps.
+LATE = 1000
+WAITS = ("in real time", "late: it looks ahead", "after the end of the record")
+
+
 class Listed(NamedTuple):
     """What is known of a scheme without importing it.
 
@@ -127,6 +132,23 @@ class SchemeTable:
         """Return name -> sentence of each scheme; those of other packages come last."""
         others = {p.name: f"{p.value}, of another package" for p in self._find_others()}
         return {name: listed.sentence for name, listed in self.listed.items()} | others
+
+    def describe_one(self, name: str) -> dict[str, str]:
+        """Return facts in words on one of the study's schemes: its size, what it needs, its keys.
+
+        Of a scheme of another package, which is not imported, there are none.
+        """
+        if name not in self.listed:
+            return {}
+        listed, scheme = self.listed[name], self.resolve(name)
+        facts = {
+            "size": f"{listed.simplicity % LATE} states and tuned numbers",
+            "time": WAITS[listed.simplicity // LATE],
+            "told": "the motion of a case" if scheme.knows_motion else "",
+            "ignores": ", ".join(listed.ignores),
+            "keys": ", ".join(scheme.sections),
+        }
+        return {fact: text for fact, text in facts.items() if text}
 
     def list_simplicity(self) -> dict[str, int]:
         """Return name -> simplicity of each scheme of the study."""

@@ -46,6 +46,10 @@ class ContestStudy(Study):
         """Return name -> description of each scheme."""
         return self.scheme_table().describe()
 
+    def describe_scheme(self, name: str) -> dict[str, str]:
+        """Return facts on a scheme in words, as `Study.describe_scheme` says."""
+        return self.scheme_table().describe_one(name)
+
     def list_simplicity(self) -> dict[str, int]:
         """Return name -> simplicity of each scheme, as `registry.Ranked` says."""
         return self.scheme_table().list_simplicity()

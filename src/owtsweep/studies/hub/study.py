@@ -86,6 +86,10 @@ class HubStudy(HubKeys):
         """Return the schemes and baselines of the study."""
         return SCHEMES
 
+    def describe_scheme(self, name: str) -> dict[str, str]:
+        """Return facts on a scheme in words, as `Study.describe_scheme` says."""
+        return SCHEMES.describe_one(name)
+
     def list_simplicity(self) -> dict[str, int]:
         """Return name -> simplicity of each scheme and baseline, as `registry.Ranked` says."""
         return SCHEMES.list_simplicity()

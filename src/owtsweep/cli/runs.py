@@ -1,0 +1,170 @@
+"""The command `runs`: a line on each run in a folder. Nothing that a run names is executed."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from owtsweep.cli import DONE
+from owtsweep.errors import InputError, as_text, printable, shorten
+
+#: Folders of runs may lie in folders of multiruns, and those in the folder that is listed.
+DEEPEST = 3
+#: Folders that a run has; no run lies in them.
+OWN = {"asked", "cases", "figures", "fidelity", "records", "estimates"}
+#: Most characters of a cell.
+LONGEST_CELL = 60
+COLUMNS = ("folder", "study", "experiment or name", "tuning", "cells decided", "date", "state")
+
+
+class _Line(NamedTuple):
+    """A run in words; the fields are those of `COLUMNS`."""
+
+    folder: str
+    study: str = "-"
+    named: str = "-"
+    tuning: str = "-"
+    decided: str = "-"
+    date: str = "-"
+    state: str = "-"
+
+
+def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
+    """Print a line on each run in the folder `options.folder`, and return 0.
+
+    A folder whose configuration cannot be read, or that holds no run, has a line that says so.
+    `argv` is not used.
+
+    Raises InputError if there is no such folder.
+    """
+    from owtsweep.io.reading import expand_home, require_folder
+
+    folder = expand_home(options.folder)
+    require_folder(folder)
+    lines = [COLUMNS, *_list_lines(folder)]
+    if len(lines) == 1:
+        print(f"{printable(str(folder))}: it holds no run")
+        return DONE
+    cells = [[shorten(printable(cell), LONGEST_CELL) for cell in line] for line in lines]
+    widths = [max(len(line[n]) for line in cells) for n in range(len(COLUMNS))]
+    for line in cells:
+        padded = (cell.ljust(width) for cell, width in zip(line, widths, strict=True))
+        print("  ".join(padded).rstrip())
+    return DONE
+
+
+def _list_lines(home: Path) -> Iterator[_Line]:
+    """Yield a line for each run below a folder, and for each folder in it without any."""
+    if (home / "config.yaml").is_file():
+        yield _describe(home, ".")
+        return
+    for path in _list_folders(home):
+        found = [*_find_runs(path, DEEPEST - 1)]
+        yield from (_describe(each, str(each.relative_to(home))) for each in found)
+        if not found:
+            yield _Line(path.name, state=_describe_other(path))
+
+
+def _list_folders(folder: Path) -> list[Path]:
+    try:
+        inside = sorted(folder.iterdir())
+    except OSError:  # it may not be read
+        return []
+    return [path for path in inside if path.is_dir() and not path.is_symlink()]
+
+
+def _find_runs(folder: Path, depth: int) -> Iterator[Path]:
+    if os.path.lexists(folder / "config.yaml"):
+        yield folder
+        return
+    for path in _list_folders(folder) if depth > 0 else []:
+        if path.name not in OWN:
+            yield from _find_runs(path, depth - 1)
+
+
+def _describe_other(folder: Path) -> str:
+    """Return what a folder without a run is, as far as its name and files tell."""
+    command = folder.name.partition("-")[0]
+    if command in ("vary", "spectrum", "place") and any(folder.glob("*.csv")):
+        return f"an answer of `{command}`"
+    return "no run"
+
+
+def _describe(folder: Path, name: str) -> _Line:
+    """Return the line on a run, which may be another person's; its values are taken as texts."""
+    from owtsweep.config.stored import read_stored
+    from owtsweep.sweep.manifest import read_manifest
+
+    try:
+        config, _ = read_stored(folder / "config.yaml")
+    except InputError as error:
+        return _Line(name, state=f"damaged: {_leave_out_place(error, folder)}")
+    except (OSError, RecursionError) as error:
+        return _Line(name, state=f"damaged: {as_text(error)}")
+    manifest: Mapping[str, object] = {}
+    try:
+        manifest = read_manifest(folder)
+        state = _describe_state(folder, str(manifest.get("state")))
+    except InputError as error:
+        state = f"damaged: {_leave_out_place(error, folder)}"
+    given = config.get("name") or config.get("experiment")
+    tuning = config.get("tuning")
+    return _Line(
+        name,
+        str(config.get("study", "-")),
+        str(given or "-"),
+        ", ".join(map(str, tuning)) if isinstance(tuning, list) else str(tuning or "-"),
+        _count_decided(folder),
+        str(manifest.get("started", "-"))[:10],
+        state,
+    )
+
+
+def _leave_out_place(error: InputError, folder: Path) -> str:
+    return str(error).removeprefix(f"{folder}/").removeprefix(f"{folder}: ")
+
+
+def _describe_state(folder: Path, state: str) -> str:
+    """Return whether a run is finished, or how many of its cases are missing.
+
+    Raises InputError if plan.json cannot be read.
+    """
+    from owtsweep.io.reading import read_json
+    from owtsweep.sweep.plan import MOST_BYTES, PLAN_FILE
+
+    if not os.path.lexists(folder / PLAN_FILE) or not (folder / "cases").is_dir():
+        return "a copy without its cases"
+    stored = read_json(folder / PLAN_FILE, MOST_BYTES)
+    blocks = stored.get("blocks") if isinstance(stored, dict) else None
+    if not isinstance(blocks, list):
+        raise InputError(f"{PLAN_FILE}: this is no plan of a run; run its sweep again")
+    there = {path.name for path in (folder / "cases").glob("part-*.parquet")}
+    cases = missing = 0
+    for block in blocks:
+        match block:
+            case [str(key), str(_), int(count), *_]:
+                cases += count
+                missing += count * (f"part-{key}.parquet" not in there)
+            case _:
+                raise InputError(f"{PLAN_FILE}: this is no plan of a run; run its sweep again")
+    if missing:
+        running = ", running or killed" if state == "running" else ""
+        return f"{missing} of {cases} cases missing{running}"
+    return "finished" if state == "done" else f"all cases there, but {state}"
+
+
+def _count_decided(folder: Path) -> str:
+    """Return how many cells of the map are won or tied, of how many; "-" if no table says so."""
+    from owtsweep.io.tables import read_table
+
+    try:
+        best = read_table(folder, "best_scheme")
+    except InputError:
+        return "-"
+    if not {"criterion", "verdict"} <= {*best.columns} or best.empty:
+        return "-"
+    cells = best[best["criterion"] == best["criterion"].iloc[0]]
+    return f"{int((cells['verdict'] != 'open').sum())} of {len(cells)}"
