@@ -219,7 +219,7 @@ COMMANDS = {
         _add_spectrum,
     ),
     "tune": (
-        "Search each scheme's best numbers for these sensors (study=hub); writes a tuning=FILE.",
+        "Search the schemes' best numbers for these sensors; writes a tuning=FILE.",
         "tune sensors.gnss.rate=5 --output mine.yaml",
         _add_tune,
     ),

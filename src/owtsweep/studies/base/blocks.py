@@ -242,7 +242,7 @@ def _run_one_tuning(
         else:
             scheme = Readied(declaration, schemes[block.content["scheme"]])
             judged = [
-                _judge(declaration, config, cell, record, parts, scheme)
+                judge_record(declaration, config, cell, record, parts, scheme)
                 for record, parts in records.take(config, cell)
             ]
         labels = block.content["scheme"], cell, axes.names, records.replicates, judged
@@ -349,7 +349,7 @@ def check_estimates(declaration: AnyDeclaration, estimates: object, samples: int
             raise NotFinite(f"{name} has the shape {shape}, not ({text})")
 
 
-def _judge(
+def judge_record(
     declaration: AnyDeclaration,
     config: AnyConfig,
     cell: Cell,
@@ -357,6 +357,7 @@ def _judge(
     parts: Mapping[str, AnyPart],
     scheme: Readied,
 ) -> Judgement[Any]:
+    """Run a scheme on the parts of a record, and judge its estimates."""
     try:
         estimates = {name: scheme.run(part) for name, part in parts.items()}
         for given in estimates.values():

@@ -13,11 +13,13 @@ from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.statistics.deciding import ENOUGH
 from owtsweep.studies.base.axes import Axes
+from owtsweep.studies.base.costs import Costs
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.config.common import Record
+    from owtsweep.studies.base.keys import Tune
 
 
 #: The measure of latency, s; only of schemes that look ahead.
@@ -34,6 +36,7 @@ class ContestConfig(Config):
         record: Record
         schemes: Sequence[str | Mapping[str, object]]
         criterion: str
+        tune: Tune
 
         @property
         def tuning_name(self) -> str:
@@ -57,6 +60,7 @@ class Contest(Axes[C]):
     pairing: the keys on which the motion of a record depends, besides its conditions and number.
     ties_from: Number of records from which on a tie may be called.
     tell_more: Returns further lines for the terminal, of a configuration and its tables.
+    costs: Measured computing times; None: nobody has measured them.
     """
 
     criteria: Mapping[str, Criterion]
@@ -66,6 +70,7 @@ class Contest(Axes[C]):
     pairing: Sequence[str]
     ties_from: int = ENOUGH
     tell_more: Callable[[C, Mapping[str, pd.DataFrame]], list[str]] = lambda config, tables: []
+    costs: Costs | None = None
 
 
 #: The contest of any study: its functions take the configuration of that study alone.

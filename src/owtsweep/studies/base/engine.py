@@ -12,6 +12,7 @@ from owtsweep.results.regret import Judged, make_regret
 from owtsweep.studies.base import maps, tables
 from owtsweep.studies.base.blocks import DeclaredBlocks, PlanPart
 from owtsweep.studies.base.contest import WINDOW, AnyContest, C, Contest, ContestConfig
+from owtsweep.studies.base.costs import predict
 from owtsweep.studies.base.declaration import AnyDeclaration
 from owtsweep.studies.base.looks import plan_look
 from owtsweep.studies.base.tables import list_competing, make_cube
@@ -90,6 +91,13 @@ class ContestEngine(Engine, Generic[C]):
             make_cube(self.contest, config, rows, names),
             tables["best_scheme"],
         )
+
+    def predict(
+        self, config: C, blocks: Sequence[Block], workers: int
+    ) -> tuple[float, float] | None:
+        """Return computing time (s) and memory (bytes) of blocks, from measured times."""
+        costs = self.contest.costs
+        return None if costs is None else predict(costs, blocks, config.record.steps, workers)
 
     def backend(self, config: C) -> str:
         return "loky"

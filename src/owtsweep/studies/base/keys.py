@@ -11,6 +11,28 @@ from owtsweep.config import Section, key
 from owtsweep.config.records import Records
 
 
+class Tune(Section):
+    """The settings of the command `tune`. No result of a run depends on them."""
+
+    trials: int = key("trials of `tune` for each set of numbers", default=30, ge=1, le=100_000)
+    seed: int = key(
+        "of the search and its records; not the run's `seed`, with which `tune` judges what it "
+        "found",
+        default=7,
+        ge=0,
+        advice="use an integer >= 0",
+    )
+    training: int = key("records of a cell on which `tune` searches", default=4, ge=1, le=1000)
+    replicates: int = key(
+        "records of a cell on which `tune` judges what it found", default=8, ge=2, le=1000
+    )
+
+
+def key_of_tune() -> Any:
+    """Declare the section `tune`."""
+    return key("settings of the command `tune`", default=Tune())
+
+
 def key_of_axes(grid: type[Section]) -> Any:
     """Declare the key `axes`, of names of axes: keys of the section `grid`."""
     names = [name for name in grid.model_fields if name not in Records.model_fields]

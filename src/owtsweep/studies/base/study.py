@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.base.contest import AnyContest, ContestConfig
     from owtsweep.studies.base.declaration import AnyDeclaration
     from owtsweep.studies.base.schemes import SchemeTable
-    from owtsweep.sweep.study import Engine, Varied
+    from owtsweep.sweep.study import Engine, Tuned, Varied
 
 
 class ContestStudy(Study):
@@ -113,7 +113,10 @@ class ContestStudy(Study):
 
 
 class DeclaredStudy(ContestStudy):
-    """A study whose package has a `DECLARATION` in its module `declaration`, and `SCHEMES`."""
+    """A study whose package has a `DECLARATION` in its module `declaration`, and `SCHEMES`.
+
+    If `tune` is among its `commands`, it has `SEARCHED` in its module `tuning`.
+    """
 
     commands = ContestStudy.commands | {"estimate"}
 
@@ -145,6 +148,19 @@ class DeclaredStudy(ContestStudy):
         if config.over is not None:
             made = self.declaration()
             check(made.axes, made.list_untold(config), self.check, config)
+
+    def count_trials(self, config: ContestConfig) -> int:
+        """Return how many trials `tune` will make; raise `InputError` as `Study.count_trials`."""
+        from owtsweep.studies.base.tuning.tuned import list_searched
+
+        return len(list_searched(self._find("tuning", "SEARCHED"), config)) * config.tune.trials
+
+    def tune(self, config: ContestConfig, advance: Callable[[str], None]) -> Tuned:
+        """Search the best numbers on training records, as `Study.tune` says."""
+        from owtsweep.studies.base.tuning.tuned import tune
+
+        searched = self._find("tuning", "SEARCHED")
+        return tune(self.declaration(), self.contest(), searched, config, advance)
 
     def estimate(self, config: ContestConfig, replicate: int) -> EstimatedRecord:
         """Return a record of the grid's only cell, with the estimates of all schemes."""

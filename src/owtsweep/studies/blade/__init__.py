@@ -29,3 +29,4 @@ class BladeStudy(DeclaredStudy):
     )
     stretched = ("root", 0, "position of the root, first axis (m)")
     numerics_version = add_versions(2, motion, estimation)
+    commands = DeclaredStudy.commands | {"tune"}

@@ -8,7 +8,14 @@ from owtsweep.config import Config, key
 from owtsweep.config.common import Record
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.keys import key_of_axes, key_of_schemes, key_of_tuning, key_of_tunings
+from owtsweep.studies.base.keys import (
+    Tune,
+    key_of_axes,
+    key_of_schemes,
+    key_of_tune,
+    key_of_tuning,
+    key_of_tunings,
+)
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.blade.recorded import Recorded
 from owtsweep.studies.blade.sections import Boom, Grid, Motion, Sensors, Unit
@@ -35,6 +42,7 @@ class BladeConfig(TunedConfig, ContestConfig):
     tuning: str | list[str] = key_of_tuning()
     tunings: dict[str, Tuned] = key_of_tunings()
     filters: Tuning = key("what schemes assume, and their own numbers", default=ABSENT)
+    tune: Tune = key_of_tune()
     schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["root", "attitude", "worst"] = key("what the map on the terminal judges")
 

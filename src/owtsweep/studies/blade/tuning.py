@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import NotNegative, Positive, Section, key
+from owtsweep.studies.base.tuning.searched import Searched
 
 
 class Tuning(Section):
@@ -53,3 +54,15 @@ class Tuned(Section):
     """The sections of one tuning in a run of several."""
 
     filters: Tuning = key("what schemes assume, and their own numbers")
+
+
+#: What `tune` searches.
+SEARCHED = (
+    Searched(
+        ("COMPLEMENTARY",),
+        {"filters.crossover": [0.1, 10.0, "log"], "filters.levelling": [5.0, 600.0, "log"]},
+    ),
+    Searched(("PENDULUM",), {"filters.agreement": [1e-3, 0.3, "log"]}),
+    Searched(("MEKF_OFFSET",), {"filters.offset_sigma": [1e-2, 2.0, "log"]}),
+    Searched(("MEKF_LEVER",), {"filters.lever_sigma": [1e-3, 1.0, "log"]}),
+)

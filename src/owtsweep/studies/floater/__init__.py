@@ -25,3 +25,4 @@ class FloaterStudy(DeclaredStudy):
     )
     stretched = ("position", 2, "heave (m)")
     numerics_version = add_versions(2, waves, sensing, motion, estimation, evaluation)
+    commands = DeclaredStudy.commands | {"tune"}

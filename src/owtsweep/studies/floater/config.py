@@ -10,8 +10,10 @@ from owtsweep.config.records import Records
 from owtsweep.config.tuned import ABSENT, TunedConfig
 from owtsweep.studies.base.contest import ContestConfig
 from owtsweep.studies.base.keys import (
+    Tune,
     key_of_axes,
     key_of_schemes,
+    key_of_tune,
     key_of_tuning,
     key_of_tunings,
     only_freedoms,
@@ -135,6 +137,7 @@ class FloaterConfig(TunedConfig, ContestConfig):
     tuning: str | list[str] = key_of_tuning()
     tunings: dict[str, Tuned] = key_of_tunings()
     filters: Tuning = key("what schemes assume, and their own numbers", default=ABSENT)
+    tune: Tune = key_of_tune()
     schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["position", "velocity", "worst"] = key("what the map on the terminal judges")
 

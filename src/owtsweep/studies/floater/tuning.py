@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import NotNegative, Positive, Section, key
+from owtsweep.studies.base.tuning.searched import Searched
 
 
 class Tuning(Section):
@@ -64,3 +65,26 @@ class Tuned(Section):
     """The sections of one tuning in a run of several."""
 
     filters: Tuning = key("what schemes assume, and their own numbers")
+
+
+#: The schemes that are Kalman filters of the assumed noise of accelerations.
+KALMAN = (
+    "KF_STEADY", "KF", "KF_CONSISTENT", "KF_BIAS", "KF_DELAY", "KF_REPAIRED", "ERROR_STATE",
+    "FIXED_LAG",
+)  # fmt: skip
+#: What `tune` searches.
+SEARCHED = (
+    Searched(("COMPLEMENTARY",), {"filters.crossover": [0.1, 10.0, "log"]}),
+    Searched(("LOWPASS",), {"filters.cutoff": [0.1, 10.0, "log"]}),
+    Searched(("PASSIVE_OBSERVER",), {"filters.observer": [0.1, 10.0, "log"]}),
+    Searched(
+        KALMAN,
+        {"filters.process_share": [1e-3, 10.0, "log"]},
+        lambda config: config.filters.process == "declared",
+    ),
+    Searched(
+        KALMAN,
+        {"filters.angular_share": [0.1, 30.0, "log"]},
+        lambda config: config.sensors.frame == "body",
+    ),
+)

@@ -112,6 +112,7 @@ def _describe_content(config: MatingConfig) -> dict[str, object]:
         for name in NOT_CONTENT:
             other.pop(name, None)
     hub["sensors"]["gnss"].pop("sigma")
+    blade.pop("tune")
     return {
         "limits": as_mapping(config)["limits"],
         "blade": blade,

@@ -32,7 +32,7 @@ class TowerStudy(DeclaredStudy):
     )
     stretched = ("displacement_fa", -2, "displacement of the top, fore-aft (m)")
     numerics_version = add_versions(3, waves, structures, sensing, motion, estimation, evaluation)
-    commands = DeclaredStudy.commands | {"place"}
+    commands = DeclaredStudy.commands | {"place", "tune"}
 
     def complete(self, plain: Plain) -> Plain:
         """Return the keys with the content of a structure in place of its name or file.

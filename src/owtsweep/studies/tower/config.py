@@ -14,7 +14,13 @@ from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import list_nodes
 from owtsweep.structures.sn_curves import Fatigue
 from owtsweep.studies.base.contest import ContestConfig
-from owtsweep.studies.base.keys import key_of_schemes, key_of_tuning, key_of_tunings
+from owtsweep.studies.base.keys import (
+    Tune,
+    key_of_schemes,
+    key_of_tune,
+    key_of_tuning,
+    key_of_tunings,
+)
 from owtsweep.studies.base.schemes import SchemeEntries
 from owtsweep.studies.tower.sections import (
     Faults,
@@ -61,6 +67,7 @@ class TowerConfig(TunedConfig, ContestConfig):
     filters: Tuning = key("numbers of all schemes", default=ABSENT)
     model: Model = key("the schemes' model of the structure, and what is wrong in it")
     fatigue: Fatigue = key("welds and material")
+    tune: Tune = key_of_tune()
     schemes: SchemeEntries = key_of_schemes()
     criterion: Literal["damage", "base_moment", "displacement"] = key(
         "what the map on the terminal judges"

@@ -7,9 +7,10 @@ takes the loads' changes from the truth.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from owtsweep.config import NotNegative, Positive, Section, key
+from owtsweep.studies.base.tuning.searched import Searched
 
 
 class Tuning(Section):
@@ -53,3 +54,34 @@ class Tuned(Section):
     """The sections of one tuning in a run of several."""
 
     filters: Tuning = key("numbers of all schemes")
+
+
+#: The filters on the modes of the substructure or of the whole turbine.
+MODAL = (
+    "AKF", "AKF_WAVE", "AKF_STEADY", "AKF_LAGGED", "AKF_MATERN12", "AKF_MATERN32", "GDF", "DUAL",
+    "AKF_WHOLE", "AKF_WHOLE_WAVE", "KF_WHOLE",
+)  # fmt: skip
+
+
+def _has_waves(config: Any) -> bool:
+    return bool(config.waves.hs > 0.0)
+
+
+#: What `tune` searches. Numbers that `null` leaves out are not.
+SEARCHED = (
+    Searched(
+        MODAL,
+        {"filters.rate_noise": [1e-6, 1e2, "log"]},
+        lambda config: not _has_waves(config) and config.filters.rate_noise is not None,
+    ),
+    Searched(
+        MODAL,
+        {"filters.rate_noise_in_waves": [1e-4, 1e4, "log"]},
+        lambda config: _has_waves(config) and config.filters.rate_noise_in_waves is not None,
+    ),
+    Searched(
+        MODAL,
+        {"filters.force": [1e1, 1e7, "log"], "filters.moment": [1e3, 1e9, "log"]},
+        lambda config: config.filters.inputs == "declared",
+    ),
+)

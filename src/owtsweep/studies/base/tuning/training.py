@@ -1,0 +1,63 @@
+"""Runs schemes on the same records under one tuning after another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import changed
+from owtsweep.studies.base.axes import Cell
+from owtsweep.studies.base.blocks import Readied, Records, judge_record
+from owtsweep.studies.base.contest import AnyContest
+from owtsweep.studies.base.declaration import AnyDeclaration
+
+#: Most cells of a map that are searched over; of a larger map, its corners and its middle.
+MOST_CELLS = 6
+
+
+def choose_cells(contest: AnyContest, config: Any) -> list[Cell]:
+    """Return the cells of a map, or of a large map its four corners and its middle."""
+    cells = contest.list_cells(config)
+    if len(cells) <= MOST_CELLS:
+        return cells
+    first, last = ([values[n] for values in contest.get_grid(config).values()] for n in (0, -1))
+    middle = [values[len(values) // 2] for values in contest.get_grid(config).values()]
+    across, upwards = contest.get_grid(config)
+    wanted = [
+        (first[0], first[1]), (first[0], last[1]), (last[0], first[1]), (last[0], last[1]),
+        (middle[0], middle[1]),
+    ]  # fmt: skip
+    return [cell for cell in cells if (cell[across], cell[upwards]) in wanted]
+
+
+class Training:
+    """Some records of some cells, which are made once."""
+
+    def __init__(
+        self, declaration: AnyDeclaration, config: Any, cells: Sequence[Cell], seed: int, count: int
+    ) -> None:
+        self._declaration, self._seed, self._tried = declaration, seed, 0
+        self._config = changed(config, seed=seed)
+        self._records = [(cell, Records(declaration, self._config, range(count))) for cell in cells]
+
+    def run(self, config: Any, scheme: str, measure: str) -> Array:
+        """Run a scheme under the tuning of `config`; return a measure, shape (cells, records).
+
+        It is NaN where the scheme has no estimates.
+        """
+        declaration = self._declaration
+        self._tried += 1  # a name for each tuning: what schemes know is kept by it
+        tuned = changed(config, seed=self._seed, tuning=f"trial {self._tried}")
+        chosen = next(s for s in declaration.schemes.choose(tuned) if s.name == scheme)
+        ready = Readied(declaration, chosen)
+        values = []
+        for cell, records in self._records:
+            judged = [
+                judge_record(declaration, tuned, cell, record, parts, ready).found or {}
+                for record, parts in records.take(tuned, cell)
+            ]
+            values.append([float(each.get(measure, np.nan)) for each in judged])
+        return np.array(values)
