@@ -74,10 +74,43 @@ def test_the_command_line_says_it_and_writes_nothing(tmp_path, monkeypatch, caps
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("study", ["hub", "tower", "floater", "blade", "mating"])
-def test_only_the_hub_study_knows_time_and_memory_before_any_block_has_been_run(study):
-    """docs/commands.md says so."""
-    words = [] if study == "hub" else ["experiment=quick"]
-    config = compose([f"study={study}", *words])
-    predicted = get_study(study).engine(config).predict(config, [], 1)
-    assert (predicted is not None) == (study == "hub")
+@pytest.mark.parametrize("name", ["hub", "tower", "floater", "blade", "mating"])
+def test_every_study_knows_time_and_memory_before_any_block_has_been_run(name):
+    study = get_study(name)
+    words = [f"study={name}", "grid.replicates=8", "compute.workers=2"]
+    told = forecast(study, compose(words))
+    assert told.seconds > 0.1
+    assert 3e8 < told.memory < 3e9
+    more = forecast(study, compose([*words, "grid.replicates=16"]))
+    assert more.seconds == pytest.approx(2 * told.seconds)
+
+
+@pytest.mark.parametrize("name", ["tower", "floater", "blade", "mating"])
+def test_every_scheme_has_been_timed(name):
+    costs = get_study(name if name != "mating" else "blade").contest().costs
+    assert {*costs.schemes} == {*get_study(name).schemes()}
+
+
+def test_a_users_scheme_has_no_time():
+    config = compose(["study=floater"])
+    plan = get_study("floater").engine(config).plan(config)[:1]
+    plan = [replace(block, content={**block.content, "scheme": "MINE"}) for block in plan]
+    assert get_study("floater").engine(config).predict(config, plan, 1) is None
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["vary", "sensors.gnss.rate=1,2"],
+        ["vary", "study=floater", "grid.snr=10,20"],
+        ["tune"],
+        ["tune", "study=blade"],
+    ],
+)
+def test_vary_and_tune_tell_time_and_memory_and_write_nothing(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([*words, "--dry-run"]) == 0
+    out = capsys.readouterr().out
+    assert "time    some " in out
+    assert "memory  some " in out
+    assert list(tmp_path.iterdir()) == []

@@ -83,6 +83,7 @@ def _add_spectrum(parser: Parser) -> None:
 
 def _add_tune(parser: Parser) -> None:
     _add_overrides(parser, "sensors.gnss.rate=5")
+    _add_flag(parser, "--dry-run", help="say what would be searched, in what time, and stop")
     _add_config_dir(parser)
     parser.add_argument(
         "--output", metavar="FILE", help="the tuning file to write; default tuned-<hash>.yaml"
@@ -92,7 +93,7 @@ def _add_tune(parser: Parser) -> None:
 def _add_vary(parser: Parser) -> None:
     _add_overrides(parser, "sensors.gnss.rate=1,2,5,10")
     _add_flag(parser, "--cfg", help="print the configuration of each value with units and stop")
-    _add_flag(parser, "--dry-run", help="say what would be computed, and stop")
+    _add_flag(parser, "--dry-run", help="say what would be computed, in what time, and stop")
     _add_config_dir(parser)
 
 

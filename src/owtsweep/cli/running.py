@@ -287,6 +287,17 @@ def _describe_time(each: Forecast) -> str:
     return f"some {_round(each.seconds)} s on {workers} ({basis})"
 
 
+def describe_cost(predicted: tuple[float, float] | None) -> list[str]:
+    """Return lines on the predicted time (s) and memory (bytes) of a command; None: unknown."""
+    if predicted is None:
+        return ["time    unknown: nobody has timed these schemes", "memory  unknown"]
+    seconds, memory = predicted
+    return [
+        f"time    some {_round(seconds)} s (rough, for cores without other work)",
+        f"memory  some {_round(memory / 1e9)} GB (rough)",
+    ]
+
+
 def _describe_memory(each: Forecast) -> str:
     return "unknown" if each.memory is None else f"some {_round(each.memory / 1e9)} GB (rough)"
 

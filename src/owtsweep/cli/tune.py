@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from owtsweep.cli.program import DONE, INTERRUPTED
-from owtsweep.cli.running import require_serving, show_answer
+from owtsweep.cli.running import describe_cost, require_serving, show_answer
 from owtsweep.config import Config, dump, require
 from owtsweep.config.tuned import GROUP
 from owtsweep.io.reading import expand_home
@@ -24,7 +24,8 @@ START = "matched"
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Search, write the tuning file, judge it on records and print what was gained.
 
-    Return 0, or 130 if the user stopped the search; the file then holds the best numbers so far.
+    With `--dry-run`, print what would be searched, and return 0. Return 130 if the user stopped the
+    search; the file then holds the best numbers so far.
 
     Raises InputError if the study has nothing to tune, or the configuration or the file is refused.
     """
@@ -44,6 +45,12 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     check_writable(path.parent, "--output", "name another file by --output FILE")
     with blame(study):
         trials = study.count_trials(config)
+        if options.dry_run:
+            print("Nothing was computed or written. This command without --dry-run would do:")
+            print(f"file    {path}")
+            print(f"trials  {trials}")
+            print("\n".join(describe_cost(study.predict_tune(config))))
+            return DONE
         with _progress(trials) as advance:
             tuned = study.tune(config, advance)
         name = re.sub(r"[^\w.+=-]", "_", path.stem)

@@ -8,7 +8,7 @@ from typing import Literal
 
 from owtsweep.cli.combinations import Combination, combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
-from owtsweep.cli.running import name_folder, require_serving, show_answer
+from owtsweep.cli.running import describe_cost, name_folder, require_serving, show_answer
 from owtsweep.config import Config, as_mapping, compose_plain, dump, dump_with_units
 from owtsweep.config.records import Records
 from owtsweep.config.section import unit_of
@@ -57,6 +57,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         print("Nothing was computed or written. This command without --dry-run would do:")
         print(f"folder  {printable(str(folder))}/")
         print(f"values  {len(configs)} of {key}")
+        with blame(study):
+            print("\n".join(describe_cost(study.predict_vary(configs))))
         return DONE
     with blame(study):
         with show_steps():

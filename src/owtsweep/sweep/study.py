@@ -408,6 +408,14 @@ class Study(ABC):
         """
         raise NotImplementedError
 
+    def predict_vary(self, configs: Mapping[Value, AnyConfig]) -> tuple[float, float] | None:
+        """Return how long `vary` takes on this machine, s, and its memory, bytes; None: unknown."""
+        return None
+
+    def predict_tune(self, config: AnyConfig) -> tuple[float, float] | None:
+        """Return how long `tune` takes on this machine, s, and its memory, bytes; None: unknown."""
+        return None
+
     def list_place_defaults(self, given: Collection[str]) -> Sequence[str]:
         """Return the overrides that `place` puts before those of the user, who sets `given`.
 

@@ -108,6 +108,18 @@ class ContestStudy(Study):
 
         return VariedErrors(compute(self, self.contest(), along, configs))
 
+    def predict_vary(self, configs: Mapping[Value, ContestConfig]) -> tuple[float, float] | None:
+        """Return the time and the memory of the cases that are not kept, as `Study` says."""
+        from owtsweep.studies.base.varying.records import keep_cases
+        from owtsweep.sweep.prepare import forecast
+
+        told = [forecast(self, keep_cases(config)) for config in configs.values()]
+        seconds = [each.seconds for each in told if each.seconds is not None]
+        memory = [each.memory for each in told if each.memory is not None]
+        if len(seconds) < len(told) or not memory:
+            return None
+        return sum(seconds), max(memory)
+
     def _find(self, module: str, name: str) -> Any:
         return getattr(import_module(f"{type(self).__module__}.{module}"), name)
 
@@ -154,6 +166,13 @@ class DeclaredStudy(ContestStudy):
         from owtsweep.studies.base.tuning.tuned import list_searched
 
         return len(list_searched(self._find("tuning", "SEARCHED"), config)) * config.tune.trials
+
+    def predict_tune(self, config: ContestConfig) -> tuple[float, float] | None:
+        """Return the time and the memory of search and judgement, as `Study` says."""
+        from owtsweep.studies.base.tuning.tuned import predict
+
+        searched = self._find("tuning", "SEARCHED")
+        return predict(self.contest(), searched, config)
 
     def tune(self, config: ContestConfig, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers on training records, as `Study.tune` says."""

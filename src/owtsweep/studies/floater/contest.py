@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest, tell_single
+from owtsweep.studies.base.costs import Costs
 from owtsweep.studies.floater.measures import CRITERIA, list_measures
 from owtsweep.studies.floater.worlds import WORLDS
 
@@ -57,6 +58,17 @@ def describe_sensors(config: FloaterConfig) -> str:
     return ", ".join(parts)
 
 
+#: Measured on one core of a server of 2026, 500 s at 20 Hz.
+COSTS = Costs(
+    record=2.0e-6,
+    schemes={
+        "KF_STEADY": 1.5e-6, "KF": 1.3e-6, "KF_CONSISTENT": 1.5e-6, "KF_BIAS": 1.5e-6,
+        "KF_DELAY": 1.8e-6, "KF_REPAIRED": 1.8e-6, "ERROR_STATE": 2.2e-6,
+        "PASSIVE_OBSERVER": 1.1e-6, "COMPLEMENTARY": 1.1e-6, "LOWPASS": 1.3e-6, "FIXED_LAG": 2.9e-6,
+    },
+    memory=320e6,
+)  # fmt: skip
+
 CONTEST = Contest(
     conditions=CONDITIONS,
     criteria=CRITERIA,
@@ -65,4 +77,5 @@ CONTEST = Contest(
     describe_sensors=describe_sensors,
     # keys of sensors scale noise, and move or leave out reports, but draw no other numbers
     pairing=("seed", "record", "motion"),
+    costs=COSTS,
 )

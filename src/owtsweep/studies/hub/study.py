@@ -181,6 +181,28 @@ class HubStudy(HubKeys):
 
         return tune(config, advance)
 
+    def predict_vary(self, configs: Mapping[Value, HubConfig]) -> tuple[float, float] | None:
+        """Return the time and the memory of the expected errors, as `Study` says."""
+        from owtsweep.studies.hub.engines import PROCESS
+        from owtsweep.studies.hub.listed import resolve_all
+        from owtsweep.studies.hub.varying import SECONDS
+
+        schemes = sum(len(resolve_all(config.schemes)) for config in configs.values())
+        return SECONDS * schemes, PROCESS
+
+    def predict_tune(self, config: HubConfig) -> tuple[float, float] | None:
+        """Return the time and the memory of a search by expected errors, as `Study` says."""
+        from owtsweep.studies.hub.engines import PROCESS
+        from owtsweep.studies.hub.tuning.errors import has_curves
+        from owtsweep.studies.hub.tuning.search import SECONDS
+        from owtsweep.studies.hub.tuning.tuned import list_tunable
+
+        schemes = list_tunable(config)
+        if not all(map(has_curves, schemes)):
+            return None
+        periods = len(config.grid.natural_period)
+        return SECONDS * config.tune.trials * periods * len(schemes), PROCESS
+
     def list_vary_defaults(self, plain: Plain) -> list[str]:
         """Return the overrides of `vary`: a tuning that follows the sensors, and one motion."""
         from owtsweep.studies.hub.varying import DEFAULTS

@@ -10,6 +10,7 @@ from owtsweep.config.records import Records
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.blocks import Planned, PlanPart, plan_blocks
 from owtsweep.studies.base.contest import WAIT
+from owtsweep.studies.base.costs import predict
 from owtsweep.studies.base.engine import ContestEngine
 from owtsweep.studies.base.rows import Judgement, make_rows
 from owtsweep.studies.base.study import DeclaredStudy
@@ -33,6 +34,9 @@ if TYPE_CHECKING:
 
 #: Most records of a block.
 MOST_RECORDS = 4
+#: Time of a record of the blade and one of the hub with its scheme, s per sample, measured as the
+#: blade study's.
+RECORD = 8e-6
 #: Keys of the other studies' configurations on which no number depends.
 NOT_CONTENT = ("schemes", "results", "name", "experiment", "compute", "axes", "criterion", "tuning")
 
@@ -52,6 +56,17 @@ class MatingEngine(ContestEngine["MatingConfig"]):
         schemes = [Planned(name) for name in config.schemes]
         content = _describe_content(config)
         return plan_blocks(CONTEST, config, schemes, content, MOST_RECORDS, CONTEST.names, part)
+
+    def predict(
+        self, config: MatingConfig, blocks: Sequence[Block], workers: int
+    ) -> tuple[float, float] | None:
+        """Return computing time (s) and memory (bytes) of blocks: those of the blade's schemes."""
+        blade = get_study("blade")
+        assert isinstance(blade, DeclaredStudy)
+        costs = blade.contest().costs
+        if costs is None:
+            return None
+        return predict(costs._replace(record=RECORD), blocks, config.record.steps, workers)
 
     def run(
         self, config: MatingConfig, blocks: Sequence[Block]

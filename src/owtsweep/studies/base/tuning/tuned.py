@@ -54,6 +54,27 @@ def list_searched(every: Sequence[Searched], config: Any) -> list[Searched]:
     return found
 
 
+def predict(
+    contest: AnyContest, every: Sequence[Searched], config: Any
+) -> tuple[float, float] | None:
+    """Return how long search and judgement take, s, and their memory, bytes; None: unknown.
+
+    One core runs all trials. Knowledge of a record is made anew for each trial, and counted as a
+    part of the schemes' time.
+    """
+    costs, parts = contest.costs, list_searched(every, config)
+    if costs is None or not all(n in costs.schemes for part in parts for n in part.schemes):
+        return None
+    settings, cells = config.tune, len(choose_cells(contest, config))
+    records = settings.training + settings.replicates
+    runs = costs.record * records
+    for part in parts:
+        each = sum(costs.schemes[name] for name in part.schemes)
+        # the tuning to begin with, once more as the first trial, and both tunings at the end
+        runs += each * ((settings.trials + 2) * settings.training + 2 * settings.replicates)
+    return config.record.steps * cells * runs, costs.memory
+
+
 def tune(
     declaration: AnyDeclaration,
     contest: AnyContest,

@@ -173,11 +173,15 @@ def _run(study: Study, config: ContestConfig, place: str) -> pd.DataFrame:
     from owtsweep.sweep.progress import make_progress
     from owtsweep.sweep.run import sweep
 
-    kept = changed(config, results=str(Path(config.results) / FOLDER), name=None)
-    outcome = sweep(study, kept, progress=make_progress())
+    outcome = sweep(study, keep_cases(config), progress=make_progress())
     reason = outcome.failed[0].reason if outcome.failed else "no scheme can work there"
     require(bool(outcome.results), f"{place}: no case has succeeded: {reason}")
     return outcome.run.cases()
+
+
+def keep_cases(config: ContestConfig) -> ContestConfig:
+    """Return the configuration of the run whose folder keeps the cases of a value."""
+    return changed(config, results=str(Path(config.results) / FOLDER), name=None)
 
 
 def _split(config: ContestConfig, rows: Sequence[pd.DataFrame]) -> tuple[list[str], list[str]]:
