@@ -20,8 +20,9 @@ INTRODUCTION = """\
 # Configuration
 
 Every key of every study. Set one by `key=value` on the command line, e.g.
-`sensors.gnss.delay=0.4`; the defaults are those of a run without overrides. Units are SI, angles
-are in degrees. With several tunings, the defaults of `ekf` to `hme` are those of the first.
+`sensors.gnss.delay=0.4`; the defaults are those of a run without overrides. Units are SI,
+angles are in degrees. `owtsweep sweep --help study=NAME` prints the keys of one study. With
+several tunings, the defaults of `ekf` to `hme` are those of the first.
 
 An *axis* is a list whose entries are numbers, `{log: [first, last, count]}` or
 `{linear: [first, last, count]}`: `'grid.amplitude=[{log:[0.05,10,100]},20]'` (in quotes, because

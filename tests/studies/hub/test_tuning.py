@@ -102,7 +102,10 @@ def test_an_interrupt_keeps_the_best_so_far(
     ("words", "told"),
     [
         (["tuning=[paper,matched]"], "begins with one tuning"),
-        (["study=readings"], "study: `tune` serves hub only, not 'readings'"),
+        (
+            ["study=readings"],
+            "study: `tune` serves hub, tower, floater, blade only, not 'readings'",
+        ),
         (["study=tower"], "study: `tune` serves hub only, not 'tower'"),
         (["--output", "mine.txt"], "ends in .yaml"),
         (["--output", f"{'a' * 300}.yaml"], "the name has more than 255 bytes"),
