@@ -5,7 +5,6 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 
-from owtsweep.cli import DONE
 from owtsweep.config import as_mapping
 from owtsweep.config.reference import SECTION, KeyFacts, describe_keys
 from owtsweep.studies.registry import compose, find_entry
@@ -16,8 +15,8 @@ WIDTH = 100
 INDENT = 6
 
 
-def print_keys(study: str) -> int:
-    """Print each key of a study, and return 0.
+def print_keys(study: str) -> None:
+    """Print each key of a study.
 
     Raises InputError if there is no study of this name.
     """
@@ -28,7 +27,6 @@ def print_keys(study: str) -> int:
     for facts in describe_keys(type(config), defaults):
         print("\n".join(_describe(facts)))
     print("docs/configuration.md has the keys of all studies; `owtsweep list` the config groups.")
-    return DONE
 
 
 def _describe(facts: KeyFacts) -> Iterator[str]:

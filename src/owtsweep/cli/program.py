@@ -370,7 +370,8 @@ def _run(arguments: list[str]) -> int:
     if name == "sweep" and studies and not {"-h", "--help"}.isdisjoint(arguments):
         from owtsweep.cli.keys import print_keys
 
-        return print_keys(studies[-1])
+        print_keys(studies[-1])
+        return DONE
     if name in COMMANDS:
         # Intermixed parsing lets flags stand anywhere among the overrides.
         options = parser.commands[name].parse_intermixed_args(_without_cfg_kind(arguments))
