@@ -106,7 +106,6 @@ def test_an_interrupt_keeps_the_best_so_far(
             ["study=readings"],
             "study: `tune` serves hub, tower, floater, blade only, not 'readings'",
         ),
-        (["study=tower"], "study: `tune` serves hub only, not 'tower'"),
         (["--output", "mine.txt"], "ends in .yaml"),
         (["--output", f"{'a' * 300}.yaml"], "the name has more than 255 bytes"),
         (["tune.seed=2019"], "tune.seed"),
