@@ -4,9 +4,9 @@
 
 Every departure is the truth of experiment=better (tuning=matched, sensors=strong_bias) with one
 thing changed, in RECORDS records (default 8) of 600 s, errors from 120 s on. HME1 refuses outlying
-fixes by `fix_rule=gate`. SKFA, like all others, is not told of the change. `plant` has a structure
-under waves (motion=plant, records of 1000 s). `seed N` are RECORDS records of 2000 s of other seeds
-than that of efficiency.csv, in all its cells.
+fixes by `fix_rule=gate`, SKFA by default. SKFA, like all others, is not told of the change.
+`plant` has a structure under waves (motion=plant, records of 1000 s). `seed N` are RECORDS records
+of 2000 s of other seeds than that of efficiency.csv, in all its cells.
 
 Writes into FOLDER (default: results/better) departures.csv: departure, natural_period (s) and
 amplitude (m) or hs (m) and tp (s), scheme, mse (of the position, m^2), nees (per degree of

@@ -28,7 +28,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.sensors import Measurements, observe
+from owtsweep.studies.hub.sensors import Measured, observe
 
 AMPLITUDES = [0.05, 0.2, 1.0, 10.0]
 #: The series of a motion.
@@ -83,7 +83,7 @@ def judge(scheme, config, records, motion, noise, amplitude):
     """Return the settled MSE of position, and NEES per degree of freedom, of one record."""
     sensors = records.sensors
     seen = observe(motion, records.direction, sensors)
-    whole = Measurements(
+    whole = Measured(
         amplitude * seen.specific_force + noise.specific_force, amplitude * seen.fixes + noise.fixes
     )
     estimate = run_estimator(scheme.stream(Known(sensors, config)), *whole, sensors.fix_interval)

@@ -12,6 +12,12 @@ from owtsweep.errors import InputError
 from owtsweep.estimation import late
 from owtsweep.estimation.discretisation import Discrete, Model, discretise
 from owtsweep.estimation.late import LateGains, LateModel, LateRows, find_first_covariance
+from owtsweep.estimation.weighing import (
+    WeighedEstimates,
+    WeighedState,
+    Weighing,
+    follow_weighing,
+)
 from owtsweep.studies.hub.expected.spectral import find_motion_errors, find_noise_errors
 
 Array = NDArray[np.float64]
@@ -23,6 +29,12 @@ INTENSITY = np.outer([0.0, 1.0, 0.0, 0.5], [0.0, 1.0, 0.0, 0.5])
 STATIONARY = solve_continuous_lyapunov(SYSTEM, -INTENSITY)
 #: Interval between slow measurements, and their delay: none, short, one interval, several.
 PATTERNS = [(5, 0), (5, 3), (5, 5), (4, 10)]
+
+
+#: No measurement in a row is beyond the limit.
+NONE = np.zeros(1, dtype=np.int64)
+#: A red noise of 0.3 in the slow measurement, which fades to a fifth in some 50 steps.
+RED = {"reds": 1, "fade": 0.97, "red": 0.3**2 * (1.0 - 0.97**2)}
 
 
 def make(interval: int, delay: int, walk: float = 1e-3) -> LateModel:
@@ -70,6 +82,93 @@ def run(model: LateModel, gains: LateRows, fast: Array, slow: Array) -> Array:
         past[k] = model.slow @ x
         result.append(OUTPUTS @ x)
     return np.array(result)
+
+
+def weigh_all(
+    model: LateModel,
+    state: WeighedState,
+    fast: Array,
+    slow: Array,
+    rule: Weighing = Weighing(np.inf, False, 0),  # noqa: B008
+) -> WeighedEstimates:
+    """Run the filter that weighs, on a series (steps,) and its slow measurements (fixes,)."""
+    steps = len(fast)
+    given = np.full(steps, np.nan)
+    given[:: model.interval] = slow
+    filled = WeighedEstimates(np.empty((steps, 2)), np.empty((steps, 2, 2)), *np.empty((3, steps)))
+    follow_weighing(0, fast, given, model, OUTPUTS, rule, state, filled)
+    return filled
+
+
+def start_weighing(model: LateModel) -> WeighedState:
+    first = find_first_covariance(model, STATIONARY, BIAS)
+    return WeighedState(np.zeros(len(first)), first, NONE.copy())
+
+
+@pytest.mark.parametrize(("interval", "delay"), PATTERNS)
+def test_with_red_noise_as_a_state_it_is_the_least_squares_too(interval: int, delay: int) -> None:
+    """The oracle's state holds the red noise; the same slow measurement is lost in both."""
+    model, steps = make(interval, delay)._replace(**RED), 38
+    random = np.random.default_rng(4)
+    fast, slow = random.normal(size=steps), random.normal(size=-(-steps // interval))
+    slow[2] = np.nan
+    found = weigh_all(model, start_weighing(model), fast, slow)
+    whole = Discrete(
+        A=block_diag(*model.A, 1.0, model.fade),
+        B=np.zeros((6, 1)),
+        Q=block_diag(model.Q, model.walk, model.red),
+        step=STEP,
+    )
+    # here the red noise is that of the output's step; it comes late with it, so all is the same
+    measurements = [
+        Measurement(k + delay, np.append(model.fast, [1.0, 0.0]), u, model.r_fast)
+        for k, u in enumerate(fast)
+    ]
+    measurements += [
+        Measurement(q * interval, np.append(model.slow, [0.0, 1.0]), z, model.r_slow)
+        for q, z in enumerate(slow)
+        if not np.isnan(z)
+    ]
+    prior = block_diag(STATIONARY, BIAS - delay * model.walk, 0.3**2)
+    dense = posterior(whole, prior, np.zeros((steps + delay, 1)), measurements)
+    expected = OUTPUTS @ dense.mean[-1, :4]
+    np.testing.assert_allclose(
+        found.outputs[-1], expected, rtol=0, atol=1e-8 * np.abs(expected).max()
+    )
+    covariance = OUTPUTS @ dense.covariance[-1, :4, -1, :4] @ OUTPUTS.T
+    np.testing.assert_allclose(found.covariance[-1], covariance, rtol=1e-8)
+
+
+@pytest.mark.parametrize("red", [{}, RED])
+def test_the_filter_that_weighs_gives_what_its_gains_give_if_all_count_alike(
+    red: dict[str, float],
+) -> None:
+    model = make(4, 10)._replace(**red)
+    random = np.random.default_rng(5)
+    fast, slow = random.normal(size=400), random.normal(size=100)
+    gains, lanes = start(model), late.start_lanes(len(start_weighing(model).x), 1)
+    found = late.prepare_estimates(400, 100, 1)
+    late.follow(
+        0, 0, fast[:, None], slow[:, None], 0, model, OUTPUTS, gains.find(400), lanes, found
+    )
+    weighed = weigh_all(model, start_weighing(model), fast, slow)
+    np.testing.assert_allclose(weighed.outputs, found.outputs[..., 0], atol=1e-9)
+    np.testing.assert_allclose(weighed.covariance, found.covariance, rtol=1e-8, atol=1e-12)
+    np.testing.assert_allclose(weighed.innovation[::4], found.innovation[:, 0], atol=1e-9)
+
+
+def test_a_gate_does_not_lock_itself_out() -> None:
+    """Ten offset measurements in a row are refused, then all are taken: the state is wrong."""
+    model = make(4, 10)
+    fast, slow = np.zeros(200), np.zeros(50)
+    slow[20:] = 40.0
+    rule = Weighing(3.0, False, 10)
+    weight = weigh_all(model, start_weighing(model), fast, slow, rule).weight[::4]
+    np.testing.assert_array_equal(weight[20:30], 0.0)
+    np.testing.assert_array_equal(weight[30:], 1.0)
+    fading = weigh_all(model, start_weighing(model), fast, slow, Weighing(3.0, True, 0))
+    distance = np.abs(fading.innovation[80]) / np.sqrt(fading.variance[80])
+    assert fading.weight[80] == pytest.approx(3.0 / distance)
 
 
 @pytest.mark.parametrize(("interval", "delay"), PATTERNS)
@@ -130,12 +229,12 @@ def test_gains_are_those_of_one_attempt_if_it_takes_several(
 @pytest.mark.parametrize(("interval", "delay"), PATTERNS)
 def test_the_covariance_at_a_step_is_that_of_the_gains_there(interval: int, delay: int) -> None:
     gains = start(make(interval, delay))
-    arrived = np.ones(1, dtype=bool)
     for step in (0, 4 * interval, 10**4 * interval):
         rows = gains.find(step + interval)
         at = step if step < len(rows.fast) else len(rows.fast) - interval
-        again = gains.compute_with_losses(step, interval, arrived, gains.find_covariance(step))
-        np.testing.assert_allclose(again.fast, rows.fast[at : at + interval], rtol=1e-9)
+        state = WeighedState(np.zeros(5 + gains.model.copies), gains.find_covariance(step), NONE)
+        found = weigh_all(gains.model, state, np.zeros(interval), np.zeros(1))
+        np.testing.assert_allclose(found.covariance, rows.outputs[at : at + interval], rtol=1e-9)
 
 
 @pytest.mark.parametrize(("interval", "delay"), PATTERNS)

@@ -15,9 +15,9 @@ import pytest
 import yaml
 from damage import ANY, BOMB, ESCAPES, GZIP, TEX, TEXT, Damage, flip
 from judge import judge
-from worlds import RECORDS, TINY
 
 from owtsweep.cli.program import main
+from worlds import RECORDS, TINY
 
 Copy = Callable[[str], Path]
 

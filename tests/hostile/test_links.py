@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 from judge import Ended, judge, list_files
-from worlds import TINY
 
 from owtsweep.cli.program import main
+from worlds import TINY
 
 #: Names of links in a run's folder whose targets commands would append to, write into, or read.
 FILES = (

@@ -16,13 +16,13 @@ from owtsweep.sweep.study import add_versions
 @pytest.mark.parametrize(
     ("name", "version"),
     [
-        ("hub", 5),
-        ("readings", 5),
-        ("replay", 6),
+        ("hub", 6),
+        ("readings", 6),
+        ("replay", 7),
         ("tower", 3),
         ("floater", 2),
         ("blade", 2),
-        ("mating", 8),
+        ("mating", 9),
     ],
 )
 def test_our_studies_stand_where_their_rooms_do(name: str, version: int) -> None:

@@ -6,14 +6,19 @@ the output of `delay` steps before its arrival. So the state keeps a copy of eac
 report is still to come. A copy is correlated with the state as the output itself was, and the late
 measurement is applied to the copy exactly: stochastic cloning (Roumeliotis and Burdick 2002).
 
-The state has N numbers: the n states of the shaping filter, the bias of the fast sensor, and the
-copies, the newest first. In each step the state is predicted, the fast measurement is applied, then
-the slow one if there is one, and then the output is copied if it will be reported.
+The noise of the slow measurement may have a red part besides the white one, a first-order
+Gauss-Markov process, which is a state too.
 
-The gains depend on the model, on the variances of noise and on which slow measurements arrived, not
-on measured values. So they are computed first (`LateGains`), and one kernel, `follow`, runs the
-filter on them: on one series, or on several side by side. If all slow measurements arrive, the
-gains are periodic after a transient: the period is the time from one slow measurement to the next.
+The state has N numbers: the n states of the shaping filter, the bias of the fast sensor, the red
+noise (none or one), and the copies, the newest first. In each step the state is predicted, the fast
+measurement is applied, then the slow one if there is one, and then the output is copied if it will
+be reported.
+
+If all slow measurements arrive and count alike, the gains depend on the model and on the variances
+of noise, not on measured values. So they are computed first (`LateGains`), and one kernel,
+`follow`, runs the filter on them: on one series, or on several side by side. The gains are periodic
+after a transient: the period is the time from one slow measurement to the next. For measurements
+that are missing or doubtful see `weighing`.
 """
 
 from __future__ import annotations
@@ -21,7 +26,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, Rows, make_rows
 from owtsweep.compiled import njit, part
@@ -47,6 +51,8 @@ class LateModel(NamedTuple):
     interval, delay: steps from one slow measurement to the next, the first at step 0, and age of
         the output that it reports, in steps.
     copies: number of copies in the state: delay / interval, rounded up.
+    reds, fade, red: number of states of red noise, 0 or 1; the factor by which it fades in a step,
+        and the variance that it gains in a step.
     """
 
     A: Array
@@ -59,16 +65,17 @@ class LateModel(NamedTuple):
     interval: int
     delay: int
     copies: int
+    reds: int = 0
+    fade: float = 1.0
+    red: float = 0.0
 
 
 class LateRows(NamedTuple):
     """The gains and covariances of successive steps.
 
     fast: gains of the fast measurement, shape (rows, N), one row per step.
-    slow: gains of the slow measurement, shape (fixes, N), one row per step at which one is due; 0
-        if it has not arrived.
-    variance: variance of the slow measurement's innovation, shape (fixes,); NaN if it has not
-        arrived.
+    slow: gains of the slow measurement, shape (fixes, N), one row per step at which one is due.
+    variance: variance of the slow measurement's innovation, shape (fixes,).
     outputs: covariance of the c chosen outputs after the measurements of a step, shape
         (rows, c, c).
     """
@@ -82,10 +89,24 @@ class LateRows(NamedTuple):
 def transition(model: LateModel) -> Array:
     """Return the transition matrix (N, N) of a state over a step, without a new copy."""
     n = len(model.Q)
-    F = np.eye(n + 1 + model.copies)
+    F = np.eye(n + 1 + model.reds + model.copies)
     for i, block in enumerate(model.A):
         F[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = block
+    if model.reds:
+        F[n + 1, n + 1] = model.fade
     return F
+
+
+def process_noise(model: LateModel) -> Array:
+    """Return the covariance (N, N) that a state gains in a step."""
+    n = len(model.Q)
+    N = n + 1 + model.reds + model.copies
+    Q = np.zeros((N, N))
+    Q[:n, :n] = model.Q
+    Q[n, n] = model.walk
+    if model.reds:
+        Q[n + 1, n + 1] = model.red
+    return Q
 
 
 def copying(model: LateModel) -> Array:
@@ -94,24 +115,26 @@ def copying(model: LateModel) -> Array:
     It moves the other copies on by one place and drops the oldest.
     """
     n = len(model.Q)
-    N = n + 1 + model.copies
+    new = n + 1 + model.reds
+    N = new + model.copies
     C = np.eye(N)
     if model.copies:
-        C[n + 1 :] = 0.0
-        C[n + 1, :n] = model.slow
-        C[range(n + 2, N), range(n + 1, N - 1)] = 1.0
+        C[new:] = 0.0
+        C[new, :n] = model.slow
+        C[range(new + 1, N), range(new, N - 1)] = 1.0
     return C
 
 
 def measurement_rows(model: LateModel) -> tuple[Array, Array]:
     """Return what the fast and the slow measurement see of a state, shape (N,) each."""
     n = len(model.Q)
-    fast, slow = np.zeros((2, n + 1 + model.copies))
+    fast, slow = np.zeros((2, n + 1 + model.reds + model.copies))
     fast[:n], fast[n] = model.fast, 1.0
     if model.copies:
         slow[-1] = 1.0
     else:
         slow[:n] = model.slow
+    slow[n + 1 : n + 1 + model.reds] = 1.0
     return fast, slow
 
 
@@ -122,13 +145,13 @@ def find_first_covariance(model: LateModel, stationary: Array, bias_variance: fl
     copies. `stationary` (n, n) is the covariance of the shaping filter's states.
     """
     n = len(model.Q)
-    N = n + 1 + model.copies
-    P = np.zeros((N, N))
+    predict, copy, Q = transition(model), copying(model), process_noise(model)
+    Q[n, n] = 0.0  # the variance of the bias is that of the start
+    P = np.zeros_like(Q)
     P[:n, :n] = stationary
     P[n, n] = bias_variance
-    predict, copy = transition(model), copying(model)
-    Q = np.zeros((N, N))
-    Q[:n, :n] = model.Q
+    if model.reds:
+        P[n + 1, n + 1] = model.red / (1.0 - model.fade**2)
     for step in range(-model.delay, 0):
         if step > -model.delay:
             P = predict @ P @ predict.T + Q
@@ -179,29 +202,12 @@ class LateGains:
             done += len(rows.fast)
         return P
 
-    def compute_with_losses(
-        self, first: int, steps: int, arrived: NDArray[np.bool_], P: Array
-    ) -> LateRows:
-        """Compute the gains of some steps from `first` on, at which slow measurements may miss.
-
-        arrived: whether each slow measurement that is due at these steps has arrived, shape
-            (fixes,).
-        P: covariance (N, N) before step `first`; overwritten by that before the next step.
-        """
-        rows = self._make_rows(steps, len(arrived))
-        never = np.full_like(P, np.nan)
-        fill_rows(first, self.model, P, self._outputs, arrived, 0.0, never, rows)
-        return rows
-
     def _compute(
         self, first: int, fixes: int, P: Array, before: Array, tolerance: float
     ) -> tuple[LateRows, bool]:
         """Compute the gains of some intervals; P and `before` are overwritten."""
         rows = self._make_rows(fixes * self.model.interval, fixes)
-        arrived = np.ones(fixes, dtype=bool)
-        filled, repeats = fill_rows(
-            first, self.model, P, self._outputs, arrived, tolerance, before, rows
-        )
+        filled, repeats = fill_rows(first, self.model, P, self._outputs, tolerance, before, rows)
         fixes = filled // self.model.interval
         rows = LateRows(
             rows.fast[:filled], rows.slow[:fixes], rows.variance[:fixes], rows.outputs[:filled]
@@ -221,7 +227,7 @@ class LateGains:
 
 
 @njit
-def fill_rows(first, model, P, outputs, arrived, tolerance, before, filled):
+def fill_rows(first, model, P, outputs, tolerance, before, filled):
     """Compute gains and covariances step by step, until they repeat.
 
     They repeat if no element of the covariance differs from the one `interval` steps earlier by
@@ -231,7 +237,6 @@ def fill_rows(first, model, P, outputs, arrived, tolerance, before, filled):
     first: the step of the first row.
     P: covariance of the state one step before `first`, shape (N, N); overwritten.
     outputs: rows (c, n) of the outputs whose covariances are wanted.
-    arrived: whether each slow measurement that is due has arrived, shape (fixes,).
     before: covariance one interval before P, shape (N, N), NaN if there is none; overwritten.
     filled: the `LateRows` to fill.
     Returns: the number of filled rows, and whether the last `interval` rows repeat.
@@ -243,11 +248,7 @@ def fill_rows(first, model, P, outputs, arrived, tolerance, before, filled):
         predict_covariance(model, P)
         apply_fast(model, P, filled.fast[i])
         if k % interval == 0:
-            if arrived[q]:
-                filled.variance[q] = apply_slow(model, P, filled.slow[q])
-            else:
-                filled.variance[q] = np.nan
-                filled.slow[q] = 0.0
+            filled.variance[q] = apply_slow(model, P, filled.slow[q])
             q += 1
         write_outputs(P, outputs, work, filled.outputs[i])
         if is_copied(model, k):
@@ -288,6 +289,12 @@ def predict_covariance(model, P):
             first, second = P[i, j], P[i, j + 1]
             P[i, j] = A[block, 0, 0] * first + A[block, 0, 1] * second
             P[i, j + 1] = A[block, 1, 0] * first + A[block, 1, 1] * second
+    if model.reds > 0:
+        for j in range(N):
+            P[n + 1, j] *= model.fade
+        for i in range(N):
+            P[i, n + 1] *= model.fade
+        P[n + 1, n + 1] += model.red
     for i in range(n):
         for j in range(n):
             P[i, j] += Q[i, j]
@@ -315,21 +322,35 @@ def apply_slow(model, P, gain):
 
     The gain is written to `gain` (N,).
     """
+    variance = find_slow_column(model, P, gain)
+    correct_covariance(P, gain, variance)
+    return variance
+
+
+@njit
+def find_slow_column(model, P, column):
+    """Write P h' (N,) to `column`, where h is the slow measurement's row; return h P h' + r."""
     n, N, row = len(model.Q), len(P), model.slow
     if model.copies > 0:
         for i in range(N):
-            gain[i] = P[i, N - 1]
-        variance = model.r_slow + gain[N - 1]
+            column[i] = P[i, N - 1]
     else:
         for i in range(N):
             total = 0.0
             for j in range(n):
                 total += P[i, j] * row[j]
-            gain[i] = total
-        variance = model.r_slow
+            column[i] = total
+    if model.reds > 0:
+        for i in range(N):
+            column[i] += P[i, n + 1]
+    variance = model.r_slow
+    if model.copies > 0:
+        variance += column[N - 1]
+    else:
         for i in range(n):
-            variance += row[i] * gain[i]
-    correct_covariance(P, gain, variance)
+            variance += row[i] * column[i]
+    if model.reds > 0:
+        variance += column[n + 1]
     return variance
 
 
@@ -382,13 +403,13 @@ def is_copied(model, step):
 def copy_covariance(model, P):
     """Make the present output the newest copy in the covariance P (N, N); drop the oldest copy."""
     n, N, row = len(model.Q), len(P), model.slow
-    for i in range(N - 1, n + 1, -1):
+    new = n + 1 + model.reds
+    for i in range(N - 1, new, -1):
         for j in range(N):
             P[i, j] = P[i - 1, j]
-    for i in range(N - 1, n + 1, -1):
+    for i in range(N - 1, new, -1):
         for j in range(N):
             P[j, i] = P[j, i - 1]
-    new = n + 1
     for j in range(N):
         if j == new:
             continue
@@ -435,8 +456,8 @@ class LateEstimates(NamedTuple):
 
     outputs, covariance: the two outputs, shape (steps, 2, lanes), and the covariance of each
         lane's, (steps, 2, 2).
-    innovation, variance: innovations of the slow measurements that are due, shape (fixes, lanes),
-        and their variance, shape (fixes,); the variance is NaN where none has arrived.
+    innovation, variance: innovations of the slow measurements, shape (fixes, lanes), and their
+        variance, shape (fixes,).
     """
 
     outputs: Array
@@ -470,6 +491,7 @@ def follow(first, base, force, fixes, column, model, outputs, rows, state, fille
     fast, slow, variance, covariance = rows.fast, rows.slow, rows.variance, rows.outputs
     X, t = state.x, state.step[0]
     n, N, count, last = len(h), len(X), len(fast), len(slow) - 1
+    new = n + 1 + model.reds
     since, to_copy = first % interval, (interval - (first + model.delay) % interval) % interval
     row = schedule_row(first - base, count, interval)
     number, q = min((row + interval - 1) // interval, last), 0
@@ -477,24 +499,27 @@ def follow(first, base, force, fixes, column, model, outputs, rows, state, fille
         clear(t)
         for i in range(n // 2):
             predict_pair(X[2 * i], X[2 * i + 1], A, i, h, t)
+        if model.reds > 0:
+            fade(X[n + 1], model.fade)
         add_term(t.r, X[n], 1.0)
         subtract_from(t, force, k, column)
         for i in range(N):
             correct(X[i], t, fast[row, i])
         if since == 0:
             filled.variance[q] = variance[number]
-            if not np.isnan(variance[number]):  # it has arrived
-                clear(t)
-                if copies > 0:
-                    add_term(t.r, X[N - 1], 1.0)
-                else:
-                    for i in range(n):
-                        add_term(t.r, X[i], C[0, i])
-                subtract_from(t, fixes, q, column)
-                for i in range(N):
-                    correct(X[i], t, slow[number, i])
-                for j in range(len(t.r)):
-                    filled.innovation[q, j] = t.r[j]
+            clear(t)
+            if copies > 0:
+                add_term(t.r, X[N - 1], 1.0)
+            else:
+                for i in range(n):
+                    add_term(t.r, X[i], C[0, i])
+            if model.reds > 0:
+                add_term(t.r, X[n + 1], 1.0)
+            subtract_from(t, fixes, q, column)
+            for i in range(N):
+                correct(X[i], t, slow[number, i])
+            for j in range(len(t.r)):
+                filled.innovation[q, j] = t.r[j]
             number, q = min(number + 1, last), q + 1
         for i in range(n):
             add_term(t.p, X[i], C[0, i])
@@ -505,11 +530,11 @@ def follow(first, base, force, fixes, column, model, outputs, rows, state, fille
             for j in range(2):
                 filled.covariance[k, i, j] = covariance[row, i, j]
         if to_copy == 0:
-            for i in range(N - 1, n + 1, -1):
+            for i in range(N - 1, new, -1):
                 X[i] = X[i - 1]
             if copies > 0:
                 for j in range(len(t.p)):
-                    X[n + 1].x[j] = t.p[j]
+                    X[new].x[j] = t.p[j]
             to_copy = interval
         to_copy -= 1
         since = since + 1 if since + 1 < interval else 0
@@ -534,6 +559,13 @@ def predict_pair(one, two, A, i, h, t):
         one.x[j], two.x[j] = first, second
         t.r[j] += h0 * first
         t.odd[j] += h1 * second
+
+
+@part
+def fade(x, factor):
+    """Multiply a state by a factor."""
+    for j in range(len(x.x)):
+        x.x[j] *= factor
 
 
 @part

@@ -75,8 +75,13 @@ class SpectrumTracker:
         self, step: float, force_sigma: float, lean: float, band: tuple[float, float]
     ) -> None:
         self._block = max(round(1.0 / (RATE * step)), 1)
-        self._given = (step * self._block, 2.0 * force_sigma**2 * step, lean, band)
+        self._noise, self._band = 2.0 * force_sigma**2 * step, band
+        self.step, self.lean = step * self._block, lean
         self.chosen: Candidate | None = None
+
+    @property
+    def _given(self) -> tuple[float, float, float, tuple[float, float]]:
+        return self.step, self._noise, self.lean, self._band
 
     def average(self, force: Array) -> Array:
         """Return means over blocks of samples (n,), of which the last ends with the record."""

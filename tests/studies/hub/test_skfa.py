@@ -8,10 +8,15 @@ import numpy as np
 import pytest
 from tools import Streaming, assert_same, configure, measured
 
+from owtsweep.config import changed
+from owtsweep.gravity import GRAVITY
 from owtsweep.motion.tracking import Candidate, SpectrumTracker
+from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Known
-from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker
+from owtsweep.studies.hub.fix_rules import PLAIN, make_fix_rule
+from owtsweep.studies.hub.listed import resolve, under
 from owtsweep.studies.hub.records import make_records_at
 from owtsweep.studies.hub.sensors import observe
 from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter
@@ -65,13 +70,108 @@ def test_gains_grow_with_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(1)
     force, fixes = rng.standard_normal(900), np.full(900, np.nan)
     fixes[:: sensors.fix_interval] = rng.standard_normal(900 // sensors.fix_interval)
-    compiled, kalman = CompiledAxisFilter(axis, 0.03), KalmanAxisFilter(axis, 0.03)
+    compiled, kalman = (make(axis, PLAIN, 0.03) for make in (CompiledAxisFilter, KalmanAxisFilter))
     for first, stop in ((0, 90), (90, 500), (500, 900)):
         mine = compiled.take(force[first:stop], fixes[first:stop])
         other = kalman.take(force[first:stop], fixes[first:stop])
         np.testing.assert_allclose(mine.state, other.state, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(mine.covariance, other.covariance, rtol=1e-7, atol=1e-14)
     assert compiled.bias == pytest.approx(kalman.bias, rel=1e-9)
+
+
+@pytest.mark.usefixtures("kernels")
+@pytest.mark.parametrize("rule", ["plain", "gate", "huber"])
+@pytest.mark.parametrize("scheme", ["SKF", "SKFA"])
+def test_batch_equals_online_with_each_rule(scheme: str, rule: str) -> None:
+    config = configure(
+        "record.duration=75", "sensors.imu.rate=20", "sensors.gnss.outliers.rate=0.1",
+        f"skf.fix_rule={rule}", "skf.natural_period=4", "skf.amplitude=1", "skf.states=6",
+    )  # fmt: skip
+    data, sensors = measured(config)
+    fixes, known = arrive(data, sensors), Known(sensors, config)
+    fixes[[47 * sensors.fix_interval, 48 * sensors.fix_interval]] = np.nan
+    mine: Any = under(resolve(scheme), config)
+    assert mine.linear == (scheme == "SKF" and rule == "plain")
+    out = mine.stream(known).run_record(data.specific_force, fixes)
+    reference = mine.start(known).run_record(data.specific_force, fixes)
+    assert_same(out.state, reference.state, f"{scheme} {rule}")
+    np.testing.assert_allclose(out.covariance, reference.covariance, rtol=1e-7, atol=1e-13)
+    single = mine.stream(known)
+    for k in range(len(fixes)):
+        estimate = single.update(
+            data.specific_force[k], None if np.isnan(fixes[k, 0]) else fixes[k]
+        )
+        np.testing.assert_allclose(estimate.position, out.state[k, :2], rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.usefixtures("kernels")
+def test_red_noise_of_fixes_is_found_and_not_taken_for_motion() -> None:
+    config = configure(
+        "sensors=strong_bias", "record.duration=300", "sensors.imu.rate=20",
+        "sensors.gnss.correlation.sigma=0.1", "sensors.gnss.correlation.time=300",
+    )  # fmt: skip
+    estimators, square, nees = run(config, 0.1)
+    tracked = [filter.red for estimator in estimators for filter in estimator._filters]
+    assert set(tracked) <= {0.03, 0.1, 0.3}
+    assert square < 1e-3
+    assert nees < 2.0
+    declared = changed(config, skf=changed(config.skf, red_sigma=0.0))
+    _, untracked, _ = run(declared, 0.1)
+    assert square < 0.1 * untracked
+
+
+def test_the_size_of_red_noise_is_chosen_from_what_fixes_show_below_the_band() -> None:
+    rng, count = np.random.default_rng(8), 600
+    white = 0.03 * rng.standard_normal(count)
+    swing = np.sin(2.0 * np.pi * 0.23 * np.arange(count))
+    red = draw_gauss_markov(rng, count, sigma=0.1, time=300.0, step=1.0, axes=1)[:, 0]
+    for fixes, sizes in ((white, {0.0}), (white + swing, {0.0}), (white + red + swing, SIZES[1:])):
+        fixes[[100, 101]] = np.nan
+        tracker = FixNoiseTracker(1.0, 0.03, 300.0, BAND)
+        chosen = [tracker.look(fixes[:stop]) for stop in range(30, count, 10)]
+        assert chosen[0] == 0.0
+        assert set(chosen[25:]) <= set(sizes)
+    # at a fix every 2 s, motion at .5 Hz looks like a standing hub
+    assert FixNoiseTracker(2.0, 0.03, 300.0, BAND).look(red) == 0.0
+
+
+@pytest.mark.usefixtures("kernels")
+def test_an_unknown_tilt_is_found_where_the_motion_shows_it() -> None:
+    config = configure(
+        "sensors=strong_bias", "record.duration=300", "sensors.imu.rate=20",
+        "sensors.imu.tilt=0.03", "skf.tilt=0",
+    )  # fmt: skip
+    estimators, square, _ = run(config, 2.0)
+    leans = [filter._tracker.lean for estimator in estimators for filter in estimator._filters]
+    assert np.median(leans) == pytest.approx(GRAVITY * 0.03, abs=0.05)
+    _, declared, _ = run(changed(config, skf=changed(config.skf, track_tilt=False)), 2.0)
+    assert square < 0.7 * declared
+
+
+@pytest.mark.usefixtures("kernels")
+def test_outliers_and_bursts_are_refused_but_a_hub_that_has_moved_is_followed() -> None:
+    config = configure("sensors.imu.rate=20")
+    sensors = sensing.sensors(config.sensors)
+    rng = np.random.default_rng(7)
+    skf = changed(config.skf, red_sigma=0.0)  # else the shift is red noise
+    tracking = TrackingFilter(
+        skf, sensors, BAND, make_fix_rule(skf, "gate", axes=1), CompiledAxisFilter
+    )
+    steps, M = 4800, sensors.fix_interval
+    calm, fixes = 0.15 * rng.standard_normal(steps), np.full(steps, np.nan)
+    fixes[::M] = 0.03 * rng.standard_normal(steps // M)
+    fixes[60 * M : 65 * M : M] += 0.4  # a burst
+    fixes[90 * M :: M] += 0.4  # the fixes are off for good
+    first = tracking.take(calm[: 90 * M], fixes[: 90 * M])
+    np.testing.assert_array_equal(first.weight[60 * M : 65 * M : M], 0.0)
+    assert np.abs(first.state[60 * M : 70 * M, 0]).max() < 0.05
+    assert tracking.model is not None
+    later = tracking.take(calm[90 * M :], fixes[90 * M :])
+    refused = later.weight[::M] == 0.0
+    assert refused[:5].all()
+    assert not refused[15:].any()
+    assert tracking.model is None
+    assert later.state[-1, 0] == pytest.approx(0.4, abs=0.1)
 
 
 def run(config: Any, amplitude: float, count: int = 3) -> tuple[Any, Any, float]:
@@ -112,7 +212,7 @@ def test_the_guard_gives_up_a_model_that_fixes_contradict() -> None:
     config = configure("sensors.imu.rate=20")
     sensors = sensing.sensors(config.sensors)
     rng = np.random.default_rng(2)
-    tracking = TrackingFilter(config.skf, sensors, BAND, CompiledAxisFilter)
+    tracking = TrackingFilter(config.skf, sensors, BAND, PLAIN, CompiledAxisFilter)
     steps, M = 2400, sensors.fix_interval
     calm = 0.15 * rng.standard_normal(steps)  # an IMU that feels no motion
     still, swinging = np.full((2, steps), np.nan)
@@ -131,7 +231,7 @@ def test_a_calm_hub_that_is_struck_is_followed_at_once() -> None:
     config = configure("sensors.imu.rate=20")
     sensors = sensing.sensors(config.sensors)
     rng = np.random.default_rng(5)
-    tracking = TrackingFilter(config.skf, sensors, BAND, CompiledAxisFilter)
+    tracking = TrackingFilter(config.skf, sensors, BAND, PLAIN, CompiledAxisFilter)
     steps, M = 1200, sensors.fix_interval
     force, fixes = 0.15 * rng.standard_normal(steps), np.full(steps, np.nan)
     fixes[::M] = 0.03 * rng.standard_normal(steps // M)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.scheme_sections import FilterTuning
+from owtsweep.studies.hub.scheme_sections import FixTuning
 
 #: Values of the key `fix_rule`; the kernels use the index.
 FIX_RULES = ("plain", "gate", "huber")
@@ -62,15 +63,22 @@ class FixJudge:
         return self.rule.weigh(distance, self.beyond)
 
 
-def make_fix_rule(tuning: FilterTuning) -> FixRule:
+def make_fix_rule(tuning: FixTuning, name: str | None = None, axes: int = 2) -> FixRule:
     """Return the rule that a filter's tuning asks for.
 
-    The limit of a gate is the quantile of the chi distribution with two degrees of freedom, x and
-    y, at the key `gate_probability` (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+    The limit of a gate is the quantile of the chi distribution, with a degree of freedom per axis,
+    at the key `gate_probability` (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+
+    name: the rule; None: the key `fix_rule`.
+    axes: number of axes of which a fix is judged at once, 1 or 2.
     """
-    if tuning.fix_rule == "gate":
-        limit = math.sqrt(-2.0 * math.log1p(-tuning.gate_probability))
+    name = name or tuning.fix_rule
+    if name == "gate":
+        if axes == 1:
+            limit = NormalDist().inv_cdf(0.5 + 0.5 * tuning.gate_probability)
+        else:
+            limit = math.sqrt(-2.0 * math.log1p(-tuning.gate_probability))
         return FixRule("gate", limit, tuning.gate_patience)
-    if tuning.fix_rule == "huber":
+    if name == "huber":
         return FixRule("huber", tuning.huber_limit)
     return FixRule()

@@ -18,30 +18,9 @@ class Variance(Section):
     scale: Positive = key("factor on the rule's variance")
 
 
-class FilterTuning(Section):
-    """The tuning of one Kalman filter: model, discretisation, update rule and covariances."""
+class FixTuning(Section):
+    """What a filter does with a fix that is far from its prediction."""
 
-    model: Literal["sigma1", "sigma2"] = key(
-        "Sigma_1 estimates the acceleration; Sigma_2 takes it as an input"
-    )
-    discretisation: Literal["exact", "first_order"] = key("exact, or first order as Eq. (10c-e)")
-    update_rule: Literal["proper", "mask_columns", "mask_rows", "every_step"] = key(
-        "between fixes: proper updates by the IMU alone; mask_columns and mask_rows zero columns "
-        "or rows of the gain; every_step updates the covariance as if there were a fix"
-    )
-    q_a: NotNegative = key(
-        "density of the white noise that drives the acceleration of Sigma_1; not used by Sigma_2",
-        unit="(m/s^3)^2/Hz",
-    )
-    q_b: NotNegative | None = key(
-        "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
-    )
-    tilt: Finite = key(
-        "lean of the IMU per displacement that the filter assumes; auto (in a tuning file): "
-        "sensors.imu.tilt",
-        unit="rad/m",
-        default=0.0,
-    )
     fix_rule: Literal["plain", "gate", "huber"] = key(
         "plain: every fix counts alike; gate: a fix too far from its prediction is refused (not in "
         "HME2); huber: it counts less, in HME2 within the window's cost. With gate or huber the "
@@ -66,6 +45,32 @@ class FilterTuning(Section):
         "fix_rule=huber: distance beyond which the weight of a fix falls as 1 / distance",
         unit="standard deviations",
         default=2.0,
+    )
+
+
+class FilterTuning(FixTuning):
+    """The tuning of one Kalman filter: model, discretisation, update rule and covariances."""
+
+    model: Literal["sigma1", "sigma2"] = key(
+        "Sigma_1 estimates the acceleration; Sigma_2 takes it as an input"
+    )
+    discretisation: Literal["exact", "first_order"] = key("exact, or first order as Eq. (10c-e)")
+    update_rule: Literal["proper", "mask_columns", "mask_rows", "every_step"] = key(
+        "between fixes: proper updates by the IMU alone; mask_columns and mask_rows zero columns "
+        "or rows of the gain; every_step updates the covariance as if there were a fix"
+    )
+    q_a: NotNegative = key(
+        "density of the white noise that drives the acceleration of Sigma_1; not used by Sigma_2",
+        unit="(m/s^3)^2/Hz",
+    )
+    q_b: NotNegative | None = key(
+        "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
+    )
+    tilt: Finite = key(
+        "lean of the IMU per displacement that the filter assumes; auto (in a tuning file): "
+        "sensors.imu.tilt",
+        unit="rad/m",
+        default=0.0,
     )
     r_gnss: Variance = key("variance of a fix")
     r_imu: Variance = key("variance of a sample")
@@ -178,11 +183,30 @@ class Tuning(Section):
     hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
 
 
-class Skf(Section):
+class Skf(FixTuning):
     """The settings of SKF, which is given the spectrum of the motion, and of SKFA, which tracks it.
 
-    SKFA takes tilt, bias_variance and q_b alone.
+    SKFA does not take states, natural_period and amplitude. Each axis judges a fix by itself.
     """
+
+    fix_rule: Literal["plain", "gate", "huber"] | None = key(  # type: ignore[assignment]
+        "as of the other filters; null: gate in SKFA, and plain in SKF, which then is linear",
+        default=None,
+    )
+    gate_probability: float = key(
+        "fix_rule=gate: probability with which a fix without gross error passes (chi-square, one "
+        "degree of freedom)",
+        default=0.999,
+        gt=0.0,
+        lt=1.0,
+    )
+    gate_patience: int = key(
+        "fix_rule=gate: fixes that are refused in a row; then every fix is taken until one lies "
+        "within the gate, and SKFA gives up its spectrum",
+        unit="fixes",
+        default=10,
+        ge=1,
+    )
 
     states: int = key("of the shaping filter; even", default=16, ge=4, le=24)
     natural_period: Positive | None = key(
@@ -207,6 +231,21 @@ class Skf(Section):
         "density of the bias walk; null: the sensor's own bias_walk^2",
         unit="(m/s^2)^2/s",
         default=None,
+    )
+
+    track_tilt: bool = key(
+        "whether SKFA corrects the tilt by what fixes show of it, from `tilt` on", default=True
+    )
+    red_sigma: NotNegative | None = key(
+        "standard deviation of the red noise that SKF and SKFA assume of fixes; null: none in SKF, "
+        "and SKFA tracks it",
+        unit="m",
+        default=None,
+    )
+    red_time: Positive = key(
+        "correlation time of that red noise",
+        unit="s",
+        default=300.0,
     )
 
     def find_lean(self, of_sensors: float) -> float:

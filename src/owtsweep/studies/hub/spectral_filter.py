@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.studies.hub.fix_rules import PLAIN, FixJudge, FixRule
 from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, SpectralAxis
+
+if TYPE_CHECKING:
+    from owtsweep.estimation.weighing import WeighedState
 
 
 class AxisEstimates(NamedTuple):
@@ -17,16 +22,18 @@ class AxisEstimates(NamedTuple):
     covariance: of the error of `state`, shape (steps, 2, 2).
     innovation, variance: innovation of the fix, m, and its variance, m^2, shape (steps,) each; NaN
         without a fix.
+    weight: weight of the fix, from 0 to 1, shape (steps,); NaN without a fix.
     """
 
     state: Array
     covariance: Array
     innovation: Array
     variance: Array
+    weight: Array
 
     @classmethod
     def make_empty(cls, steps: int) -> AxisEstimates:
-        return cls(np.empty((steps, 2)), np.empty((steps, 2, 2)), *np.full((2, steps), np.nan))
+        return cls(np.empty((steps, 2)), np.empty((steps, 2, 2)), *np.full((3, steps), np.nan))
 
 
 class AxisFilter(Protocol):
@@ -46,12 +53,21 @@ class AxisFilter(Protocol):
 
 
 class KalmanAxisFilter:
-    """The Kalman filter of one axis, by filterpy; `bias` is its first estimate, m/s^2."""
+    """The Kalman filter of one axis, by filterpy.
 
-    def __init__(self, axis: SpectralAxis, bias: float = 0.0) -> None:
+    rule: how much a fix counts that is far from its prediction.
+    bias: its first estimate, m/s^2.
+    """
+
+    def __init__(self, axis: SpectralAxis, rule: FixRule = PLAIN, bias: float = 0.0) -> None:
         from filterpy.kalman import KalmanFilter
 
-        from owtsweep.estimation.late import copying, measurement_rows, transition
+        from owtsweep.estimation.late import (
+            copying,
+            measurement_rows,
+            process_noise,
+            transition,
+        )
 
         model = axis.model
         n, N = len(model.Q), len(axis.first)
@@ -60,9 +76,8 @@ class KalmanAxisFilter:
         self.kf = KalmanFilter(dim_x=N, dim_z=1)
         self.kf.x[n] = bias
         self.kf.P = axis.first.copy()
-        self.kf.Q = np.zeros((N, N))
-        self.kf.Q[:n, :n] = model.Q
-        self.kf.Q[n, n] = model.walk
+        self.kf.Q = process_noise(model)
+        self.judge = FixJudge(rule)
         self.predict, self.copy = transition(model), copying(model)
         self.force_row, self.fix_row = (row[None] for row in measurement_rows(model))
         self.step = 0
@@ -78,8 +93,14 @@ class KalmanAxisFilter:
             kf.predict(F=self.predict)
             kf.update(sample, R=model.r_fast, H=self.force_row)
             if not np.isnan(fix):
-                kf.update(fix, R=model.r_slow, H=self.fix_row)
-                result.innovation[k], result.variance[k] = kf.y[0, 0], kf.S[0, 0]
+                residual = fix - (self.fix_row @ kf.x)[0, 0]
+                variance = (self.fix_row @ kf.P @ self.fix_row.T)[0, 0] + model.r_slow
+                weight = self.judge.weigh(abs(residual) / np.sqrt(variance))
+                if weight > 0.0:
+                    raised = model.r_slow + (1.0 / weight - 1.0) * variance
+                    kf.update(fix, R=raised, H=self.fix_row)
+                result.innovation[k], result.variance[k] = residual, variance
+                result.weight[k] = weight
             result.state[k], result.covariance[k] = C @ kf.x[:, 0], C @ kf.P @ C.T
             if model.copies and (self.step + model.delay) % model.interval == 0:
                 kf.x, kf.P = self.copy @ kf.x, self.copy @ kf.P @ self.copy.T
@@ -88,69 +109,79 @@ class KalmanAxisFilter:
 
 
 class CompiledAxisFilter:
-    """The Kalman filter of one axis, compiled; `bias` is its first estimate, m/s^2.
+    """The Kalman filter of one axis, compiled; `rule` and `bias` are as of `KalmanAxisFilter`.
 
-    Its gains are those of the model as long as all fixes arrive. From the first fix that is missing
-    on, they are computed for the fixes that have arrived.
+    Its gains are those of the model as long as all fixes arrive and count fully. From the first fix
+    on that does not, they follow from the fixes.
     """
 
-    def __init__(self, axis: SpectralAxis, bias: float = 0.0) -> None:
+    def __init__(self, axis: SpectralAxis, rule: FixRule = PLAIN, bias: float = 0.0) -> None:
         from owtsweep.estimation.late import start_lanes
+        from owtsweep.estimation.weighing import Weighing
 
         self._axis, self._step = axis, 0
-        self._state = start_lanes(len(axis.first), 1)
-        self._state.x["x"][len(axis.model.Q)] = bias
-        self._covariance: Array | None = None  # None while no fix was missing
+        self._lanes = start_lanes(len(axis.first), 1)
+        self._lanes.x["x"][len(axis.model.Q)] = bias
+        self._weighing = Weighing(rule.limit, rule.name == "huber", rule.patience)
+        self._weighed: WeighedState | None = None  # None while all fixes count fully
 
     @property
     def bias(self) -> float:
-        return float(self._state.x["x"][len(self._axis.model.Q), 0])
+        x = self._lanes.x["x"][:, 0] if self._weighed is None else self._weighed.x
+        return float(x[len(self._axis.model.Q)])
 
     def take(self, force: Array, fixes: Array) -> AxisEstimates:
-        parts, done = [], 0
-        while done < len(force):
-            count = self._count_steps(fixes[done:])
-            parts.append(self._run(force[done : done + count], fixes[done : done + count]))
-            done += count
-        if len(parts) == 1:
-            return parts[0]
-        return AxisEstimates(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        if self._weighed is not None:
+            return self._weigh(force, fixes)
+        before, interval = self._lanes.x.copy(), self._axis.model.interval
+        due = np.arange(-self._step % interval, len(force), interval)
+        result = self._follow(force, fixes, due)
+        distance = np.abs(result.innovation[due]) / np.sqrt(result.variance[due])
+        # a missing fix has the distance NaN
+        odd = due[~(distance <= self._weighing.limit)]
+        if not len(odd):
+            self._step += len(force)
+            return result
+        stop = int(odd[0])
+        self._lanes.x[:] = before
+        result = self._follow(force[:stop], fixes[:stop], due[due < stop])
+        self._step += stop
+        self._start_weighing()
+        after = self._weigh(force[stop:], fixes[stop:])
+        return AxisEstimates(
+            *(np.concatenate(arrays) for arrays in zip(result, after, strict=True))
+        )
 
-    def _count_steps(self, fixes: Array) -> int:
-        """Return for how many of the next steps gains are found in the same way."""
-        from owtsweep.estimation.late import CHUNK
-
-        if self._covariance is None:
-            interval = self._axis.model.interval
-            first = -self._step % interval
-            missing = np.flatnonzero(np.isnan(fixes[first::interval]))
-            if not len(missing):
-                return len(fixes)
-            count = first + int(missing[0]) * interval
-            if count > 0:
-                return count
-            self._covariance = self._axis.gains.find_covariance(self._step)
-        return min(len(fixes), CHUNK)
-
-    def _run(self, force: Array, fixes: Array) -> AxisEstimates:
+    def _follow(self, force: Array, fixes: Array, due: NDArray[np.int64]) -> AxisEstimates:
+        """Run on the model's own gains, which take each fix that is due to count fully."""
         from owtsweep.estimation.late import follow, prepare_estimates
 
-        steps, first, model, gains = len(force), self._step, self._axis.model, self._axis.gains
-        due = slice(-first % model.interval, None, model.interval)
-        fixes = fixes[due]
-        if self._covariance is None:
-            rows, base = gains.find(min(first + steps, LONGEST_TRANSIENT)), 0
-        else:
-            arrived = ~np.isnan(fixes)
-            rows = gains.compute_with_losses(first, steps, arrived, self._covariance)
-            base = first
-        found = prepare_estimates(steps, len(fixes), 1)
+        steps, model = len(force), self._axis.model
+        rows = self._axis.gains.find(min(self._step + steps, LONGEST_TRANSIENT))
+        found = prepare_estimates(steps, len(due), 1)
         follow(
-            first, base, np.ascontiguousarray(force)[:, None],
-            np.ascontiguousarray(fixes)[:, None], 0, model, self._axis.outputs, rows, self._state,
-            found,
+            self._step, 0, np.ascontiguousarray(force)[:, None], fixes[due][:, None], 0, model,
+            self._axis.outputs, rows, self._lanes, found,
         )  # fmt: skip
-        self._step += steps
-        innovation, variance = np.full((2, steps), np.nan)
-        innovation[due], variance[due] = found.innovation[:, 0], found.variance
-        return AxisEstimates(found.outputs[:, :, 0], found.covariance, innovation, variance)
+        innovation, variance, weight = np.full((3, steps), np.nan)
+        innovation[due], variance[due], weight[due] = found.innovation[:, 0], found.variance, 1.0
+        return AxisEstimates(found.outputs[:, :, 0], found.covariance, innovation, variance, weight)
+
+    def _start_weighing(self) -> None:
+        """Go on, at a step at which a fix is due, with gains that follow from the fixes."""
+        from owtsweep.estimation.weighing import WeighedState
+
+        covariance = self._axis.gains.find_covariance(self._step)
+        x = self._lanes.x["x"][:, 0].copy()
+        self._weighed = WeighedState(x, covariance, np.zeros(1, dtype=np.int64))
+
+    def _weigh(self, force: Array, fixes: Array) -> AxisEstimates:
+        from owtsweep.estimation.weighing import WeighedEstimates, follow_weighing
+
+        filled = AxisEstimates.make_empty(len(force))
+        follow_weighing(
+            self._step, np.ascontiguousarray(force), np.ascontiguousarray(fixes), self._axis.model,
+            self._axis.outputs, self._weighing, self._weighed, WeighedEstimates(*filled),
+        )  # fmt: skip
+        self._step += len(force)
+        return filled

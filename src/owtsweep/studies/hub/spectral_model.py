@@ -57,16 +57,21 @@ class SpectralAxis:
 
 
 def make_axis(
-    shaping: ShapingFilter, variance: float, tuning: Skf, sensors: Sensors
+    shaping: ShapingFilter,
+    variance: float,
+    tuning: Skf,
+    sensors: Sensors,
+    red: float | None = None,
 ) -> SpectralAxis:
     """Make the model of one axis from the spectrum, as a shaping filter, and the variance.
 
     The specific force along the axis is f = a - g tilt p + b + noise, with acceleration a, position
-    p and bias b, which includes gravity; see `Sensors.lean`. The IMU's white noise and the noise of
+    p and bias b, which includes gravity; see `Sensors.lean`. The IMU's white noise and that of
     fixes have the sensors' own variances.
 
     shaping: the spectrum, of n states, for motion with a variance of 1 m^2.
     variance: of the motion along the axis, m^2.
+    red: standard deviation of the fixes' red noise, m; None: as the tuning says.
     """
     from scipy.linalg import solve_continuous_lyapunov
 
@@ -76,6 +81,8 @@ def make_axis(
     intensity = variance * np.outer(shaping.B, shaping.B)
     discrete = discretise(Model(shaping.A, np.zeros((n, 1)), intensity), step)
     blocks = np.array([discrete.A[i : i + 2, i : i + 2] for i in range(0, n, 2)])
+    red = tuning.red_sigma or 0.0 if red is None else red
+    fade = float(np.exp(-step / tuning.red_time))
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     model = LateModel(
         A=blocks,
@@ -88,6 +95,9 @@ def make_axis(
         interval=sensors.fix_interval,
         delay=delay,
         copies=-(-delay // sensors.fix_interval),
+        reds=int(red > 0.0),
+        fade=fade,
+        red=red**2 * (1.0 - fade**2),
     )
     stationary = solve_continuous_lyapunov(shaping.A, -intensity)
     first = find_first_covariance(model, stationary, tuning.bias_variance)

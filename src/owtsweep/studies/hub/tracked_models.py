@@ -12,6 +12,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed
+from owtsweep.gravity import GRAVITY
 from owtsweep.motion.shaping import FEWEST, ShapingFilter, fit_shaping_filter
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.tracking import VARIANCES, Candidate
@@ -39,6 +40,8 @@ def make_candidate(
     tuning: Skf,
     sensors: Sensors,
     band: tuple[float, float],
+    red: float | None = None,
+    lean: float | None = None,
 ) -> SpectralAxis:
     """Make the model of one axis for a candidate.
 
@@ -46,13 +49,17 @@ def make_candidate(
         next to nothing of the motion.
     bias_variance: of the bias at the start, (m/s^2)^2.
     band: edges of the band of the motion, Hz.
+    red, lean: standard deviation of the fixes' red noise, m, and specific force by leaning, s^-2;
+        None: as the tuning says.
     """
     tuning = changed(tuning, bias_variance=bias_variance)
+    if lean is not None:
+        tuning = changed(tuning, tilt=lean / GRAVITY)
     if candidate is None:
-        return make_axis(_make_wide(band), WIDE_VARIANCE, tuning, sensors)
+        return make_axis(_make_wide(band), WIDE_VARIANCE, tuning, sensors, red)
     group = candidate.variance // SHARED
     shaping = _fit(candidate.period, candidate.bandwidth, group, sensors, band)
-    return make_axis(shaping, candidate.values[2], tuning, sensors)
+    return make_axis(shaping, candidate.values[2], tuning, sensors, red)
 
 
 @lru_cache(512)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -27,6 +28,9 @@ from owtsweep.motion.tracking import (
     Motion,
     SpectrumTracker,
 )
+from owtsweep.studies.hub.fix_noise_tracking import SIZES, FixNoiseTracker
+from owtsweep.studies.hub.fix_rules import FixRule
+from owtsweep.studies.hub.lean_tracking import LeanTracker
 from owtsweep.studies.hub.scheme_sections import Skf
 from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.spectral_filter import AxisEstimates, AxisFilter
@@ -41,6 +45,8 @@ AGAIN, BIAS_SIGMA = 60.0, 0.02
 CONFIDENCE, UNKNOWN = 0.999, 0.5
 #: Number of the last few fixes, and the probability that a right model fails their test.
 FEW, ALARM = 4, 1e-5
+#: The variance of a motion up to which a gate is patient, m^2; beyond, it refuses one fix in a row.
+SMALL = 0.3
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
 
@@ -49,7 +55,9 @@ class TrackingFilter:
     """A filter of one axis that is given nothing of the motion.
 
     band: edges of the band of the motion, Hz.
-    start: returns a new filter of a model, given the model and the bias to start with, m/s^2.
+    rule: how much a fix counts that is far from its prediction.
+    start: returns a new filter of a model, given the model, the rule, and the bias to start with,
+        m/s^2.
     """
 
     def __init__(
@@ -57,11 +65,26 @@ class TrackingFilter:
         tuning: Skf,
         sensors: Sensors,
         band: tuple[float, float],
-        start: Callable[[SpectralAxis, float], AxisFilter],
+        rule: FixRule,
+        start: Callable[[SpectralAxis, FixRule, float], AxisFilter],
     ) -> None:
-        self._tuning, self._sensors, self._band, self._start = tuning, sensors, band, start
+        self._tuning, self._sensors, self._band = tuning, sensors, band
+        self._rule, self._start = rule, start
+        # a large motion leaves no doubt of a fix alone: the state may be as wrong
+        self._hasty_rule = replace(rule, patience=min(rule.patience, 1))
         lean = tuning.find_lean(sensors.lean)
         self._tracker = SpectrumTracker(sensors.step, sensors.force_sigma, lean, band)
+        # None: the red noise of the fixes is declared
+        self._noise_tracker: FixNoiseTracker | None = None
+        if tuning.red_sigma is None:
+            self._noise_tracker = FixNoiseTracker(
+                sensors.fix_step, sensors.position_sigma, tuning.red_time, band
+            )
+        # None: the tilt is declared
+        self._lean_tracker: LeanTracker | None = None
+        if tuning.track_tilt:
+            steps, delay = (self._tracker.step, sensors.fix_step), sensors.delay * sensors.step
+            self._lean_tracker = LeanTracker(steps, delay, sensors.position_sigma, band, lean)
         between = int(np.ceil(INTERVAL / sensors.fix_step - 1e-9))
         self._between = between * sensors.fix_interval
         looks = int(np.ceil(AGAIN / (self._between * sensors.step) - 1e-9))
@@ -69,7 +92,7 @@ class TrackingFilter:
         kept = max(self._again + sensors.fix_interval, round(OF_SHAPE / sensors.step))
         self._kept = kept
         # twice as long as what is kept, so that it is seldom moved
-        self._history = np.empty((2, 2 * kept + self._between))
+        self._history = np.empty((3, 2 * kept + self._between))
         self._steps = self._filled = 0
         # steps and biases at the looks of the last minute
         self._biases = deque([(0, 0.0)], maxlen=looks + 2)
@@ -79,7 +102,11 @@ class TrackingFilter:
         self._few: Array = np.empty(0)
         #: The candidate in use; None while next to nothing is assumed.
         self.model: Candidate | None = None
-        self._filter = start(self._make(None, tuning.bias_variance), 0.0)
+        #: Standard deviation of the fixes' red noise in use, m.
+        self.red = tuning.red_sigma or 0.0
+        self._filter = start(
+            self._make(None, tuning.bias_variance, self.red), self._hasty_rule, 0.0
+        )
         self._force_sigma = np.inf  # of an IMU sample, by the model
         self._stated = np.zeros((2, 2))  # covariance of the last estimate
 
@@ -110,19 +137,21 @@ class TrackingFilter:
             late = _find_alarm(self._few, scores)
             ends = [int(struck[0])] if len(struck) else []
             if late is not None:
-                ends.append(int(np.flatnonzero(~np.isnan(result.innovation))[late]))
+                ends.append(int(np.flatnonzero(result.weight > 0.0)[late]))
             if ends:
                 is_alarmed, steps = True, min(ends) + 1
                 result = AxisEstimates(*(array[:steps] for array in result))
                 scores = _score(result)
-        self._history[:, self._filled : self._filled + steps] = force[:steps], fixes[:steps]
+        kept = slice(self._filled, self._filled + steps)
+        self._history[:2, kept] = force[:steps], fixes[:steps]
+        self._history[2, kept] = _replace_refused(fixes[:steps], result)
         self._filled += steps
         self._steps += steps
         self._fresh.append(scores)
         self._few = np.concatenate([self._few, scores])[-(FEW - 1) :]
         self._stated = result.covariance[-1]
         if is_alarmed:
-            self._change(None, Motion(0.0, 0.0))
+            self._change(None, Motion(0.0, 0.0), self.red)
         return result
 
     def _look(self) -> None:
@@ -134,42 +163,86 @@ class TrackingFilter:
         force = self._tracker.average(self._history[0, self._filled - used : self._filled])
         wanted = self._tracker.look(force)
         above = self._tracker.measure_above(force)
-        if wanted is not None and wanted != self.model:
-            self._change(wanted, above)
+        red, lean = self._look_at_fixes(used, force)
+        leans = lean != self._tracker.lean
+        self._tracker.lean = lean
+        if wanted is not None and ((wanted, red) != (self.model, self.red) or leans):
+            self._change(wanted, above, red)
+            if self.model is None:
+                self._try_more_red_noise(wanted, above)
         if self.model is not None:
             scores = np.concatenate([*self._scores, *self._fresh])
             if _is_contradicted(scores) or _is_blind(self._stated, above):
-                self._change(None, above)
+                self._change(None, above, self.red)
         if self._filled + self._between > self._history.shape[1]:
             first = self._filled - self._kept
             self._history[:, : self._kept] = self._history[:, first : self._filled]
             self._filled = self._kept
 
-    def _change(self, model: Candidate | None, above: Motion) -> None:
+    def _look_at_fixes(self, steps: int, force: Array) -> tuple[float, float]:
+        """Return the size of the red noise, m, and the lean, s^-2, that fixes make likely.
+
+        steps: number of the last steps that are looked at.
+        force: the specific force, averaged, up to now.
+        """
+        interval = self._sensors.fix_interval
+        first = -(self._steps - steps) % interval
+        _, raw, fixes = self._history[:, self._filled - steps + first : self._filled : interval]
+        noise, leaning = self._noise_tracker, self._lean_tracker
+        red = self.red if noise is None else noise.look(fixes)
+        lean = self._tracker.lean if leaning is None else leaning.look(force, raw)
+        return red, lean
+
+    def _try_more_red_noise(self, model: Candidate, above: Motion) -> None:
+        """Take a model that fixes contradict after all, if they may be off by more red noise."""
+        if self._noise_tracker is None:
+            return
+        for red in SIZES:
+            if red > self.red and self.model is None:
+                self._change(model, above, red)
+        if self.model is not None:
+            self._noise_tracker.chosen = self.red
+
+    def _change(self, model: Candidate | None, above: Motion, red: float) -> None:
         """Filter the last minute again with another model, and go on with it unless it is wrong."""
         interval = self._sensors.fix_interval
         first = max(self._steps - self._again, 0) // interval * interval
         bias = next(bias for step, bias in reversed(self._biases) if step <= first)
         variance = BIAS_SIGMA**2 if first else self._tuning.bias_variance
-        axis = self._make(model, variance)
-        filter = self._start(axis, bias)
+        axis = self._make(model, variance, red)
+        is_small = model is not None and model.values[2] < SMALL
+        filter = self._start(axis, self._rule if is_small else self._hasty_rule, bias)
         again = self._history[:, self._filled - (self._steps - first) : self._filled]
-        result = filter.take(*again)
+        result = filter.take(*again[:2])
         scores, stated = _score(result), result.covariance[-1]
         if model is None or not (_is_contradicted(scores) or _is_blind(stated, above)):
-            self.model, self._filter, self._stated = model, filter, stated
+            self.model, self.red, self._filter, self._stated = model, red, filter, stated
+            again[2] = _replace_refused(again[1], result)
             self._force_sigma = _compute_force_sigma(axis)
             self._scores.clear()
             self._fresh, self._few = [scores], scores[-(FEW - 1) :]
 
-    def _make(self, model: Candidate | None, bias_variance: float) -> SpectralAxis:
-        return make_candidate(model, bias_variance, self._tuning, self._sensors, self._band)
+    def _make(self, model: Candidate | None, bias_variance: float, red: float) -> SpectralAxis:
+        return make_candidate(
+            model, bias_variance, self._tuning, self._sensors, self._band, red, self._tracker.lean
+        )
 
 
 def _score(estimates: AxisEstimates) -> Array:
-    """Return the squares of the innovations divided by their variances, shape (fixes,)."""
-    there = estimates.innovation == estimates.innovation  # not NaN
-    return np.asarray(estimates.innovation[there] ** 2 / estimates.variance[there])
+    """Return the weighed squares of the innovations over their variances, shape (fixes,).
+
+    A fix that is refused has none: it says nothing of the model. One that is taken after too many
+    were refused has its full square, by which the guard gives the model up.
+    """
+    there = estimates.weight > 0.0
+    squares = estimates.innovation[there] ** 2 / estimates.variance[there]
+    return np.asarray(estimates.weight[there] * squares)
+
+
+def _replace_refused(fixes: Array, estimates: AxisEstimates) -> Array:
+    """Return fixes (steps,) with what was predicted in place of those that were refused."""
+    predicted = fixes - estimates.innovation
+    return np.where(estimates.weight == 0.0, predicted, fixes)
 
 
 def _is_contradicted(scores: Array) -> bool:

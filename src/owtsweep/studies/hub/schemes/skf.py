@@ -11,13 +11,14 @@ elsewhere the keys skf.natural_period and skf.amplitude do.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
 
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.conditions import require_spectrum
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme
+from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisFilter
@@ -37,23 +38,29 @@ class SpectralScheme(Scheme):
     sections = ("skf", "spectrum", "normalise", "band", "wave_direction")
     knows_motion = True
     expected_in_cell = True
-    batched = "own"
+    batched: Literal["", "chain", "own"] = "own"
     on_board = True
 
     def start(self, known: Known) -> SpectralEstimator:
         x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
-        return SpectralEstimator((KalmanAxisFilter(x), KalmanAxisFilter(y)), known.sensors)
+        rule = _make_rule(known)
+        filters = (KalmanAxisFilter(x, rule), KalmanAxisFilter(y, rule))
+        return SpectralEstimator(filters, known.sensors)
 
     def stream(self, known: Known, origin: ArrayLike | None = ZERO) -> SpectralEstimator:
         """Return a new compiled estimator; `origin` is the hub at rest, m, and must be stated."""
         x, y = make_axes(find_motion(known), known.tuning.skf, known.sensors)
-        filters = (CompiledAxisFilter(x), CompiledAxisFilter(y))
+        rule = _make_rule(known)
+        filters = (CompiledAxisFilter(x, rule), CompiledAxisFilter(y, rule))
         return SpectralEstimator(filters, known.sensors, origin)
 
     def own_kernel(self, known: Known, steps: int) -> SpectralKernel:
         from owtsweep.studies.hub.spectral_batch import SpectralKernel
 
         return SpectralKernel(make_axes(find_motion(known), known.tuning.skf, known.sensors))
+
+    def under(self, config: HubConfig) -> Scheme:
+        return self if config.skf.fix_rule in (None, "plain") else WeighingSpectralScheme()
 
     def check(self, config: HubConfig) -> None:
         require_spectrum(config, "SKF")
@@ -63,6 +70,19 @@ class SpectralScheme(Scheme):
             f"skf.states: {states} is odd, and the states of a shaping filter come in pairs; use "
             f"{states - 1} or {states + 1}",
         )
+
+
+class WeighingSpectralScheme(SpectralScheme):
+    """SKF with a gate or Huber's rule: its gains depend on the measurements."""
+
+    linear = False
+    expected_in_cell = False
+    batched = ""
+
+
+def _make_rule(known: Known) -> FixRule:
+    skf = known.tuning.skf
+    return make_fix_rule(skf, skf.fix_rule or "plain", axes=1)
 
 
 def find_motion(known: Known) -> KnownMotion:

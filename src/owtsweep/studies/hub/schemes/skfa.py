@@ -1,9 +1,8 @@
 """SKFA: SKF that is given nothing, and tracks the spectrum and the variance of the motion itself.
 
-It is for steady seas, fixes without outliers or red noise, and an IMU whose tilt is known: an
-outlier or a slow error of the fixes is taken for motion (docs/better.md, "Where SKFA is not the
-answer"). See `motion.tracking` for how a spectrum is chosen, and `tracking_filter` for what follows
-from it.
+It is for steady seas. It refuses outlying fixes, and tracks their red noise and the tilt of the IMU
+(docs/better.md, "Bad fixes"). See `motion.tracking` for how a spectrum is chosen, and
+`tracking_filter` for what follows from it.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from owtsweep.motion.tracking import LEAST
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme
+from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
 from owtsweep.studies.hub.spectral_model import SpectralAxis
@@ -56,11 +56,13 @@ class AdaptiveSpectralScheme(Scheme):
 
 def _start(
     known: Known,
-    filter: Callable[[SpectralAxis, float], AxisFilter],
+    filter: Callable[[SpectralAxis, FixRule, float], AxisFilter],
     origin: ArrayLike | None,
 ) -> SpectralEstimator:
     low, high = known.tuning.band
-    make = partial(TrackingFilter, known.tuning.skf, known.sensors, (low, high), filter)
+    skf = known.tuning.skf
+    rule = make_fix_rule(skf, skf.fix_rule or "gate", axes=1)
+    make = partial(TrackingFilter, skf, known.sensors, (low, high), rule, filter)
     return SpectralEstimator((make(), make()), known.sensors, origin)
 
 

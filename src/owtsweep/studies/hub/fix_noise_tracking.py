@@ -1,0 +1,75 @@
+"""Finds the size of the fixes' red noise, from what fixes show below the band.
+
+The motion has no part below its band, so what moves there is noise of the fixes. The size of its
+red part is chosen by the Whittle likelihood of those ordinates of the fixes' periodogram, as
+`motion.tracking` chooses the spectrum of the motion. Few ordinates lie there, so sizes are far
+apart, and another size must be clearly more likely before it is taken. The white part is taken
+for what the sensors are said to have: so few ordinates cannot tell it from the red one.
+
+A slow motion below the band is taken for noise of the fixes too.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.tracking import HANN, compute_periodogram
+
+#: Standard deviations of the red noise among which one is chosen, m.
+SIZES = (0.0, 0.03, 0.1, 0.3)
+#: Times from which the periodogram is made, s; the longest one for which there are fixes is used.
+TIMES = (120.0, 240.0)
+#: By how much the log likelihood of a greater or of a smaller size must be greater before it is
+#: taken. Red noise that is assumed in vain costs a large motion more than some that is missed.
+GAIN_OF_MORE, GAIN_OF_LESS = 5.0, 1.0
+#: Number of ordinates below the band into which much of a large motion leaks.
+LEAKS = 3
+
+
+class FixNoiseTracker:
+    """Chooses the size of the fixes' red noise along an axis that the last minutes make likely.
+
+    step: time between fixes, s.
+    sigma: standard deviation of the white noise, m.
+    time: correlation time of the red noise, s.
+    band: edges of the band of the motion, Hz.
+    """
+
+    def __init__(self, step: float, sigma: float, time: float, band: tuple[float, float]) -> None:
+        self._step, self._given = step, (step, sigma, time, band[0])
+        # where fixes are so seldom that motion of the band is folded to below it, nothing is seen
+        self._sees = 1.0 / step >= sum(band)
+        self._lengths = [round(time / step) for time in TIMES]
+        #: The size that is chosen, m.
+        self.chosen = 0.0
+
+    def look(self, fixes: Array) -> float:
+        """Choose a size, m, from the fixes (n,), m, that came since one was lost (NaN)."""
+        lost = np.flatnonzero(np.isnan(fixes))
+        count = len(fixes) - (lost[-1] + 1 if len(lost) else 0)
+        lengths = [length for length in self._lengths if length <= count]
+        if not self._sees or not lengths:
+            return self.chosen
+        whole = fixes[-lengths[-1] :]
+        constant, inverse, below = _make_models(len(whole), *self._given)
+        periodogram = compute_periodogram(whole, self._step, below)
+        likelihood = -(constant + inverse @ periodogram) / HANN
+        best, now = int(likelihood.argmax()), SIZES.index(self.chosen)
+        if likelihood[best] - likelihood[now] > (GAIN_OF_MORE if best > now else GAIN_OF_LESS):
+            self.chosen = SIZES[best]
+        return self.chosen
+
+
+@lru_cache(16)
+def _make_models(
+    length: int, step: float, sigma: float, time: float, edge: float
+) -> tuple[Array, Array, slice]:
+    """Return sums of log densities (sizes,), 1 / densities, and the ordinates that they use."""
+    frequency = np.fft.rfftfreq(length, step)
+    below = slice(1, max(int(np.searchsorted(frequency, edge, "right")) - LEAKS, 1))
+    red = 4.0 * time / (1.0 + (2.0 * np.pi * frequency[below] * time) ** 2)
+    densities = 2.0 * sigma**2 * step + np.array(SIZES)[:, None] ** 2 * red
+    return np.log(densities).sum(axis=-1), 1.0 / densities, below
