@@ -62,6 +62,11 @@ class FixNoiseTracker:
             self.chosen = SIZES[best]
         return self.chosen
 
+    def forget(self) -> float:
+        """Choose no red noise, and return its size, 0 m."""
+        self.chosen = 0.0
+        return self.chosen
+
 
 @lru_cache(16)
 def _make_models(

@@ -45,8 +45,9 @@ AGAIN, BIAS_SIGMA = 60.0, 0.02
 CONFIDENCE, UNKNOWN = 0.999, 0.5
 #: Number of the last few fixes, and the probability that a right model fails their test.
 FEW, ALARM = 4, 1e-5
-#: The variance of a motion up to which a gate is patient, m^2; beyond, it refuses one fix in a row.
-SMALL = 0.3
+#: The variance of a motion, m^2, up to which a gate is patient and red noise of the fixes is tracked.
+#: A larger one leaves more doubt of the model than of the fixes: beyond, one fix in a row is refused.
+CALM = 0.1
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
 
@@ -163,12 +164,13 @@ class TrackingFilter:
         force = self._tracker.average(self._history[0, self._filled - used : self._filled])
         wanted = self._tracker.look(force)
         above = self._tracker.measure_above(force)
-        red, lean = self._look_at_fixes(used, force)
+        is_calm = wanted is None or wanted.values[2] < CALM
+        red, lean = self._look_at_fixes(used, force, is_calm)
         leans = lean != self._tracker.lean
         self._tracker.lean = lean
         if wanted is not None and ((wanted, red) != (self.model, self.red) or leans):
             self._change(wanted, above, red)
-            if self.model is None:
+            if self.model is None and is_calm:
                 self._try_more_red_noise(wanted, above)
         if self.model is not None:
             scores = np.concatenate([*self._scores, *self._fresh])
@@ -179,17 +181,18 @@ class TrackingFilter:
             self._history[:, : self._kept] = self._history[:, first : self._filled]
             self._filled = self._kept
 
-    def _look_at_fixes(self, steps: int, force: Array) -> tuple[float, float]:
+    def _look_at_fixes(self, steps: int, force: Array, is_calm: bool) -> tuple[float, float]:
         """Return the size of the red noise, m, and the lean, s^-2, that fixes make likely.
 
         steps: number of the last steps that are looked at.
         force: the specific force, averaged, up to now.
+        is_calm: whether the motion is so small that red noise can be told from it.
         """
         interval = self._sensors.fix_interval
         first = -(self._steps - steps) % interval
         _, raw, fixes = self._history[:, self._filled - steps + first : self._filled : interval]
         noise, leaning = self._noise_tracker, self._lean_tracker
-        red = self.red if noise is None else noise.look(fixes)
+        red = self.red if noise is None else noise.look(fixes) if is_calm else noise.forget()
         lean = self._tracker.lean if leaning is None else leaning.look(force, raw)
         return red, lean
 
@@ -210,7 +213,7 @@ class TrackingFilter:
         bias = next(bias for step, bias in reversed(self._biases) if step <= first)
         variance = BIAS_SIGMA**2 if first else self._tuning.bias_variance
         axis = self._make(model, variance, red)
-        is_small = model is not None and model.values[2] < SMALL
+        is_small = model is not None and model.values[2] < CALM
         filter = self._start(axis, self._rule if is_small else self._hasty_rule, bias)
         again = self._history[:, self._filled - (self._steps - first) : self._filled]
         result = filter.take(*again[:2])
