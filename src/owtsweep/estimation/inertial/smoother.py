@@ -67,9 +67,13 @@ def carry_back(s, P, state, covariance, predicted, predicted_P, gain):
 def smooth_lag(states, covariances, links, due, lag, out):
     """Smooth each sample by the fixes up to `lag` samples after it, or a little more.
 
-    A pass back begins at each due time of a fix, so a sample waits until the first one that is
-    `lag` samples or more after it. What is left at the end has fewer: with a lag as long as the
-    record, each sample is smoothed by all fixes. `out` gets states and covariances.
+    A pass back begins at each sample at which a fix is due, so a sample waits for the first of
+    these that is `lag` samples or more after it. The last samples wait for the record's end. With
+    a lag as long as the record, each sample is smoothed by all fixes.
+
+    states, covariances, links: as `link` takes and fills them.
+    due: whether a fix is due at a sample, lost or not, shape (steps,).
+    out: filled: smoothed states and covariances, shapes (steps, 16) and (steps, 15, 15).
     """
     predicted, predicted_P, gains = links
     smoothed, smoothed_P = out

@@ -93,9 +93,10 @@ class _Prober:
         self.energies = Workspace(chain, sensors, steps, settled).energies
 
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
-        """Compute the sums (2, 2, n) due to sinusoidal motion at n frequencies in a band (Hz).
+        """Sum the squared errors due to sinusoidal motion at n frequencies in a band (Hz).
 
-        Return the frequencies, chosen so that interpolation between them is accurate, and the sums.
+        Return the frequencies, chosen so that interpolation between them is accurate, and the sums,
+        shape (2, 2, n).
         """
 
         def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
@@ -110,13 +111,13 @@ class _Prober:
         return nodes.refined(first, answer(first), answer, _between, wrong)
 
     def fixes(self) -> Array:
-        """Compute the sums due to noise of variance 1 m^2 in the position fixes."""
+        """Sum the squared errors due to noise of variance 1 m^2 in the position fixes."""
         count = fix_count(self.steps, self.sensors.fix_interval)
         per_number = 1.0 / (count * self.sensors.fix_step)
         return self._phasors(count, per_number, lambda n: inputs.fixes(n, count, self.sensors))
 
     def forces(self) -> Array:
-        """Compute the sums due to white noise of variance 1 (m/s^2)^2 in the IMU's samples."""
+        """Sum the squared errors due to white noise of variance 1 (m/s^2)^2 in IMU samples."""
         per_number = 1.0 / (self.steps * self.sensors.step)
         return self._phasors(self.steps, per_number, lambda n: inputs.forces(n, self.steps))
 
@@ -132,7 +133,7 @@ class _Prober:
         return constant + self._sum(weight, per_number, probe)
 
     def walks(self) -> Array:
-        """Compute the sums due to a Wiener process of specific force with increments of variance 1.
+        """Sum squared errors due to a Wiener process of specific force, increments of variance 1.
 
         The covariance of steps k and l is min(k, l); its eigenvectors are sin(angle k), its
         eigenvalues 1 / (2 - 2 cos angle).
