@@ -92,7 +92,7 @@ def test_what_a_record_holds() -> None:
         (
             ["study=blade"],
             0,
-            "grid.sigma: 4 values are several cells, and one record has one; choose, e.g. "
+            "grid.sigma: 4 values, and a record is of one cell; choose one value, e.g. "
             "grid.sigma=[0.003]",
         ),
         (

@@ -43,7 +43,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     require(
         file.study in ("", name),
         f"{options.claims}: its claims are about study {file.study!r}, and {opened.folder} is a "
-        f"run of study {name!r}; name claims about that",
+        f"run of study {name!r}; give claims about {name}",
     )
     paper = file.paper or options.claims
     statements = [*file.statements, *file.goals]

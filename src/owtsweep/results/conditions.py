@@ -101,8 +101,8 @@ def find_only_cell(grid: Grid, section: str = "grid") -> dict[str, Value]:
     for name, values in grid.items():
         if len(values) != 1:
             raise InputError(
-                f"{section}.{name}: {len(values)} values are several cells, and one record has "
-                f"one; choose, e.g. {section}.{name}=[{show_value(values[0])}]"
+                f"{section}.{name}: {len(values)} values, and a record is of one cell; choose one "
+                f"value, e.g. {section}.{name}=[{show_value(values[0])}]"
             )
     return {name: values[0] for name, values in grid.items()}
 

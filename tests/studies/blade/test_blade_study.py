@@ -127,7 +127,7 @@ def test_one_bad_record_does_not_take_others_with_it(monkeypatch: pytest.MonkeyP
         (["motion.bending.sag=7"], r"motion\.bending\.sag: 7 is more than 1.5; lower it"),
         (["motion.bending.vibration=.01", "motion.bending.period=.1"],
          r"motion\.bending\.period: record\.rate=50 Hz is too slow for 0\.1 s; give 0\.6 s or"),
-        (["motion.tugger.damping=3"], r"motion\.tugger\.damping: 3 makes heading no resonance"),
+        (["motion.tugger.damping=3"], r"motion\.tugger\.damping: 3 gives heading a damping"),
         (["motion.tugger.heading=1e5"], r"record\.rate: 50 Hz is too slow for a motion of 0\.0632"),
         (["boom.rate=50"], r"boom\.rate: 50 Hz is no whole multiple of 20 Hz up to 1000 Hz; 2"),
         (["boom.modes.aside.period=.1"], r"boom\.modes\.aside\.period: 0\.1 s vibrates up to 30 H"),

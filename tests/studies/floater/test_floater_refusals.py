@@ -67,7 +67,7 @@ SENSORS = [
     (["sensors.jitter=1.5"], r"sensors\.jitter: 1.5 is more than 1", None),
     (["sensors.sigma=[1,2,3]"], r"sensors\.sigma: \[1, 2, 3\] must be six numbers, those of x",
      ["sensors.sigma=[1,2,3,1,2,3]"]),
-    (["grid.delay=[0,601]"], r"grid\.delay: 601 samples are more than half of a record of 1200; "
+    (["grid.delay=[0,601]"], r"grid\.delay: 601 samples are more than half of the record's 1200; "
      r"give at most 600", ["grid.delay=[0,600]"]),
     (["grid.delay=[1e9]"], r"grid\.delay: 1e\+09 samples are more", None),
 ]  # fmt: skip

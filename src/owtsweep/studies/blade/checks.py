@@ -88,8 +88,8 @@ def _check_motion(config: BladeConfig) -> None:
             natural, damping, *_ = hold(freedom, stiffness, motion.tugger.damping)
             require(
                 damping < 1.0,
-                f"motion.tugger.damping: {motion.tugger.damping:g} makes {name} no resonance, with "
-                f"a damping ratio of {damping:.3g}; give less",
+                f"motion.tugger.damping: {motion.tugger.damping:g} gives {name} a damping ratio of "
+                f"{damping:.3g}; give less, so that it is below 1",
             )
         period = min([natural, *((grid.period or []) if name == "u" else [])])
         require(

@@ -63,11 +63,13 @@ class Tugger(Section):
     """The section `motion.tugger`: lines that hold the blade; none unless it is set."""
 
     heading: NotNegative = key(
-        "stiffness of the lines over that of the hook, about the heading", default=0.0
+        "stiffness that the lines add in heading, over that of the blade on its hook alone",
+        default=0.0,
     )
-    pitch: NotNegative = key("the same about the pitch", default=0.0)
+    pitch: NotNegative = key("the same in pitch", default=0.0)
     damping: NotNegative = key(
-        "damping ratio that winches add to both, as without the lines' stiffness", default=0.0
+        "damping ratio that the winches add to both, computed with the hook's stiffness alone",
+        default=0.0,
     )
 
 
@@ -79,7 +81,7 @@ class Motion(Section):
     )
     gust_time: Positive = key("time constant of gusts", unit="s")
     tugger: Tugger = key(
-        "lines that hold heading and pitch, whose freedoms are those without lines",
+        "lines that hold heading and pitch; motion.freedoms is the motion without them",
         default=Tugger()
     )  # fmt: skip
     bending: Bending = key("how the blade bends beyond its root end", default=Bending())

@@ -56,7 +56,7 @@ def _check_sensors(config: FloaterConfig) -> None:
     )
     require(
         max(grid.delay) <= 0.5 * record.steps,
-        f"grid.delay: {max(grid.delay):g} samples are more than half of a record of "
+        f"grid.delay: {max(grid.delay):g} samples are more than half of the record's "
         f"{record.steps}; give at most {record.steps // 2}",
     )
     _check_losses(config)
