@@ -124,11 +124,11 @@ def test_figures_9_to_14_are_kept_in_the_sea_of_their_captions(monkeypatch, tmp_
     overrides = [*sweep.split()[3:], "tuning=paper"]  # after the number of records
     sea = choose_sea(compose(overrides))
     assert (sea["hs"], sea["tp"]) == (2.0, 6.0)
-    page = (ROOT / "docs" / "plant.md").read_text("utf-8")
+    page = (ROOT / "docs" / "research" / "plant.md").read_text("utf-8")
     for name in TIME_HISTORIES:
         picture = f"results/reference/plant/{name}.png"
         assert (ROOT / picture).is_file()
-        assert f"](../{picture})" in page
+        assert f"](../../{picture})" in page
     drawn = [f"{name}_{tuning}" for name in TIME_HISTORIES for tuning in ("paper", "matched")]
     files = [f"figures/{name}.png" for name in (*drawn, "figure_03_record", "figure_04_spectrum")]
     files += [f"fidelity/{tuning}/fidelity_claims.csv" for tuning in ("paper", "matched")]

@@ -45,7 +45,7 @@ class Config(Section):
     #: Keys and sections on which no stored number depends; a study may add keys to this set. Every
     #: other key changes the blocks that depend on it (`owtsweep.testing.check_study` tests this).
     inert: ClassVar[frozenset[str]] = frozenset(
-        {"study", "experiment", "results", "name", "config_version", "compute", "over"}
+        {"study", "experiment", "results", "name", "config_version", "compute", "over", "tune"}
     )
     #: The sections that a tuning file sets. With several tunings in one run, each tuning has these
     #: sections of its own (`owtsweep.config.tuned`). Empty for a study without tunings.

@@ -284,7 +284,7 @@ class HubConfig(TunedConfig):
     """
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
-        "tuning", "tune", "baselines", "measures.window", "measures.criterion",
+        "tuning", "baselines", "measures.window", "measures.criterion",
         "measures.efficiency",
     }  # fmt: skip
     tuned: ClassVar[tuple[str, ...]] = TUNED

@@ -45,8 +45,8 @@ AGAIN, BIAS_SIGMA = 60.0, 0.02
 CONFIDENCE, UNKNOWN = 0.999, 0.5
 #: Number of the last few fixes, and the probability that a right model fails their test.
 FEW, ALARM = 4, 1e-5
-#: The variance of a motion, m^2, up to which a gate is patient and red noise of the fixes is tracked.
-#: A larger one leaves more doubt of the model than of the fixes: beyond, one fix in a row is refused.
+#: The variance of a motion, m^2, up to which a gate is patient and red noise is tracked. A larger
+#: one leaves more doubt of the model than of the fixes: there, one fix in a row is refused.
 CALM = 0.1
 #: How many standard deviations an IMU sample may be off the bias.
 FAR = 6.0
