@@ -31,7 +31,8 @@ def test_a_class_of_a_users_says_where_it_would_run() -> None:
         (["study=floater", "grid.snr.x=3"], r"^grid\.snr\.x: .*; grid\.snr is a list in dB"),
         (["study=blade", "sensors.gnss.rate=5"],
          r"^sensors\.gnss\.rate: .*; below sensors there are sensors\.fix_rate, "),
-        *(([f"study={study}", "replicates=2"], r"^replicates: .* did you mean grid\.replicates( or tune\.replicates)?\?$")
+        *(([f"study={study}", "replicates=2"],
+           r"^replicates: .* did you mean grid\.replicates( or tune\.replicates)?\?$")
           for study in OTHERS),
     ],
 )  # fmt: skip
