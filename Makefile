@@ -22,11 +22,12 @@ export PYTHONDONTWRITEBYTECODE :=
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help sweep test test-faults reproduce bench docs clean
+.PHONY: help sweep test test-docs test-faults reproduce bench docs clean
 
 help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
 	@echo 'make test    lint, format, imports, types, tests; one test: make test ARGS="-k store"'
+	@echo 'make test-docs   the numbers, commands and examples of README and docs/'
 	@echo 'make test-faults   the slow tests: kills, full disks, a cluster, a million cases'
 	@echo 'make reproduce   the searches, all runs with 100 records per cell, all figures, the reports;'
 	@echo '             ARGS=--check: only say whether results/reference agrees;'
@@ -46,7 +47,10 @@ test: $(INSTALLED_TEST)
 	$(VENV_PYTHON) -m ruff format --check . && \
 	$(VENV)/bin/lint-imports --no-cache --no-logo && \
 	$(VENV_PYTHON) -m mypy; status=$$?; wait; exit $$status
-	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal $(ARGS)
+	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal --ignore tests/docs $(ARGS)
+
+test-docs: $(INSTALLED_TEST)
+	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal tests/docs $(ARGS)
 
 # One after the other: some of them look at the clock.
 test-faults: $(INSTALLED_TEST)
