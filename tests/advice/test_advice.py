@@ -90,6 +90,14 @@ def test_every_lever_and_world_has_a_line(advice):
     assert "If nobody knows the world" in text
 
 
+def test_levers_of_fewer_records_are_paired_over_these(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("owtsweep.advice.advising.try_worlds", lambda *_: iter(()))
+    monkeypatch.setattr("owtsweep.advice.advising.measure_closely", lambda *_: None)
+    advice = owtsweep.advise([*CASE, "grid.replicates=3"])
+    assert {pulled.ratio.n for pulled in advice.levers} == {3}
+
+
 def test_quick_is_the_answer_alone_and_json_one_object(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["advise", *CASE, "--quick", "--json"]) == 0

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from owtsweep.advice.answer import Answer
 from owtsweep.advice.found import Error, divide, find
 from owtsweep.advice.question import Question
-from owtsweep.config import as_mapping
+from owtsweep.config import as_mapping, get_key
 from owtsweep.config.typed import value_at
 from owtsweep.errors import InputError
 from owtsweep.statistics.deciding import FIRST
@@ -56,13 +56,13 @@ def pull_levers(question: Question, given: Answer) -> Iterator[Pulled]:
             continue
         best = found.find_best(RECORDS)
         without = given.found.values[given.best][:RECORDS]
-        ratio = divide(found.values[best][:RECORDS], without, found.criterion)
+        ratio = divide(found.values[best][: len(without)], without, found.criterion)
         yield Pulled(lever, change, best, found.measure(best).value, ratio)
 
 
 def list_near(question: Question, given: Answer) -> list[str]:
     """Return the override that leaves out schemes far from the best; [] if the user listed some."""
-    if any(word.startswith("schemes=") for word in question.given):
+    if "schemes" in map(get_key, question.given):
         return []
     contents, ratios = given.found.contents, given.found.ratios
     near = {given.best, *ratios.loc[ratios["ratio"] <= FAR, "scheme"]}

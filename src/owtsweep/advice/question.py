@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from owtsweep.config import Config, as_mapping, require
+from owtsweep.config import Config, as_mapping, get_key, require
 from owtsweep.config.typed import changed, value_at
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition, Value, show_value
@@ -38,8 +38,8 @@ class Question(NamedTuple):
 
     def change(self, *words: str) -> Config:
         """Return the configuration with further overrides, each in place of an earlier one."""
-        given = {_key(word) for word in words}
-        kept = [word for word in self.words if _key(word) not in given]
+        given = {get_key(word) for word in words}
+        kept = [word for word in self.words if get_key(word) not in given]
         return _keep_apart(compose([*kept, *words], self.config_dir))
 
     def tell(self) -> str:
@@ -82,15 +82,11 @@ def ask(overrides: Sequence[str], config_dir: str | None = None) -> Question:
         len(cell) > 0,
         f"study: {study.name!r} has no case of its own; use `sweep study={study.name}`",
     )
-    if study.advised_schemes and not any(_key(word) == "schemes" for word in words):
+    if study.advised_schemes and not any(get_key(word) == "schemes" for word in words):
         names = [*getattr(config, "schemes", ()), *study.advised_schemes]
         words = [*words, f"schemes=[{','.join(dict.fromkeys(map(str, names)))}]"]
         config = compose(words, config_dir)
     return Question(overrides, words, _keep_apart(config), study, cell, config_dir)
-
-
-def _key(word: str) -> str:
-    return word.lstrip("+~").partition("=")[0]
 
 
 def _name_sections(overrides: Sequence[str], config_dir: str | None) -> list[str]:
@@ -101,7 +97,7 @@ def _name_sections(overrides: Sequence[str], config_dir: str | None) -> list[str
     """
     tree = locate(overrides).tree
     top = {"study", *tree.model.model_fields, *tree.groups()}
-    short = {word for word in overrides if "." not in _key(word) and _key(word) not in top}
+    short = {word for word in overrides if "." not in get_key(word) and get_key(word) not in top}
     if not short:
         return [*overrides]
     plain = as_mapping(compose([word for word in overrides if word not in short], config_dir))

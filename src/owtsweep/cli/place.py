@@ -23,7 +23,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if the study has no sensors to place, or the configuration or the question is
         refused.
     """
-    from owtsweep.config import dump
+    from owtsweep.config import dump, get_key
     from owtsweep.io.files import refuse_in_one_line, write_all
     from owtsweep.io.steps import show_steps
     from owtsweep.io.tables import dump_tables
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.sweep.study import blame
 
     study = require_serving("place", locate(options.overrides).study or DEFAULT)
-    given = frozenset(word.lstrip("+~").partition("=")[0] for word in options.overrides)
+    given = frozenset(map(get_key, options.overrides))
     question = PlaceQuestion(options.quantity, options.count, _read_heights(options.heights), given)
     with blame(study):
         defaults = study.list_place_defaults(given)

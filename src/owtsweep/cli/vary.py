@@ -9,7 +9,7 @@ from typing import Literal
 from owtsweep.cli.combinations import Combination, combine, count_runs, list_swept, parse
 from owtsweep.cli.program import DONE
 from owtsweep.cli.running import describe_cost, name_folder, require_serving, show_answer
-from owtsweep.config import Config, as_mapping, compose_plain, dump, dump_with_units
+from owtsweep.config import Config, as_mapping, compose_plain, dump, dump_with_units, get_key
 from owtsweep.config.records import Records
 from owtsweep.config.section import unit_of
 from owtsweep.config.tuned import GROUP
@@ -161,7 +161,7 @@ def _is_of(word: str, key: str) -> bool:
 
 def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[str]:
     """Return the overrides of `defaults` whose key, or a section of it, is in no override."""
-    given = {word.lstrip("+~").partition("=")[0] for word in overrides}
+    given = {get_key(word) for word in overrides}
     kept = []
     for word in defaults:
         parts = word.partition("=")[0].split(".")

@@ -8,7 +8,7 @@ calls the three steps in order. After the first step no OmegaConf objects are us
 
 from owtsweep.config.axes import Axis
 from owtsweep.config.common import AnyConfig, Compute, Config, Tree
-from owtsweep.config.composition import admit, compose_plain, conf_directory
+from owtsweep.config.composition import admit, compose_plain, conf_directory, get_key
 from owtsweep.config.section import Finite, NotNegative, Plain, Positive, Section, key
 from owtsweep.config.stored import dump, dump_with_units
 from owtsweep.config.typed import as_mapping, changed, checked, typed, with_values
@@ -17,5 +17,6 @@ from owtsweep.errors import require
 __all__ = [
     "AnyConfig", "Axis", "Compute", "Config", "Finite", "NotNegative", "Plain", "Positive",
     "Section", "Tree", "admit", "as_mapping", "changed", "checked", "compose_plain",
-    "conf_directory", "dump", "dump_with_units", "key", "require", "typed", "with_values",
+    "conf_directory", "dump", "dump_with_units", "get_key", "key", "require", "typed",
+    "with_values",
 ]  # fmt: skip

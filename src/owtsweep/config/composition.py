@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 MOST_DIGITS = 4000
 
 
+def get_key(override: str) -> str:
+    """Return the key or group that an override sets, without Hydra's `+` and `~`."""
+    return override.lstrip("+~").partition("=")[0]
+
+
 def admit(tree: Tree, overrides: Sequence[str]) -> list[str]:
     """Return the overrides, with `++` before each one whose key is not in the primary file.
 

@@ -20,7 +20,16 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-from owtsweep.config import Config, Tree, admit, checked, compose_plain, conf_directory, require
+from owtsweep.config import (
+    Config,
+    Tree,
+    admit,
+    checked,
+    compose_plain,
+    conf_directory,
+    get_key,
+    require,
+)
 from owtsweep.config.common import TREES
 from owtsweep.config.hints import suggest_name
 from owtsweep.config.stored import resolved
@@ -211,8 +220,8 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
         return Located(None, tree, admit(tree, others))
     entry = registry.find_entry(name)
     _check_command(name, primary)
-    given = {_key(other) for other in others}
-    implied = [override for override in entry.implied if _key(override) not in given]
+    given = {get_key(other) for other in others}
+    implied = [override for override in entry.implied if get_key(override) not in given]
     tree = registry.find_tree(name)
     return Located(name, tree, [*implied, *admit(tree, others)])
 
@@ -282,10 +291,6 @@ def require_texts(overrides: Sequence[str]) -> None:
         isinstance(overrides, Sequence) and all(isinstance(word, str) for word in overrides),
         f"overrides: {overrides!r} is no list of texts; give one, e.g. ['tuning=matched']",
     )
-
-
-def _key(override: str) -> str:
-    return override.lstrip("+~").partition("=")[0]
 
 
 def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from owtsweep.config import as_mapping, require
+from owtsweep.config import as_mapping, get_key, require
 from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import configure_blade, configure_hub
@@ -38,7 +38,7 @@ def check_outside(config: MatingConfig) -> None:
     """Raise `InputError` if a configuration of another study is refused, or both do not fit."""
     for name in ("blade", "hub"):
         for override in getattr(config, name):
-            key = override.lstrip("+~").partition("=")[0]
+            key = get_key(override)
             require(
                 key not in OURS,
                 f"{name}: {key} is set by the mating study; leave it out, and set the mating "

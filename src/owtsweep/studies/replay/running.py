@@ -12,7 +12,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.config import changed, require
+from owtsweep.config import changed, get_key, require
 from owtsweep.errors import InputError, printable
 from owtsweep.io.files import refuse_in_one_line
 from owtsweep.io.reading import require_regular
@@ -72,7 +72,7 @@ def configure(
     require(
         len(paths) > 0, "FILE: name a record's file or a pattern, or give replay.table=FILE.csv"
     )
-    stated = {word.lstrip("+~").partition("=")[0] for word in overrides}
+    stated = {get_key(word) for word in overrides}
     if "sensors" not in stated:
         rates = measure_sensors(config, paths)
         measured = [f"{key}={rate:.12g}" for key, rate in rates.items() if key not in stated]
