@@ -12,7 +12,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.modulation import Modulation
-from owtsweep.motion.source import Motion, Source
+from owtsweep.motion.source import DerivedSource, Motion
 from owtsweep.motion.spectra import Spectrum
 
 #: Samples that a paced motion has beyond its ends, for the spline.
@@ -35,7 +35,7 @@ class PeakSum:
 
 
 @dataclass(frozen=True)
-class PacedSource:
+class PacedSource(DerivedSource):
     """A source whose motion runs faster or slower, by a factor on its frequencies over time.
 
     The displacement is d(s(t)), where s' is the factor; its velocity is d' s' and its acceleration
@@ -43,17 +43,8 @@ class PacedSource:
     `synthesis.synthesise`.
     """
 
-    source: Source
     pace: Modulation
     normalise: str
-
-    @property
-    def streams(self) -> tuple[str, ...]:
-        return self.source.streams
-
-    @property
-    def duration(self) -> float | None:
-        return self.source.duration
 
     def realise(
         self,
@@ -83,19 +74,14 @@ class PacedSource:
 
 
 @dataclass(frozen=True)
-class StretchedSource:
+class StretchedSource(DerivedSource):
     """A source whose time is stretched by a factor, and its size set as a spectrum's is.
 
     `normalise` is as of `synthesis.synthesise`.
     """
 
-    source: Source
     factor: float
     normalise: str
-
-    @property
-    def streams(self) -> tuple[str, ...]:
-        return self.source.streams
 
     @property
     def duration(self) -> float | None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import require
-from owtsweep.motion.source import Motion, Source
+from owtsweep.motion.source import DerivedSource, Motion
 
 #: Number of steps that are modulated at once, so that long records need no second copy.
 AT_ONCE = 65536
@@ -103,19 +103,10 @@ def modulate(motion: Motion, modulation: Modulation) -> Motion:
 
 
 @dataclass(frozen=True)
-class ModulatedSource:
+class ModulatedSource(DerivedSource):
     """A source of motion along one direction, whose amplitude grows and falls."""
 
-    source: Source
     modulation: Modulation
-
-    @property
-    def streams(self) -> tuple[str, ...]:
-        return self.source.streams
-
-    @property
-    def duration(self) -> float | None:
-        return self.source.duration
 
     def realise(
         self,

@@ -88,3 +88,18 @@ class Source(Protocol):
             sensor.
         """
         ...
+
+
+@dataclass(frozen=True)
+class DerivedSource:
+    """A source of motion that is made of another: it has its random streams and its duration."""
+
+    source: Source
+
+    @property
+    def streams(self) -> tuple[str, ...]:
+        return self.source.streams
+
+    @property
+    def duration(self) -> float | None:
+        return self.source.duration
