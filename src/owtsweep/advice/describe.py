@@ -68,6 +68,11 @@ def _show(error: Error, criterion: Criterion) -> str:
     return f"{criterion.show(error.value)} (95 %: {ends}; {records})"
 
 
+def _show_times(ratio: float, low: float, high: float) -> str:
+    ends = f" (95 %: {show_error(low)} to {show_error(high)})" if np.isfinite(low) else ""
+    return f"{show_error(ratio)} times{ends}"
+
+
 def _tell_bound(given: Answer) -> list[str]:
     if given.bound is None:
         return []
@@ -89,10 +94,8 @@ def tell_pulled(pulled: Pulled, given: Answer) -> str:
     if pulled.ratio is None:
         return f"{start} cannot be tried: {pulled.refused}"
     ratio = pulled.ratio
-    low, high = show_error(ratio.low), show_error(ratio.high)
-    ends = f" (95 %: {low} to {high})" if np.isfinite(ratio.low) else ""
-    error = given.found.criterion.show(pulled.error)
-    return f"{start} {pulled.best}, {error}, {show_error(ratio.value)} times{ends}."
+    times = _show_times(ratio.value, ratio.low, ratio.high)
+    return f"{start} {pulled.best}, {given.found.criterion.show(pulled.error)}, {times}."
 
 
 def tell_turned(turned: Turned, given: Answer) -> str:
@@ -105,9 +108,7 @@ def tell_turned(turned: Turned, given: Answer) -> str:
         return f"{start} {given.best} has no result; run {turned.best}, {show(turned.least)}."
     if turned.best == given.best:
         return f"{start} {given.best} stays best, {show(turned.error)}."
-    times = f"{show_error(turned.regret)} times"
-    if np.isfinite(turned.low):
-        times += f" (95 %: {show_error(turned.low)} to {show_error(turned.high)})"
+    times = _show_times(turned.regret, turned.low, turned.high)
     return (
         f"{start} {given.best} has {show(turned.error)}, {times} that of the best, "
         f"{turned.best}, {show(turned.least)}."
@@ -116,11 +117,10 @@ def tell_turned(turned: Turned, given: Answer) -> str:
 
 def tell_most(levers: Sequence[Pulled]) -> str:
     """Return in a sentence which lever buys most; "" if none could be tried."""
-    tried = [pulled for pulled in levers if pulled.ratio is not None]
-    if not tried:
+    ratios = {each.lever.words: each.ratio.value for each in levers if each.ratio is not None}
+    if not ratios:
         return ""
-    most = min(tried, key=lambda pulled: pulled.ratio.value)  # type: ignore[union-attr]
-    assert most.ratio is not None
-    if most.ratio.value >= 1.0:
+    most = min(ratios, key=ratios.__getitem__)
+    if ratios[most] >= 1.0:
         return "None of these lessens the error."
-    return f"Most is bought by: {most.lever.words} ({most.ratio.value:.3g} times the error)."
+    return f"Most is bought by: {most} ({ratios[most]:.3g} times the error)."

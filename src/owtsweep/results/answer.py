@@ -60,8 +60,7 @@ def tell_counts(cells: pd.DataFrame) -> str:
     """Return in how many cells which scheme is best, and how many are won, tied and open."""
     verdicts = cells["verdict"].value_counts()
     counted = ", ".join(f"{verdicts.get(name, 0)} {name}" for name in ("won", "tie", "open"))
-    winners = ", ".join(f"{name} in {n}" for name, n in _count(cells["best"]))
-    return f"{winners} of {len(cells)} cells ({counted})."
+    return f"{count_names(cells['best'])} of {len(cells)} cells ({counted})."
 
 
 def tell_cell(
@@ -167,6 +166,7 @@ def _tell_range(errors: pd.Series[float], criterion: Criterion) -> str:
     return f"{low:.3g} to {high:.3g}{unit}, median {float(errors.median()):.3g}{unit}"
 
 
-def _count(names: pd.Series[str]) -> list[tuple[str, int]]:
+def count_names(names: pd.Series[str]) -> str:
+    """Return how often each name stands in a column, the commonest first: "HME1 in 3, MKF in 1"."""
     counts = names.value_counts(sort=False).sort_values(ascending=False, kind="stable")
-    return [(str(name), int(n)) for name, n in counts.items()]
+    return ", ".join(f"{name} in {n}" for name, n in counts.items())

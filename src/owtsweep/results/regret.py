@@ -17,6 +17,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config.over import NOMINAL, Over, list_weights, name_worlds
+from owtsweep.results.answer import count_names
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube, join_lines
@@ -237,8 +238,7 @@ def _tell_chosen(summary: pd.DataFrame, kind: str) -> str:
             f"{word}{row['scheme']}, {row[kind]:.3g}{where} (95 %: {row[f'{kind}_low']:.3g} to "
             f"{row[f'{kind}_high']:.3g}), {row['n']} records"
         )
-    counts = chosen["scheme"].value_counts(sort=False).sort_values(ascending=False, kind="stable")
-    names = ", ".join(f"{name} in {n}" for name, n in counts.items())
+    names = count_names(chosen["scheme"])
     sizes = chosen[kind]
     text = (
         f"{word}{names} of {len(chosen)} cells, {sizes.min():.3g} to {sizes.max():.3g}, median "

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from owtsweep.config import as_mapping
 from owtsweep.config.stored import read
 from owtsweep.io.tables import read_table
+from owtsweep.results.answer import count_names
 from owtsweep.results.regret import SUMMARY
 from owtsweep.studies.hub.world import list_departing
 
@@ -47,6 +48,4 @@ def quote_worlds(config: HubConfig) -> list[str]:
 
 
 def _count(summary: pd.DataFrame, kind: str) -> str:
-    chosen = summary[summary[f"least_{kind}"]]
-    counts = chosen["scheme"].value_counts(sort=False).sort_values(ascending=False, kind="stable")
-    return ", ".join(f"{name} in {n}" for name, n in counts.items())
+    return count_names(summary.loc[summary[f"least_{kind}"], "scheme"])
