@@ -65,6 +65,14 @@ class Run:
     ('figure_18_best_scheme.png', 'report.html')
     >>> run.dataset().sizes["replicate"]  # needs the extra xarray
     2
+    >>> len(run.hash), run.place == run.folder  # the run folder still shows this question
+    (10, True)
+    >>> leaning = owtsweep.run([
+    ...     "grid.natural_period=[4]", "grid.amplitude=[1]", "grid.replicates=2",
+    ...     "record.duration=60", "schemes=[MKF,HME1]", "over={sensors.imu.tilt: [0,0.01]}",
+    ... ])
+    >>> leaning.regret()["world"].unique().tolist()
+    ['sensors.imu.tilt=0', 'sensors.imu.tilt=0.01']
     """
 
     folder: Path

@@ -60,6 +60,13 @@ def check_study(
         failures is not checked.
 
     `owtsweep init study NAME` writes a study with a test that calls this function.
+
+    >>> from owtsweep.studies import compose, get_study
+    >>> config = compose([
+    ...     "study=floater", "grid.delay=[0]", "grid.bias=[0.1]", "grid.replicates=2",
+    ...     "schemes=[KF]", "record.duration=60", "compute.backend=threading", "results=checked",
+    ... ])
+    >>> check_study(get_study("floater"), config)  # says nothing where all is well
     """
     if config is None:
         with TemporaryDirectory() as folder:

@@ -259,6 +259,28 @@ class Replay:
     ['MKF', 'MKF']
     >>> replay.estimates().columns[:4].tolist()
     ['time', 'scheme', 'x', 'y']
+    >>> replay.folder.name.startswith("replay-sway-")
+    True
+
+    Of several records those that cannot be used are left out, with the reason:
+
+    >>> record[:9].to_csv("short.csv", index=False)
+    >>> both = owtsweep.replay(["sway.csv", "short.csv"], ["schemes=[MKF]"])
+    >>> both.refused()["file"].tolist()
+    ['short']
+
+    A record of sensors shows their noise:
+
+    >>> noise = np.random.default_rng(1).normal(0.0, 0.03, (4, time.size))
+    >>> sensed = pd.DataFrame({
+    ...     "time": time, "ax": -2.25 * record["x"] + noise[0], "ay": noise[1],
+    ...     "gps_x": record["x"] + noise[2], "gps_y": noise[3],
+    ... })
+    >>> sensed.to_csv("sensed.csv", index=False)
+    >>> shown = owtsweep.replay("sensed.csv", ["schemes=[MKF]"]).noise()
+    >>> gnss = shown.set_index("parameter").loc["sensors.gnss.sigma"]
+    >>> bool(gnss["low"] < 0.03 < gnss["high"])  # m
+    True
     """
 
     run: Run
