@@ -68,7 +68,7 @@ def advise(overrides: Sequence[str] = (), *, quick: bool = False) -> Advice:
     ...     "natural_period=4", "amplitude=0.5", "record.duration=100", "schemes=[MKF,HME1]",
     ... ], quick=True)
     >>> str(advice).splitlines()[0]
-    'Asked: hub, natural period 4 s, amplitude 0.5 m.'
+    'Asked: hub, natural period 4 s, amplitude 0.5 m, record.duration=100, schemes=[MKF,HME1].'
     """
     from owtsweep.advice.advising import Advice
     from owtsweep.advice.question import ask
@@ -129,11 +129,7 @@ def estimate(overrides: Sequence[str] = (), replicate: int = 0) -> EstimatedReco
         "estimate" in study.commands,
         f"study: {config.study!r} has no records of its own; use one of {', '.join(able)}",
     )
-    tunings = list(config.by_tuning())
-    require(
-        len(tunings) == 1,
-        f"tuning: {' and '.join(tunings)} are several tunings; choose, e.g. tuning={tunings[-1]}",
-    )
+    config.require_one_tuning()
     with blame(study):
         return study.estimate(config, replicate)
 

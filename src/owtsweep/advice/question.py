@@ -43,9 +43,18 @@ class Question(NamedTuple):
         return _keep_apart(compose([*kept, *words], self.config_dir))
 
     def tell(self) -> str:
-        """Return in words what is asked, e.g. "hub, natural period 3.2 s, amplitude 0.5 m"."""
+        """Return in words what is asked: study, cell, and the overrides that are neither.
+
+        E.g. "hub, natural period 3.2 s, amplitude 0.5 m, sensors.gnss.rate=10".
+        """
         values = [f"{c.word} {c.show(value)}" for c, value in self.cell.items()]
-        return ", ".join([self.study.name, *values])
+        said = {"study", *(f"{s}.{c.name}" for c in self.cell for s in SECTIONS)}
+        others = [
+            given
+            for given, word in zip(self.given, self.words, strict=False)
+            if get_key(word) not in said
+        ]
+        return ", ".join([self.study.name, *values, *others])
 
 
 def ask(overrides: Sequence[str], config_dir: str | None = None) -> Question:
@@ -59,11 +68,7 @@ def ask(overrides: Sequence[str], config_dir: str | None = None) -> Question:
     words = _name_sections(overrides, config_dir)
     config = compose(words, config_dir)
     study = get_study(config.study)
-    tunings = list(config.by_tuning())
-    require(
-        len(tunings) == 1,
-        f"tuning: {' and '.join(tunings)} are several tunings; choose, e.g. tuning={tunings[-1]}",
-    )
+    config.require_one_tuning()
     require(
         config.name is None,
         "name: `advise` names its folders by their questions; leave out name, or choose another "

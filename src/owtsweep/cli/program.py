@@ -116,7 +116,9 @@ def _add_init(parser: Parser) -> None:
 
 
 def _add_run(parser: Parser) -> None:
-    parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
+    parser.add_argument(
+        "run", metavar="RUN", help="folder of a run, e.g. results/default-0a1b2c3d4e"
+    )
 
 
 def _add_fidelity(parser: Parser) -> None:
@@ -196,17 +198,17 @@ COMMANDS = {
     ),
     "figures": (
         "Draw all figures and tables of a run into its folder figures/.",
-        "figures results/study-0a1b2c3d4e",
+        "figures results/default-0a1b2c3d4e",
         _add_figures,
     ),
     "report": (
         "Write report.html, one page of a run to send: it opens offline, in any browser.",
-        "report results/study-0a1b2c3d4e",
+        "report results/default-0a1b2c3d4e",
         _add_report,
     ),
     "fidelity": (
         "Judge the claims of a study's paper, or yours, by a run; writes RUN/fidelity/.",
-        "fidelity results/study-0a1b2c3d4e",
+        "fidelity results/default-0a1b2c3d4e",
         _add_fidelity,
     ),
     "compare": (
@@ -236,7 +238,7 @@ COMMANDS = {
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",
-        "show results/study-0a1b2c3d4e",
+        "show results/default-0a1b2c3d4e",
         _add_run,
     ),
     "init": (

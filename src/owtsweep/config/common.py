@@ -86,6 +86,14 @@ class Config(Section):
         """
         return {"": self}
 
+    def require_one_tuning(self) -> None:
+        """Raise `InputError` if the run has several tunings."""
+        names = list(self.by_tuning())
+        require(
+            len(names) == 1,
+            f"tuning: {' and '.join(names)} are several tunings; choose, e.g. tuning={names[-1]}",
+        )
+
     @property
     def tuning_name(self) -> str:
         """The name of the tuning; "" for a study without tunings."""

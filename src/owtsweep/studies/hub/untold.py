@@ -48,7 +48,7 @@ SENSORS = {
         {"sensors.gnss.outliers.rate": 0.05},
     ),
     "multipath": Departure(
-        "5 % of the fixes are outliers, in bursts of 5 with one offset (multipath)",
+        "5 % of the fixes are outliers, in bursts of 5 with one offset",
         {"sensors.gnss.outliers.rate": 0.05, "sensors.gnss.outliers.length": 5},
     ),
 }
