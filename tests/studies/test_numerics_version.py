@@ -16,13 +16,13 @@ from owtsweep.sweep.study import add_versions
 @pytest.mark.parametrize(
     ("name", "version"),
     [
-        ("hub", 6),
-        ("readings", 6),
-        ("replay", 7),
-        ("tower", 3),
-        ("floater", 2),
+        ("hub", 7),
+        ("readings", 7),
+        ("replay", 8),
+        ("tower", 4),
+        ("floater", 3),
         ("blade", 2),
-        ("mating", 9),
+        ("mating", 10),
     ],
 )
 def test_our_studies_stand_where_their_rooms_do(name: str, version: int) -> None:

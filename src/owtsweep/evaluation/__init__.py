@@ -2,4 +2,4 @@
 
 #: Version of this package's numbers. Raise it whenever a change alters a number that a study
 #: stores.
-NUMERICS_VERSION = 0
+NUMERICS_VERSION = 1

@@ -87,22 +87,37 @@ def _add_weighted(
     """
     there = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(parts[-1][:, 0])
     if there.any():  # after the settling time there may be no measurement
-        weights = np.linalg.inv(covariance[there])
-        products = _products([part[there] for part in parts], weights)
+        rows = _decorrelate(covariance[there], [part[there] for part in parts])
+        products = sum((_products(errors, variance) for errors, variance in rows), np.zeros(3))
         means[name] = Mean(products, int(there.sum()))
 
 
-def _products(parts: Sequence[Array], weights: Array | None = None) -> Array:
+def _decorrelate(covariance: Array, parts: Sequence[Array]) -> list[tuple[list[Array], Array]]:
+    """Return components of the errors that do not correlate, each with its variance (steps,).
+
+    By C = L D L' (Golub and Van Loan 2013, section 4.1), written out over the steps, as n is small:
+    a' C^-1 b is the sum of (L^-1 a)_i (L^-1 b)_i / D_i. A part has the shape (steps, n), and
+    `covariance` (steps, n, n).
+    """
+    n = covariance.shape[1]
+    rest = np.ascontiguousarray(np.moveaxis(covariance, 0, -1))
+    rows = [[part[:, i] for part in parts] for i in range(n)]
+    for j in range(n):
+        for i in range(j + 1, n):
+            factor = rest[i, j] / rest[j, j]
+            rest[i, j + 1 :] -= factor * rest[j, j + 1 :]
+            rows[i] = [low - factor * high for low, high in zip(rows[i], rows[j], strict=True)]
+    return [(rows[i], rest[i, i]) for i in range(n)]
+
+
+def _products(parts: Sequence[Array], variance: Array | float = 1.0) -> Array:
     """Compute the means of motion x motion, motion x noise and noise x noise, shape (3,).
 
-    `parts` have the shape (steps,) or (steps, n). With `weights`, shape (steps, n, n), a product of
-    a and b is a' W b at each step; otherwise it is a b.
+    The parts have the shape (steps,), and each product is divided by `variance`.
     """
 
     def mean(a: Array, b: Array) -> float:
-        if weights is None:
-            return float(np.mean(a * b))
-        return float(np.mean(np.einsum("ki,kij,kj->k", a, weights, b)))
+        return float(np.mean(a * b / variance))
 
     if len(parts) == 1:
         return np.array([0.0, 0.0, mean(parts[0], parts[0])])
