@@ -18,7 +18,7 @@ from owtsweep.sweep.study import add_versions
     [
         ("hub", 7),
         ("readings", 7),
-        ("replay", 8),
+        ("replay", 9),
         ("tower", 4),
         ("floater", 3),
         ("blade", 2),

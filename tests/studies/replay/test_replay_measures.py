@@ -109,6 +109,27 @@ def test_without_a_reference_there_are_innovations_alone(tmp_path):
     assert {n for _, (n, *_) in of_baselines} == {"fix_residual"}
 
 
+def test_fixes_without_delay_are_foreseen_by_the_step_before(tmp_path):
+    """The estimate of a fix's own step has used it; that of the step before has not."""
+    path = sensor_file(tmp_path / "a.csv", reference=False)
+    config = config_of([path], "sensors.gnss.delay=0")
+    sensors = sensing.sensors(config.sensors)
+    record = load_record(config, str(path))
+    measured = listen(config, sensors, record, 0)
+    estimated = estimate(config, resolve("MKF"), sensors, measured)
+    found = {(n, w): v for n, w, *v in measure(record, measured.fixes, estimated, sensors, 2000)}
+    at = np.arange(0, record.steps, sensors.fix_interval)[1:]
+    before = estimated.state[at - 1]
+    foreseen = before[:, :2] + sensors.step * before[:, 2:]
+    apart = np.sum((measured.fixes[1 : len(at) + 1] - foreseen) ** 2, axis=1)[at - 1 >= 2000]
+    assert found["fix_residual", "settled"][0] == pytest.approx(np.nanmean(apart))
+    # the innovation is the same but for the acceleration of one step
+    innovations = found["innovation", "settled"][0]
+    assert found["fix_residual", "settled"][0] == pytest.approx(innovations, rel=0.05)
+    of_baselines = measures.measure_baselines(record, measured.fixes, sensors, 2000)
+    assert {n for _, (n, *_) in of_baselines} == {"fix_residual"}
+
+
 def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
     """End to end: file, grid, sensors, scheme, errors against the expectation without records."""
     from owtsweep.motion.spectra import translated

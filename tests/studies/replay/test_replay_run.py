@@ -161,6 +161,24 @@ def test_sensors_without_a_reference(capsys):
     assert "position" not in measures
 
 
+def test_fixes_without_delay_get_an_answer(capsys):
+    """The stated delay is 0.2 s; the record shows none, and is answered with what it shows."""
+    noise = np.random.default_rng(4).standard_normal((4, 4000))
+    time = 0.02 * np.arange(4000)
+    x, fixed = 0.3 * np.sin(1.2 * time), np.arange(4000) % 10 == 0
+    record = pd.DataFrame({"time": time, "ax": -1.44 * x + 0.01 * noise[0], "ay": 0.01 * noise[1]})
+    record["gps_x"] = np.where(fixed, x + 0.02 * noise[2], np.nan)
+    record["gps_y"] = np.where(fixed, 0.02 * noise[3], np.nan)
+    record.to_csv("s.csv", index=False)
+    assert main(["replay", "s.csv", *QUICK[:1]]) == 0
+    out, _ = capsys.readouterr()
+    assert "in whole IMU steps: sensors.gnss.delay=0" in " ".join(out.split())
+    assert "Run with the noise that the record shows" in out
+    # a delay that suits the file's own rate, not the stated one of 100 Hz
+    assert main(["replay", "s.csv", *QUICK[:1], "sensors.gnss.delay=0.01"]) == 2
+    assert "the IMU step 0.02 s; use 0 or 0.02" in capsys.readouterr().err
+
+
 BAD = {
     "no file": (["nothing.csv"], "there is no such file"),
     "no match": (["nothing*.csv"], "nothing matches"),

@@ -41,7 +41,7 @@ class ReplayStudy(HubKeys, Engine):
 
     name = "replay"
     schema_version = 1
-    numerics_version = add_versions(2, *ROOMS)
+    numerics_version = add_versions(3, *ROOMS)
     samples = True
     #: Columns without which no table can be made.
     row_types: Mapping[str, type] = {

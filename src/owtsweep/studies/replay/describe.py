@@ -22,6 +22,7 @@ from owtsweep.studies.hub.public import (
 from owtsweep.studies.replay.advice import LEAST_MARGIN, advise
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES, summarise_motion
+from owtsweep.studies.replay.identification.of_record import round_delay
 from owtsweep.studies.replay.measures import ESTIMATED, STATED, TAILS
 from owtsweep.studies.replay.place import expect_at_record
 from owtsweep.studies.replay.results import rank_schemes
@@ -171,14 +172,14 @@ def warn_of_noise(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> l
                         f"than its noise explains (NIS {nis:.3g}, {FREEDOM} is right)"
                     )
         rows = noise[noise["file"] == file].to_dict("records")
-        said = [*_compare_with_stated(rows)]
+        said = [*_compare_with_stated(config, rows)]
         if rows and not said:
             said = ["the stated noise agrees with the record, so no second run with estimates"]
         lines += [start + line for line in said]
     return lines
 
 
-def _compare_with_stated(rows: list[dict[Any, Any]]) -> Iterator[str]:
+def _compare_with_stated(config: ReplayConfig, rows: list[dict[Any, Any]]) -> Iterator[str]:
     for row in rows:
         if row["parameter"] == TAILS:
             yield (
@@ -189,7 +190,11 @@ def _compare_with_stated(rows: list[dict[Any, Any]]) -> Iterator[str]:
         elif not row["inside"]:
             also = ""
             if row["parameter"] == "sensors.gnss.delay":
-                also = "; with the offset between the clocks of GNSS and IMU"
+                whole = round_delay(row["estimate"], config.sensors.imu.rate)
+                also = (
+                    "; with the offset between the clocks of GNSS and IMU; in whole IMU steps: "
+                    f"sensors.gnss.delay={whole:.10g}"
+                )
             yield (
                 f"{row['parameter']}: {row['stated']:.4g} {row['unit']} stated, the record says "
                 f"{format_estimate(row)}{also}"

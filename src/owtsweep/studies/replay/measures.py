@@ -1,8 +1,9 @@
 """Measure estimates of schemes and baselines: errors, coverage, distances to later fixes.
 
 Without a reference position, an estimate is compared with the fix that arrives one GNSS delay later
-and reports the same moment; the estimate has not used it. The mean squared distance is its MSE plus
-the variance of a fix, which is equal for all schemes.
+and reports the same moment; the estimate has not used it. A fix without delay is compared with the
+estimate of the IMU step before it, carried on by its own velocity. The mean squared distance is the
+MSE plus the variance of a fix, which is equal for all schemes.
 """
 
 from __future__ import annotations
@@ -51,6 +52,18 @@ def name_second_run(scheme: str) -> str:
     return f"{scheme} (estimated noise)"
 
 
+def find_judging_steps(fixes: int, sensors: Sensors) -> NDArray[np.int64]:
+    """Return for each fix the step whose estimate is compared with it, shape (fixes,)."""
+    return sensors.fix_interval * np.arange(fixes) - max(sensors.delay, 1)
+
+
+def foresee_fixes(state: Array, sensors: Sensors) -> Array:
+    """Return what a state (n, 4) at the steps of `find_judging_steps` says of fixes, m, (n, 2)."""
+    if sensors.delay > 0:
+        return np.asarray(state[:, :2])
+    return np.asarray(state[:, :2] + sensors.step * state[:, 2:])
+
+
 class Tally:
     """All measures of a scheme in one replicate, from its estimates piece by piece.
 
@@ -69,18 +82,18 @@ class Tally:
         self._innovations: list[tuple[NDArray[np.int64], Array, Array]] = [
             (np.empty(0, dtype=np.int64), nothing, nothing)
         ]
-        reported = sensors.fix_interval * np.arange(len(fixes)) - sensors.delay
-        # Without a delay the estimate has already used the fix of the same time.
-        judged = (reported >= 0) & (reported < record.steps) & (sensors.delay > 0)
-        self._reported, self._fixes = reported[judged], fixes[judged]
-        self._residual = np.empty(len(self._reported))
+        self._sensors = sensors
+        judging = find_judging_steps(len(fixes), sensors)
+        judged = (judging >= 0) & (judging < record.steps)
+        self._judging, self._fixes = judging[judged], fixes[judged]
+        self._residual = np.empty(len(self._judging))
 
     def add(self, estimated: Trajectory) -> None:
         """Add the estimates of the next piece: the steps between two neighbours of `self.edges`."""
         begin, end = self.edges[len(self._sums) : len(self._sums) + 2]
         self._sums.append(_sum_errors(self.record, estimated, begin))
-        inside = slice(*np.searchsorted(self._reported, [begin, end]))
-        position = estimated.state[self._reported[inside] - begin, :2]
+        inside = slice(*np.searchsorted(self._judging, [begin, end]))
+        position = foresee_fixes(estimated.state[self._judging[inside] - begin], self._sensors)
         self._residual[inside] = np.sum((self._fixes[inside] - position) ** 2, axis=1)
         innovation, covariance = estimated.innovation, estimated.innovation_covariance
         if innovation is not None and covariance is not None:
@@ -93,11 +106,11 @@ class Tally:
         yield from _average_errors(self._sums)
         at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
         for window, begin in {"full": 0, "settled": self.settled}.items():
-            late = self._reported >= begin
+            late = self._judging >= begin
             yield from _average("fix_residual", window, self._residual[late])
             yield from _judge_innovations(innovation[at >= begin], variance[at >= begin], window)
         for number, (begin, end) in enumerate(itertools.pairwise(self.edges[1:])):
-            inside = (self._reported >= begin) & (self._reported < end)
+            inside = (self._judging >= begin) & (self._judging < end)
             yield from _average("fix_residual", f"part_{number:02d}", self._residual[inside])
 
 

@@ -64,7 +64,9 @@ def configure(
     config_dir: a folder with further config groups for Hydra (`--config-dir`).
     Raises InputError if the overrides are wrong, a file does not exist, or no file is named.
     """
-    config = compose_replay(overrides, config_dir)
+    # without the delay, which must be whole steps of an IMU whose rate the files may show
+    told = [word for word in overrides if get_key(word) != "sensors.gnss.delay"]
+    config = compose_replay(told, config_dir)
     words, table = [*files, *config.grid.files], config.replay.table
     if not words and table is not None:
         words = list(read_table(table)["file"])
@@ -73,10 +75,9 @@ def configure(
         len(paths) > 0, "FILE: name a record's file or a pattern, or give replay.table=FILE.csv"
     )
     stated = {get_key(word) for word in overrides}
-    if "sensors" not in stated:
-        rates = measure_sensors(config, paths)
-        measured = [f"{key}={rate:.12g}" for key, rate in rates.items() if key not in stated]
-        config = compose_replay([*overrides, *measured], config_dir)
+    rates = {} if "sensors" in stated else measure_sensors(config, paths)
+    measured = [f"{key}={rate:.12g}" for key, rate in rates.items() if key not in stated]
+    config = compose_replay([*overrides, *measured], config_dir)
     # Absolute, so that the run can be read from another folder.
     grid = changed(config.grid, files=paths)
     if table is not None:

@@ -21,6 +21,7 @@ from owtsweep.studies.hub import public as hub
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import DEVIATIONS, STATES, make_lanes, rotate_force
 from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.measures import find_judging_steps, foresee_fixes
 from owtsweep.studies.replay.record import (
     ReplayRecord,
     Signals,
@@ -198,10 +199,8 @@ def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
     truth = None if series is None else series[steps]
     M = sensors.fix_interval
     number = np.arange(-(-steps.start // M), -(-steps.stop // M))
-    reported = M * np.arange(len(session.signals.fixes)) - sensors.delay
-    judged = np.flatnonzero(
-        (reported >= steps.start) & (reported < steps.stop) & (sensors.delay > 0)
-    )
+    judging = find_judging_steps(len(session.signals.fixes), sensors)
+    judged = np.flatnonzero((judging >= steps.start) & (judging < steps.stop))
     lines, errors, deviations, residuals = {}, {}, {}, {}
     for scheme, (state, deviation) in seen.items():
         if scheme in same:
@@ -211,8 +210,9 @@ def _trace_state(session: Session, quantity: str, steps: slice[int]) -> Traces:
             errors[scheme] = make_line(time, state[:, columns.start] - truth[:, 0])
             deviations[scheme] = time, deviation[:, columns.start]
         elif quantity == "position":
-            at = reported[judged] - steps.start
-            apart = session.signals.fixes[judged, 0] - state[at, 0]
+            at = judging[judged] - steps.start
+            foreseen = foresee_fixes(state[at], sensors)
+            apart = session.signals.fixes[judged, 0] - foreseen[:, 0]
             scaled = apart / np.hypot(deviation[at, 0], sensors.position_sigma)
             if np.any(there := np.isfinite(scaled)):
                 residuals[scheme] = time[at][there], scaled[there]

@@ -217,12 +217,17 @@ def use_estimates(config: ReplayConfig, noise: Noise) -> ReplayConfig:
     if (sigma := chosen.get("sensors.gnss.sigma")) is not None:
         gnss = changed(gnss, sigma=_round(deviations * sigma))
     if (delay := chosen.get("sensors.gnss.delay")) is not None:
-        gnss = changed(gnss, delay=max(round(delay * imu.rate), 0) / imu.rate)
+        gnss = changed(gnss, delay=round_delay(delay, imu.rate))
     if (sigma := chosen.get("sensors.imu.sigma")) is not None:
         imu = changed(imu, sigma=_round(deviations * sigma))
     if (walk := chosen.get("sensors.imu.bias_walk")) is not None:
         imu = changed(imu, bias_walk=_round(walk))
     return follow_sensors(config, changed(config.sensors, gnss=gnss, imu=imu))
+
+
+def round_delay(delay: float, rate: float) -> float:
+    """Return the delay, s, in whole steps of an IMU of this rate, Hz, that a filter can have."""
+    return max(round(delay * rate), 0) / rate
 
 
 def _choose(one: Estimated) -> float:
