@@ -8,7 +8,6 @@ VENV := .venv
 VENV_PYTHON := $(VENV)/bin/python
 INSTALLED := $(VENV)/.installed
 INSTALLED_TEST := $(VENV)/.installed-test
-INSTALLED_CALIBRATE := $(VENV)/.installed-calibrate
 INSTALLED_BENCH := $(VENV)/.installed-bench
 INSTALLED_DOCS := $(VENV)/.installed-docs
 SITE := build/site
@@ -56,7 +55,7 @@ test-docs: $(INSTALLED_TEST)
 test-faults: $(INSTALLED_TEST)
 	$(VENV_PYTHON) -m pytest -m faults $(ARGS)
 
-reproduce: $(INSTALLED_CALIBRATE)
+reproduce: $(INSTALLED)
 	$(VENV_PYTHON) -m experiments.reproduce $(ARGS)
 
 bench: $(INSTALLED_BENCH)
@@ -79,10 +78,6 @@ $(INSTALLED): pyproject.toml | $(VENV_PYTHON)
 
 $(INSTALLED_TEST): pyproject.toml | $(VENV_PYTHON)
 	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[test]'
-	@touch $(INSTALLED) $@
-
-$(INSTALLED_CALIBRATE): pyproject.toml | $(VENV_PYTHON)
-	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[calibrate]'
 	@touch $(INSTALLED) $@
 
 $(INSTALLED_BENCH): pyproject.toml | $(VENV_PYTHON)

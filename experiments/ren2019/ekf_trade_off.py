@@ -24,13 +24,13 @@ import pandas as pd
 from scipy.signal import cont2discrete, lfilter
 
 from experiments.command import read_words, show, write
+from experiments.ren2019.published import published_numbers
 from owtsweep.figures import style
 from owtsweep.studies import compose
 from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.readings.published import published_numbers
 
 PERIOD = 8.0  # s, of tables 7 and 8
 WINDOW = 60.0  # s, of measurements that an estimate uses

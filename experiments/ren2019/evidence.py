@@ -8,12 +8,12 @@ from typing import NamedTuple, cast
 
 import pandas as pd
 
+from experiments.ren2019.published import BOUNDARIES
 from owtsweep.arrays import Array
 from owtsweep.results.status import OK
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import scheme_names
 from owtsweep.studies.hub.world import BOUNDARY
-from owtsweep.studies.readings.published import BOUNDARIES
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.scores import collect_scores
 from owtsweep.verdicts.inference import Estimate

@@ -17,12 +17,12 @@ from typing import cast
 import pandas as pd
 
 from experiments.command import open_run
+from experiments.ren2019.published import mse_tables
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import describe_origin, make_cube
 from owtsweep.studies.hub.figures.listing import over_amplitude, save_each
-from owtsweep.studies.readings.published import mse_tables
 from owtsweep.sweep.runs import Run
 
 #: Figure -> its name among the figures of a run.

@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 
 from experiments.ren2019.evidence import Cell, Evidence
+from experiments.ren2019.published import published_numbers
 from experiments.ren2019.reasons import reason
 from owtsweep.arrays import Array
 from owtsweep.statistics.inference import CONFIDENCE
-from owtsweep.studies.readings.published import published_numbers
 from owtsweep.verdicts.inference import MISSING, UNDECIDED, mean_ratio
 
 #: The keys of the result of `compare_number`.

@@ -17,9 +17,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
 from experiments.ren2019.evidence import tolerated
+from experiments.ren2019.published import BOUNDARIES
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
-from owtsweep.studies.readings.published import BOUNDARIES
 from owtsweep.verdicts.score_table import Boundary
 
 #: The look of an area of agreement.

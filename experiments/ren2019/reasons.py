@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 from experiments.ren2019.evidence import Cell, Evidence
+from experiments.ren2019.published import published_numbers
 from owtsweep.results.superposition import PRODUCTS, superpose
-from owtsweep.studies.readings.published import published_numbers
 from owtsweep.verdicts.score_table import DIGITS
 
 #: The conditions of tables 7 and 8: one natural period, two amplitudes.

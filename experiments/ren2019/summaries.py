@@ -14,7 +14,7 @@ import pandas as pd
 
 from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS, Evidence, tolerated
 from experiments.ren2019.numbers import lies_within_records
-from owtsweep.studies.readings.published import BOUNDARIES
+from experiments.ren2019.published import BOUNDARIES
 from owtsweep.verdicts.inference import (
     MISSING,
     NOT_REPRODUCED,

@@ -14,12 +14,12 @@ from typing import Any
 import pandas as pd
 
 from experiments.command import open_run
+from experiments.ren2019.published import mse_tables
 from experiments.ren2019.sections import format_ratio
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import write_table
 from owtsweep.studies.hub.describe import describe_in_a_line
-from owtsweep.studies.readings.published import mse_tables
 
 COLUMNS = (
     "table", "natural_period", "amplitude", "scheme", "measure", "published", "reproduced",

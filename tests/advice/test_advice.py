@@ -127,7 +127,6 @@ def test_advice_leaves_the_runs_of_sweeps_alone(tmp_path, monkeypatch):
         ([*CASE, "name=mine"], "name: `advise` names its folders"),
         ([*CASE, "engine=expected"], "engine: advice rests on records"),
         ([*CASE, "over={world: [nominal]}", "grid.replicates=8"], "over: `advise` asks"),
-        (["study=readings"], "has no case of its own"),
         (["study=replay"], "needs records"),
         (["study=tower", "noise=1"], "soil_factor: advice is for one case"),
     ],

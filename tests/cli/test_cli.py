@@ -301,7 +301,7 @@ def test_a_folder_named_by_the_user_keeps_one_run(capsys):
     assert main([*words, "grid.amplitude=[0.2,1.0,3.0]"]) == 0
     assert main([*words, "sensors.gnss.sigma=0.05", "--fresh", "--yes"]) == 0
     capsys.readouterr()
-    assert main(["sweep", "experiment=readings", "name=mine"]) == 2  # another study's keys
+    assert main(["sweep", "study=tower", "name=mine"]) == 2  # another study's keys
     assert "other settings" in capsys.readouterr().err
 
 

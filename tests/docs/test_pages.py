@@ -75,8 +75,8 @@ def test_each_extra_that_is_named_is_declared_and_tested():
     assert all(set(extras[name]) <= set(extras["test"]) for name in named - {"test", "bench"})
 
 
-def test_the_readings_name_every_key():
-    text = (ROOT / "docs/readings.md").read_text(encoding="utf-8")
+def test_what_the_paper_leaves_open_has_a_key():
+    text = (ROOT / "docs/research/reproduction.md").read_text(encoding="utf-8")
     for key in re.findall(r"^\| `([\w.]+)`", text, flags=re.MULTILINE):
         assert key in list_keys(HubConfig), key
 

@@ -11,8 +11,8 @@ import pandas as pd
 
 from experiments.ren2019 import reasons
 from experiments.ren2019.evidence import AMPLITUDES, PERIODS, SCHEMES, Evidence
+from experiments.ren2019.published import published_numbers
 from owtsweep.studies.hub.world import CONDITIONS
-from owtsweep.studies.readings.published import published_numbers
 from owtsweep.verdicts.score_table import ScoreTable
 
 REPLICATES = 6

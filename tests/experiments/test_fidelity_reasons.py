@@ -12,13 +12,13 @@ from experiments.ren2019 import histories, reasons
 from experiments.ren2019.consistency import judge_consistency, judge_intervals
 from experiments.ren2019.contents import FREEDOM
 from experiments.ren2019.evidence import Cell, Evidence
+from experiments.ren2019.published import published_numbers
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import bias_of
 from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.sensors import simulate_bias
-from owtsweep.studies.readings.published import published_numbers
 
 
 @pytest.fixture(scope="module")

@@ -23,8 +23,8 @@ from experiments.ren2019.evidence import tolerated
 from experiments.ren2019.fidelity import CLAIMS, judge_all, judge_along_x
 from experiments.ren2019.histories import COLUMNS
 from experiments.ren2019.numbers import compare_numbers
+from experiments.ren2019.published import BOUNDARIES
 from experiments.ren2019.summaries import fidelity_table
-from owtsweep.studies.readings.published import BOUNDARIES
 from owtsweep.verdicts.inference import (
     MISSING,
     NOT_REPRODUCED,

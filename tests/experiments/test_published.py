@@ -8,9 +8,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from experiments.ren2019 import published
 from experiments.ren2019 import tables_6_to_9 as tables
 from experiments.ren2019.figures import sum_printed
-from owtsweep.studies.readings import published
 
 
 @pytest.fixture

@@ -61,7 +61,6 @@ STUDIES = yaml.safe_load((HERE / "runs.yaml").read_text("utf-8"))
 #: Columns that hold results; all others say which row it is.
 RESULTS = (
     "motion", "cross", "noise", "value", "n_samples", "status", "reason",
-    "score", "median_log2", "p80_log2", "winners", "boundary_4s", "boundary_6s", "boundary_8s",
 )  # fmt: skip
 #: Columns that are compared as what they are, never nearly.
 EXACT = ("n_samples", "status", "reason")

@@ -154,7 +154,7 @@ WORDS = {
     "long": ["name=" + "x" * 300], "longer": ["results=" + "x" * 5000],
     "deep": ["grid.amplitude=" + "[" * 200 + "]" * 200], "interpolation": ["seed=${nowhere}"],
     "resolver": ["seed=${oc.env:NOWHERE}"], "study": ["study=nowhere"],
-    "two_studies": ["study=hub,readings"], "no_study": ["study="],
+    "two_studies": ["study=hub,tower"], "no_study": ["study="],
     "group": ["tuning=../../secret"], "empty_grid": ["grid={}"], "no_schemes": ["schemes=[]"],
     "nested": ["schemes=[[MKF]]"], "number_target": ["schemes=[{_target_: 3}]"],
     "empty_target": ["schemes=[{_target_: ''}]"],

@@ -101,9 +101,9 @@ def test_what_a_record_holds() -> None:
             "tuning: paper and matched are several tunings; choose, e.g. tuning=matched",
         ),
         (
-            ["study=readings"],
+            ["study=mating"],
             0,
-            "study: 'readings' has no records of its own; use one of hub, tower, floater, blade",
+            "study: 'mating' has no records of its own; use one of hub, tower, floater, blade",
         ),
     ],
 )

@@ -17,7 +17,6 @@ from owtsweep.sweep.study import add_versions
     ("name", "version"),
     [
         ("hub", 7),
-        ("readings", 7),
         ("replay", 9),
         ("tower", 4),
         ("floater", 3),

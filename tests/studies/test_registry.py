@@ -44,8 +44,14 @@ def broken(stranger: Path) -> None:
 
 def test_without_a_study_it_is_the_hub() -> None:
     assert compose([]) == compose(["study=hub"])
-    assert compose(["experiment=readings"]) == compose(["study=readings"])
     assert locate(["tuning=matched"]).study is None
+
+
+def test_a_file_that_names_another_study_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "experiment").mkdir()
+    (tmp_path / "experiment/mine.yaml").write_text("# @package _global_\nstudy: replay\n")
+    with pytest.raises(InputError, match=r"^study: 'hub' is named, but the study's files or "):
+        compose(["study=hub", "experiment=mine"], str(tmp_path))
 
 
 @pytest.mark.usefixtures("stranger")
@@ -147,7 +153,7 @@ def test_commands_name_the_study_that_is_not_installed(
         assert main([command, "results/s0.1"]) == 2
         told = capsys.readouterr().err
         assert told.startswith("owtsweep: results/s0.1/config.yaml: the study 'stranger' of this ")
-        assert "is not installed; install its package (there are hub, readings" in told
+        assert "is not installed; install its package (there are hub, replay" in told
         assert told.count("\n") == 1
     assert sorted(Path().rglob("*")) == before
 
@@ -182,7 +188,6 @@ def test_runs_of_two_studies_are_not_compared(capsys: pytest.CaptureFixture[str]
         ),
         (["grid.amplitude={log:[1,2,3]}"], "grid.amplitude: {log:[1,2,3]} is no list; use e.g. gr"),
         (["sensors.imu=[1]"], "sensors.imu: [1] is a list where keys are expected; use sensors.im"),
-        (["study=hub", "experiment=readings"], "study: 'hub' is named, but the study's files or "),
     ],
 )
 def test_wrong_axes_and_mixed_studies_are_one_line(
@@ -210,7 +215,7 @@ def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:
             ["study=x"],
             r"study: there is no study 'x'; there are hub, .*, tower, floater, blade, mating$",
         ),
-        (["study=hub,readings"], r"study: 'hub,readings' are several studies; run one at a time"),
+        (["study=hub,tower"], r"study: 'hub,tower' are several studies; run one at a time"),
         (["study="], r"study=: name a study, e\.g\. study=hub$"),
         (["+study=hub"], r"\+study=hub: name a study"),
         (["study=replay"], r"study: 'replay' needs records; use `owtsweep replay FILE`"),

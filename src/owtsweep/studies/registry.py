@@ -27,7 +27,6 @@ from owtsweep.config import (
     checked,
     compose_plain,
     conf_directory,
-    get_key,
     require,
 )
 from owtsweep.config.common import TREES
@@ -50,20 +49,17 @@ class Entry:
 
     target: the study's class as "module:Class", which is called without arguments.
     primary: Name of the study's main YAML file, without suffix, and of the subcommand that runs it.
-    implied: Overrides that select this study where several studies share a folder of YAML files.
     package: the distribution that contains the study; "" for a built-in study.
     """
 
     target: str
     primary: str = "sweep"
-    implied: tuple[str, ...] = ()
     package: str = ""
 
 
 #: The built-in studies. A study without the folder conf/studies/<name> uses the YAML files in conf.
 OURS = {
     "hub": Entry("owtsweep.studies.hub.study:HubStudy"),
-    "readings": Entry("owtsweep.studies.readings:ReadingsStudy", implied=("experiment=readings",)),
     "replay": Entry("owtsweep.studies.replay:ReplayStudy", primary="replay"),
     "tower": Entry("owtsweep.studies.tower:TowerStudy"),
     "floater": Entry("owtsweep.studies.floater:FloaterStudy"),
@@ -218,12 +214,9 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
         default = next(n for n, entry in registry.OURS.items() if entry.primary == primary)
         tree = registry.find_tree(default)
         return Located(None, tree, admit(tree, others))
-    entry = registry.find_entry(name)
     _check_command(name, primary)
-    given = {get_key(other) for other in others}
-    implied = [override for override in entry.implied if get_key(override) not in given]
     tree = registry.find_tree(name)
-    return Located(name, tree, [*implied, *admit(tree, others)])
+    return Located(name, tree, admit(tree, others))
 
 
 def compose(

@@ -42,7 +42,7 @@ COMPOSED = [
     ("schemes.rate=5", "schemes.rate", r"no such key; schemes is a list: use schemes=\[\.\.\.\]"),
     ("+extra=1", "extra", r"no such key"),
     ("++sensors.gnss.foo=1", "sensors.gnss.foo", r"no such key"),
-    ("tuning=foo", "tuning", r"there is no 'foo'; use matched or paper or paper_tilted or printed"),
+    ("tuning=foo", "tuning", r"there is no 'foo'; use matched or paper or printed"),
     ("spectrum=jonswap", "spectrum", r"there is no 'jonswap'; use printed or translated"),
     ("grid.natural_period=[4", "grid.natural_period", r"no override; use key=value"),
     ("grid", "grid", r"no override; use key=value"),

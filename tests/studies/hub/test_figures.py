@@ -16,6 +16,7 @@ from matplotlib.patches import Rectangle
 from rich.console import Console
 from tools import configure
 
+from experiments.ren2019 import published
 from experiments.ren2019.figures import sum_printed
 from experiments.ren2019.histories import measure_histories
 from owtsweep.config import changed
@@ -33,7 +34,6 @@ from owtsweep.studies.hub.figures import error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.figures.listing import drawings
 from owtsweep.studies.hub.listed import StoredHubScheme
 from owtsweep.studies.hub.world import CONDITIONS
-from owtsweep.studies.readings import published
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 

@@ -23,7 +23,7 @@ def test_every_name_is_there():
         public.expand_lanes  # noqa: B018
 
 
-@pytest.mark.parametrize("room", ["evaluation", "studies/replay", "studies/readings"])
+@pytest.mark.parametrize("room", ["evaluation", "studies/replay"])
 def test_other_rooms_import_nothing_else(room):
     imported = {
         module
@@ -39,7 +39,7 @@ def test_other_rooms_import_nothing_else(room):
 def test_every_name_is_used():
     texts = [
         file.read_text()
-        for room in ("studies/replay", "studies/readings", "testing")
+        for room in ("studies/replay", "testing")
         for file in (SOURCE / room).rglob("*.py")
     ]
     unused = [n for n in public.__all__ if not any(re.search(rf"\b{n}\b", t) for t in texts)]
@@ -49,7 +49,7 @@ def test_every_name_is_used():
 def test_light_names_load_nothing_heavy():
     code = (
         "import sys; from owtsweep.studies.hub.public import Sensors, Scheme; import "
-        "owtsweep.studies.replay, owtsweep.studies.readings; print(*sys.modules)"
+        "owtsweep.studies.replay; print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = {name.partition(".")[0] for name in done.stdout.split()}

@@ -103,8 +103,8 @@ def test_an_interrupt_keeps_the_best_so_far(
     [
         (["tuning=[paper,matched]"], "begins with one tuning"),
         (
-            ["study=readings"],
-            "study: `tune` serves hub, tower, floater, blade only, not 'readings'",
+            ["study=mating"],
+            "study: `tune` serves hub, tower, floater, blade only, not 'mating'",
         ),
         (["--output", "mine.txt"], "ends in .yaml"),
         (["--output", f"{'a' * 300}.yaml"], "the name has more than 255 bytes"),

@@ -111,7 +111,6 @@ def test_flags_that_compute_nothing(
         (["sensors.imu.sigma=1e-20,1e20", "tuning=printed", "schemes=[MKF]", "record.duration=50"],
          "sensors: the Kalman bound cannot be computed for noise of 0.03 m (GNSS) and 1e+20"),
         (["hme.mhe.constraints.bias=null,1"], "schemes: HME2 has no kernel or is not linear"),
-        (["seed=1,2", "study=readings"], "study: `vary` serves hub, tower, floater, blade, "),
         (["seed=1,2", "hydra.verbose=true"], "Hydra's own settings work with `sweep --multirun`"),
     ],
 )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.config import Plain
-from owtsweep.errors import InputError, as_text
+from owtsweep.errors import as_text
 
 if TYPE_CHECKING:
     import optuna
@@ -22,9 +21,6 @@ Space = Mapping[str, Any]
 #: Computes the score of some values (parameter -> value), and details that the trial keeps. It may
 #: raise ArithmeticError or ValueError (so `InputError` and LinAlgError), if there is no score.
 Objective = Callable[[Plain], tuple[float, Plain]]
-
-#: Initial standard deviation of the optimizer CMA-ES, as a fraction of each parameter's range.
-SPREAD = 0.03
 
 
 @dataclass(frozen=True)
@@ -57,7 +53,6 @@ def search(
     trials: int,
     seed: int,
     starts: Sequence[Plain] = (),
-    near_start: bool = False,
 ) -> Iterator[Trial]:
     """Search for the values with the least score; yield each trial as soon as it has been made.
 
@@ -66,19 +61,11 @@ def search(
 
     trials, seed: Number of trials, and seed of the sampler.
     starts: Values of the first trials. A value that is missing or out of bounds is sampled.
-    near_start: whether to sample around the first of `starts`, by CMA-ES. It finds better scores if
-        the start is good, but works with numbers only: a space with options is sampled by TPE, as
-        all others are.
     """
     import optuna
 
     optuna.logging.set_verbosity(optuna.logging.ERROR)
-    numeric = not any(isinstance(bounds, Mapping) for bounds in space.values())
-    study = optuna.create_study(
-        sampler=_make_cmaes(starts[0], seed)
-        if near_start and numeric
-        else optuna.samplers.TPESampler(seed=seed, multivariate=True)
-    )
+    study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=seed, multivariate=True))
     for start in starts:
         within = {key: start[key] for key in space if _is_within(start.get(key), space[key])}
         study.enqueue_trial(within, skip_if_exists=True)
@@ -88,25 +75,6 @@ def search(
         trial = attempt(objective, values)
         study.tell(asked, trial.score)
         yield trial
-
-
-def require_cmaes() -> None:
-    """Raise `InputError` if the package for `near_start` is not installed."""
-    try:
-        import cmaes  # noqa: F401  (Optuna's CMA-ES sampler needs it)
-    except ImportError as error:
-        raise InputError(
-            f"this search needs {error.name}, which is missing; install owtsweep[calibrate]"
-        ) from error
-
-
-def _make_cmaes(start: Plain, seed: int) -> optuna.samplers.CmaEsSampler:
-    import optuna
-
-    with warnings.catch_warnings():
-        # Optuna 6 drops x0 and sigma0, hence the upper bound in pyproject.toml.
-        warnings.simplefilter("ignore", FutureWarning)
-        return optuna.samplers.CmaEsSampler(x0=dict(start), sigma0=SPREAD, seed=seed)
 
 
 def _is_within(value: Any, bounds: Any) -> bool:

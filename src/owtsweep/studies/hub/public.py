@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.studies.hub.study import ROOMS
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import backend, sum_errors
+    from owtsweep.studies.hub.batch import backend
     from owtsweep.studies.hub.chain import Chain, bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.conditions import JUDGED, find_world
     from owtsweep.studies.hub.config import Grid, HubConfig
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.listed import BASELINES, INSTEAD, SCHEMES, resolve, resolve_all
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-    from owtsweep.studies.hub.records import Lanes, make_records
     from owtsweep.studies.hub.schemes.baselines import Line
     from owtsweep.studies.hub.sensors import (
         ForceNoise,
@@ -42,17 +41,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BASELINES", "INSTEAD", "JUDGED", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain",
-    "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Lanes", "Line",
+    "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Line",
     "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "assume_tilt", "backend", "bias_of",
     "chunks", "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
-    "follow_sensors", "has_acceleration", "lag_of", "look_constant", "make_records",
+    "follow_sensors", "has_acceleration", "lag_of", "look_constant",
     "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
-    "state_chunks", "sum_errors", "trajectories",
+    "state_chunks", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
 _HOMES = {
-    "batch": ["backend", "sum_errors"],
+    "batch": ["backend"],
     "chain": ["Chain", "bias_of", "has_acceleration", "lag_of"],
     "conditions": ["JUDGED", "find_world"],
     "config": ["Grid", "HubConfig"],
@@ -62,7 +61,6 @@ _HOMES = {
     "kernels.layout": ["WIDTH"],
     "listed": ["BASELINES", "INSTEAD", "SCHEMES", "resolve", "resolve_all"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
-    "records": ["Lanes", "make_records"],
     "schemes.baselines": ["Line"],
     "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],

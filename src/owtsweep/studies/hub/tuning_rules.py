@@ -46,8 +46,8 @@ class Facts:
 
 #: The sections that hold a filter.
 FILTERS = ("ekf", "mkf", "hme1", "hme2")
-#: The sensors of `sensors=ren2019`. Their numbers for HME2 are those of the recorded search
-#: (experiment=readings), so that stored runs of `tuning=matched` keep their blocks.
+#: The sensors of `sensors=ren2019`. Their numbers for HME2 are those of a search that is over, so
+#: that stored runs of `tuning=matched` keep their blocks.
 DEFAULT = Facts(gnss_sigma=0.03, gnss_rate=1.0, delay=0.2, imu_sigma=0.15, imu_rate=100.0)
 RECORDED = {
     "hme2.q_a": 13.9,

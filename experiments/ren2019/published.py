@@ -1,4 +1,4 @@
-"""The numbers of Ren et al. (2019) from which the score of a reading of the paper is computed.
+"""The printed numbers of Ren et al. (2019): tables 6 to 9, and the boundaries of section 5.3.
 
 Numbers are kept as printed, including a misprint, which a `note` marks.
 """
@@ -22,7 +22,7 @@ def mse_tables() -> pd.DataFrame:
     One row per number, in the order of the print. Columns: table, natural_period (s), amplitude
     (m), scheme, measure (x, y, vx or vy), published (m^2 for x and y, m^2/s^2 for vx and vy), note.
     """
-    wide = pd.read_csv(Path(__file__).parent / "data" / "ren2019_tables6to9_mse.csv")
+    wide = pd.read_csv(Path(__file__).with_name("ren2019_tables6to9_mse.csv"))
     wide["note"] = wide["note"].fillna("").astype(str)
     wide = wide.rename(columns={"natural_period_s": "natural_period", "amplitude_m": "amplitude"})
     keys = ["table", "natural_period", "amplitude", "scheme"]
