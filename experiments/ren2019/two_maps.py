@@ -84,7 +84,7 @@ def draw(paper: Run, matched: Run) -> Figure:
         panels = figure.subplots(2, 2, height_ratios=[1.15, 1.0])
         notes: list[str] = []
         for run, config, axes in zip(runs, configs, panels[0], strict=True):
-            notes += _map(axes, run, config)
+            notes += draw_map(axes, run, config)
         for config, spectra, axes in zip(configs, errors, panels[1], strict=True):
             error_spectra.panel(axes, spectra, config, CRITERION)
             notes += error_spectra.unsettled(config, spectra)
@@ -109,7 +109,7 @@ _LINE: dict[str, Any] = {
 }  # fmt: skip
 
 
-def _map(axes: Axes, run: Run, config: HubConfig) -> list[str]:
+def draw_map(axes: Axes, run: Run, config: HubConfig) -> list[str]:
     """Draw one run's map with the HME1/HME2 boundary; return the sentences for the footnote.
 
     Raises

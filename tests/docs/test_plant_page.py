@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -36,3 +37,37 @@ def test_the_same_on_the_page_of_the_hub():
     answer = read_answer("matched")
     assert told == [answer[period] for period in (4, 6, 7, 9, 10)]
     assert (answer[4], answer[7]) == (answer[5], answer[8])
+
+
+def test_the_maps_on_the_plants_seas():
+    page = (ROOT / "docs/research/plant.md").read_text("utf-8")
+    maps = pd.read_csv(ROOT / "results/reference/plant/plant_map.csv")
+    for words, motion in {
+        "spectrum, as in figure 18": "spectrum",
+        "plant, Tp 8 s": "Tp 8 s",
+        "plant, Tp 6 s": "Tp 6 s",
+        "plant, Tp 8 s, IMU that leans by .0137 rad/m": "Tp 8 s, leaning IMU",
+    }.items():
+        of_motion = maps[maps["motion"] == motion]
+        wins = of_motion.groupby("tuning")["best"].value_counts()
+        counts = [
+            ", ".join(str(wins[tuning, scheme]) for scheme in schemes)
+            for tuning, schemes in (
+                ("matched", ("HME1", "MKF")),
+                ("paper", ("HME1", "HME2", "MKF")),
+            )
+        ]
+        paper = of_motion[of_motion["tuning"] == "paper"]
+        at = paper.groupby("natural_period")["boundary"].first()
+        ends = ["none" if at[p] != at[p] else f"{at[p]:.2f}" for p in (4.0, 6.0, 8.0)]
+        told = (
+            f"| {words} | {' | '.join(counts)} | {', '.join(e.removeprefix('0') for e in ends)} |"
+        )
+        assert told in page, told
+    cells = maps.pivot(
+        index=["natural_period", "amplitude"], columns=["motion", "tuning"], values="best"
+    )
+    matched = cells.xs("matched", axis=1, level="tuning")
+    assert matched.nunique(axis=1).eq(1).all()
+    small = maps[maps["amplitude"] <= 0.1]
+    assert small["baseline_wins"].all()
