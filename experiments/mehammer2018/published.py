@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
+from experiments.single_record import place_print, show_chance
 from owtsweep.verdicts.page import TextTable
 
 HERE = Path(__file__).parent
@@ -48,26 +50,38 @@ def compare_stored(scores: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         One row per test and translation. Columns: test, figure, state, stored (m), scenario, mean
-        over the records (m).
+        over the records (m), and chance and agrees: whether one record could have given the stored
+        number (`single_record`).
     """
     stored = read_stored_tests().set_index(["test", "measure", "state"])["value"]
     of_kf = scores[scores["scheme"] == "KF"]
-    means = of_kf.groupby(["scenario", "measure"])["value"].mean()
-    return pd.DataFrame(
-        {
-            "test": test, "figure": figure, "state": state,
-            "stored": stored[test, "rms_error", state], "scenario": scenario,
-            "mean": means.get((scenario, f"rms_{state}"), float("nan")),
-        }
-        for test, (scenario, figure) in LIKE.items()
-        for state in STATES
-    )  # fmt: skip
+    groups = of_kf.groupby(["scenario", "measure"])["value"]
+    values = {key: group.to_numpy() for key, group in groups}
+    rows = []
+    for test, (scenario, figure) in LIKE.items():
+        for state in STATES:
+            number = stored[test, "rms_error", state]
+            found = values.get((scenario, f"rms_{state}"), np.array([np.nan]))
+            place = place_print(number, number, found)
+            rows.append(
+                {
+                    "test": test, "figure": figure, "state": state, "stored": number,
+                    "scenario": scenario, "mean": found.mean(), "chance": place.chance,
+                    "agrees": place.agrees,
+                }
+            )  # fmt: skip
+    return pd.DataFrame(rows)
 
 
 def show_stored(table: pd.DataFrame) -> TextTable:
-    """Return the comparison as a table of texts: "stored / mean" in m."""
+    """Return the comparison as a table of texts: "stored / mean (chance)" in m."""
     rows = []
     for (test, figure, scenario), part in table.groupby(["test", "figure", "scenario"], sort=False):
-        cells = [f"{s:.3g} / {m:.3g}" for s, m in zip(part["stored"], part["mean"], strict=True)]
+        cells = [
+            f"{stored:.3g} / {mean:.3g} ({show_chance(chance)})"
+            for stored, mean, chance in zip(
+                part["stored"], part["mean"], part["chance"], strict=True
+            )
+        ]
         rows.append([str(test), str(figure), str(scenario), *cells])
     return TextTable(["author's test", "figure", "here", *STATES], rows, list(STATES))

@@ -98,8 +98,8 @@ def _summary(
                 f"Statements F1-F11: {count_verdicts(judged)}.",
                 f"F1-F5 in x alone: {count_verdicts(along_x)}; {_name_differing(judged, along_x)}.",
                 f"Numbers of tables 6-9: {len(present)} of {len(numbers)} in this run; "
-                f"{inside} lie within the central 95 % of its single records, {missed} are missed "
-                "by more than a factor of 2 in the mean.",
+                f"{inside} agree as prints of one record ({0.95 * len(present):.0f} would, if all "
+                f"were), {missed} are missed by more than a factor of 2 in the mean.",
             ]
         ),
         TextTable(["item", *values, "agrees", "why"], rows, values),

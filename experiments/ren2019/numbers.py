@@ -1,7 +1,4 @@
-"""Compare the 64 numbers of tables 6-9 of Ren et al. (2019) with a run: mean, and single records.
-
-Single records matter because the paper shows the result of one record.
-"""
+"""Compare the 64 numbers of tables 6-9 of Ren et al. (2019) with a run: mean, single records."""
 
 from __future__ import annotations
 
@@ -13,17 +10,15 @@ import pandas as pd
 from experiments.ren2019.evidence import Cell, Evidence
 from experiments.ren2019.published import published_numbers
 from experiments.ren2019.reasons import reason
+from experiments.single_record import judge, place_print
 from owtsweep.arrays import Array
-from owtsweep.statistics.inference import CONFIDENCE
-from owtsweep.verdicts.inference import MISSING, UNDECIDED, mean_ratio
+from owtsweep.verdicts.inference import MISSING, mean_ratio
 
 #: The keys of the result of `compare_number`.
 COLUMNS = (
-    "reproduced", "ci_low", "ci_high", "record_low", "record_high", "quantile", "ratio", "log2",
+    "reproduced", "ci_low", "ci_high", "record_low", "record_high", "chance", "ratio", "log2",
     "missed_by_factor_2",
 )  # fmt: skip
-#: Percentiles that bound the central 95 % of single records.
-TAILS = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
 
 
 def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
@@ -40,46 +35,40 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
     -------
     dict
         The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records with its
-        95 % t interval. `record_low`, `record_high`: 2.5th and 97.5th percentile of single records.
-        `quantile`: the fraction of records below the published number (ties count half). `ratio`:
-        reproduced / published. `log2`: base-2 logarithm of `ratio`, minus infinity for the ratio 0
+        95 % t interval. `record_low`, `record_high`: the ends within which one record lies with
+        95 %. `chance`: the probability that one record lies at least as far away as the published
+        number (`single_record`; its last digit, .1 to 1 %, is neglected). `ratio`: reproduced /
+        published. `log2`: base-2 logarithm of `ratio`, minus infinity for the ratio 0
         and NaN for a negative one. `missed_by_factor_2`: whether |log2| > 1. Without samples, this
         is False and all other values are NaN.
     """
     if samples is None:
         return {**dict.fromkeys(COLUMNS, float("nan")), "missed_by_factor_2": False}
     decision = mean_ratio("", samples, 1.0, published, "above")
-    low, high = np.percentile(samples, TAILS)
+    place = place_print(published, published, samples)
     with np.errstate(divide="ignore", invalid="ignore"):
         log2 = float(np.log2(decision.value / published))
-    quantile = float(np.mean(samples < published) + 0.5 * np.mean(samples == published))
     found = (
-        decision.value, decision.low, decision.high, float(low), float(high), quantile,
+        decision.value, decision.low, decision.high, place.low, place.high, place.chance,
         decision.value / published, log2, abs(log2) > 1.0,
     )  # fmt: skip
     return dict(zip(COLUMNS, found, strict=True))
 
 
 def lies_within_records(row: Any) -> str:
-    """Return whether a published number could come from one of the run's records.
+    """Return whether a published number could come from one record of the run.
 
     Parameters
     ----------
     row
-        An object whose attributes are `published` and the keys of `compare_number`'s result.
+        An object whose attributes are the keys of `compare_number`'s result.
 
     Returns
     -------
     str
-        "yes" if the published number lies within the central 95 % of the records' values, "no" if
-        it lies outside, "undecided" if these 95 % are a single value (e.g. with one record),
-        "missing" if the run has no values.
+        As `single_record.judge`; "missing" if the run has no values.
     """
-    if np.isnan(row.reproduced):
-        return MISSING
-    if row.record_low == row.record_high:
-        return UNDECIDED
-    return "yes" if row.record_low <= row.published <= row.record_high else "no"
+    return MISSING if np.isnan(row.reproduced) else judge(row.chance)
 
 
 def compare_numbers(evidence: Evidence) -> pd.DataFrame:
@@ -112,8 +101,8 @@ def _row(evidence: Evidence, printed: dict[Any, Any]) -> dict[Any, Any]:
         notes.append("not in this run")
     else:
         place = (
-            f"the print lies at quantile {compared['quantile']:.2f} of {len(samples)} records, "
-            f"95 % of which lie in {compared['record_low']:.2e} to {compared['record_high']:.2e}"
+            f"one record lies as far away as the print with probability {compared['chance']:.2g}, "
+            f"and with 95 % in {compared['record_low']:.2e} to {compared['record_high']:.2e}"
         )
         notes.insert(0, place)
     if compared["missed_by_factor_2"]:

@@ -12,7 +12,7 @@ from owtsweep.verdicts.inference import MISSING, JudgedStatement
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
 
 NO_VALUE = "–"
-NUMBER_COLUMNS = ("published", "this run", "95 % of records", "quantile", "ratio")
+NUMBER_COLUMNS = ("published", "this run", "95 % of records", "chance", "ratio")
 
 
 def number_table(numbers: pd.DataFrame) -> TextTable:
@@ -29,7 +29,7 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
             of_run = [
                 f"{row.reproduced:.2e} [{row.ci_low:.2e}, {row.ci_high:.2e}]",
                 f"{row.record_low:.2e} to {row.record_high:.2e}",
-                f"{row.quantile:.2f}",
+                format_chance(row.chance),
                 format_ratio(row.ratio),
             ]
         rows.append([row.scheme, row.measure, format_published(row), *of_run, agrees])
@@ -122,6 +122,11 @@ def format_value(value: float) -> str:
 def format_ratio(value: float) -> str:
     """Format a ratio with two decimals, or with two significant digits if it is below 0.1."""
     return f"{value:.2f}" if value >= 0.1 else f"{value:.2g}"
+
+
+def format_chance(value: float) -> str:
+    """Format a probability with two digits; NaN becomes a dash."""
+    return f"{value:.2g}" if value == value else NO_VALUE
 
 
 def format_interval(row: Any) -> str:

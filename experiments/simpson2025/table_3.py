@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from experiments.single_record import place_print, read_rounded, show_chance
 from owtsweep.verdicts.page import TextTable
 
 
@@ -18,7 +19,13 @@ def read_printed() -> pd.DataFrame:
     theta15_SS, ...: quantity, metres above the ground, direction), value (MAE of x in m, of theta
     in rad).
     """
-    return pd.read_csv(Path(__file__).with_suffix(".csv"))
+    printed = read_texts()
+    return printed.assign(value=printed["value"].astype(float))
+
+
+def read_texts() -> pd.DataFrame:
+    """Read what is printed, as `read_printed` does, with values as they are written."""
+    return pd.read_csv(Path(__file__).with_suffix(".csv"), dtype={"value": str})
 
 
 def compare_table(scores: pd.DataFrame) -> pd.DataFrame:
@@ -28,8 +35,9 @@ def compare_table(scores: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         One row per printed number. Columns: sensors, metric, state (e.g. "x0_FA"), published,
-        mean, least and greatest over the records, and relative: the mean over the true
-        signal's standard deviation, for MAE.
+        mean, least and greatest over the records, relative: the mean over the true signal's
+        standard deviation, for MAE, and chance and agrees: whether one record could have printed
+        the number (`single_record`), by its error, which is 1 - value of TRAC and FRAC.
     """
     of_table = {"sea": "calm", "gravity": True, "weight": False, "scheme": "AKF", "tuning": "paper"}
     chosen = scores[(scores[list(of_table)] == pd.Series(of_table)).all(axis=1)]
@@ -37,29 +45,37 @@ def compare_table(scores: pd.DataFrame) -> pd.DataFrame:
     values = {key: group.to_numpy() for key, group in groups}
     nothing = np.array([np.nan])
     rows = []
-    printed: Any = read_printed().itertuples(index=False)
-    for setup, metric, state, value in printed:
+    printed: Any = read_texts().itertuples(index=False)
+    for setup, metric, state, text in printed:
         quantity, direction = state.lower().split("_")
         found = values.get((setup, direction, quantity, metric.lower()), nothing)
         relative = values.get((setup, direction, quantity, "relative_mae"), nothing)
+        least, greatest = read_rounded(text)
+        if metric == "MAE":
+            place = place_print(least, greatest, found)
+        else:
+            place = place_print(1.0 - greatest, 1.0 - least, 1.0 - found)
         rows.append(
             {
-                "sensors": setup, "metric": metric, "state": state, "published": value,
+                "sensors": setup, "metric": metric, "state": state, "published": float(text),
                 "mean": found.mean(), "least": found.min(), "greatest": found.max(),
                 "relative": relative.mean() if metric == "MAE" else np.nan,
+                "chance": place.chance, "agrees": place.agrees,
             }
         )  # fmt: skip
     return pd.DataFrame(rows)
 
 
 def show_table(table: pd.DataFrame) -> TextTable:
-    """Return the comparison as a table of texts, laid out as the print: "published | mean"."""
+    """Return the comparison laid out as the print, in texts: "published / mean (chance)"."""
     columns = list(dict.fromkeys(table["state"]))
     rows = []
     for (sensors, metric), part in table.groupby(["sensors", "metric"], sort=False):
         cells = [
-            _format(str(metric), published, mean)
-            for published, mean in zip(part["published"], part["mean"], strict=True)
+            f"{_format(str(metric), published, mean)} ({show_chance(chance)})"
+            for published, mean, chance in zip(
+                part["published"], part["mean"], part["chance"], strict=True
+            )
         ]
         rows.append([str(sensors), str(metric), *cells])
     return TextTable(["set-up", "metric", *columns], rows, columns)

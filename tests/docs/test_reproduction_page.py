@@ -132,10 +132,15 @@ def test_the_numbers_of_the_table_are_those_of_the_run():
     lead = [1 / table.loc[f"table {n} winner", ["reproduced", "published"]] - 1 for n in (6, 7)]
     assert [f"{100 * row['reproduced']:.1f}" for row in lead] == ["1.5", "2.4"]
     numbers = read("paper/fidelity_numbers.csv")
-    require_text(
-        f"The 64 numbers, to a median factor of {2 ** numbers['log2'].abs().median():.2f}."
-    )
+    require_text(f"all of them to a median factor of {2 ** numbers['log2'].abs().median():.2f}.")
     require_text(f"{numbers['missed_by_factor_2'].sum()} of them are missed")
+    of_ekf, agree = numbers["scheme"] == "EKF", numbers["chance"] >= 0.05
+    require_text(f"{agree.sum()} of the 64 numbers, as")
+    require_text(
+        f"MKF, HME1, HME2 | 48 | {agree[~of_ekf].sum()} | {(~agree)[~of_ekf].sum()} do not"
+    )
+    require_text(f"the same, EKF | 16 | {agree[of_ekf].sum()} | {(~agree)[of_ekf].sum()} do not")
+    assert {row["agrees"] for row in ratios} == {"no"}
     require_text(f"scheme apart in {read_map('paper')['distinguishable'].sum()} of the 60 cells")
     far = read_fidelity("default").reproduced
     require_text(f"{far['boundary 4 s']:.2f} m at 4 s and {far['boundary 8 s']:.2f} m at 8 s")

@@ -82,7 +82,7 @@ def test_every_statement_and_goal_is_judged(tmp_path: Path) -> None:
     tables = [score(name, range(2), SHORT) for name in SCENARIOS]
     files = write_report(pd.concat(tables, ignore_index=True), tmp_path)
     assert {file.name for file in files} == {
-        "scores.csv", "fidelity_claims.csv", "fidelity.md", "fidelity.html",
+        "scores.csv", "printed.csv", "fidelity_claims.csv", "fidelity.md", "fidelity.html",
     }  # fmt: skip
     told = (tmp_path / "fidelity.md").read_text()
     assert "missing" not in told.split("## In short")[1].split("## Statements")[0]

@@ -70,7 +70,7 @@ def test_the_script_writes_the_report(home, monkeypatch, capsys):
     )
     assert ",".join(csv["fidelity_numbers"].columns) == (
         "table,natural_period,amplitude,scheme,measure,published,printed,reproduced,ci_low,ci_high,"
-        "record_low,record_high,quantile,ratio,log2,missed_by_factor_2,why"
+        "record_low,record_high,chance,ratio,log2,missed_by_factor_2,why"
     )
     assert ",".join(csv["consistency"].columns) == (
         "scheme,natural_period,amplitude,nees,nees_low,nees_high,nis,nis_low,nis_high,verdict"

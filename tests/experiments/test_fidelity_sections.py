@@ -19,26 +19,26 @@ def test_a_summary_has_a_row_per_item_and_their_ratio():
     numbers = pd.DataFrame({"scheme": ["A", "A", "B"], "log2": [0.2, -0.4, float("nan")]})
     rows = [
         Item("item", "number", 2.0, 3.0, agrees="yes"),
-        *distance_rows(numbers, {("A",): 0.35}),
+        *distance_rows(numbers, [("A",)]),
     ]
     table = make_table(rows).set_index("item")
     assert table.loc["item", "ratio"] == 1.5
     median = table.loc["median |log2 ratio|, A"]
-    assert (round(median["reproduced"], 12), median["agrees"]) == (0.3, "yes")
-    assert median["why"] == "over 2 of 2 numbers, a factor of 1.23; agreement: at most 0.35"
-    incomplete = next(iter(distance_rows(numbers, {("A", "B"): 0.35})))
-    assert incomplete.agrees == "missing"
+    assert (round(median["reproduced"], 12), median["agrees"]) == (0.3, "")
+    assert median["why"] == "over 2 of 2 numbers, a factor of 1.23"
+    incomplete = next(iter(distance_rows(numbers, [("A", "B")])))
+    assert incomplete.why.startswith("over 2 of 3 numbers")
 
 
-def test_an_infinite_distance_leaves_blanks_and_does_not_agree():
+def test_an_infinite_distance_leaves_blanks():
     """A perfect scheme has it; warnings are errors in tests."""
     numbers = pd.DataFrame({"scheme": ["A"] * 3, "log2": [-float("inf")] * 2 + [0.1]})
-    median, percentile = distance_rows(numbers, {("A",): 0.35})
+    median, percentile = distance_rows(numbers, [("A",)])
     assert not np.isfinite([median.reproduced, percentile.reproduced]).any()
-    assert (median.agrees, percentile.agrees) == ("no", "")
-    assert median.why == "over 3 of 3 numbers; agreement: at most 0.35"
+    assert (median.agrees, percentile.agrees) == ("", "")
+    assert median.why == "over 3 of 3 numbers"
     far = pd.DataFrame({"scheme": ["A"], "log2": [-1053.0]})
-    assert "a factor of inf" in next(iter(distance_rows(far, {("A",): 0.35}))).why
+    assert "a factor of inf" in next(iter(distance_rows(far, [("A",)]))).why
 
 
 def test_sections_without_anything_to_tell_are_left_out():
@@ -74,11 +74,11 @@ def test_a_published_number_has_its_place_among_the_records():
     compared = compare_number(records, 51.0)
     assert list(compared) == list(COLUMNS)
     assert compared["reproduced"] == compared["ratio"] * 51.0 == 51.0
-    assert (compared["record_low"], compared["record_high"]) == pytest.approx((3.5, 98.5))
-    assert compared["quantile"] == 0.5
+    assert compared["record_low"] < 51.0 < compared["record_high"]
+    assert 0.5 < compared["chance"] < 1.0
     assert not compared["missed_by_factor_2"]
     assert compare_number(records, 25.0)["missed_by_factor_2"]
-    for published, agrees in ((51.0, "yes"), (100.0, "no")):
+    for published, agrees in ((51.0, "yes"), (1000.0, "no")):
         row = SimpleNamespace(published=published, **compare_number(records, published))
         assert lies_within_records(row) == agrees
     nothing = SimpleNamespace(published=1.0, **compare_number(None, 1.0))
