@@ -1,4 +1,4 @@
-"""Make everything behind the reports and pictures of docs/: searches, runs, figures.
+"""Make everything behind the reports and pictures of docs/: runs, figures.
 
     python -m experiments.reproduce [REPLICATES] [--check[=numbers]] [--against FOLDER]
 
