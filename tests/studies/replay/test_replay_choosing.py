@@ -114,7 +114,7 @@ def test_the_map_is_no_advice_for_a_peak_outside_the_band(tmp_path, monkeypatch)
     assert advised.loc["record", "recommended"] == "HME1"
     assert by_map["contradicts_record"]
     sentence = tell_row({**by_map.to_dict(), "source": "map"})
-    assert sentence.startswith("no advice, only for the")
+    assert sentence.startswith("The expected map is no advice here: the fit of Eq. (1) covers only")
     assert "This contradicts the record's own errors" in sentence
 
 

@@ -87,7 +87,10 @@ def tell_row(row: Mapping[Any, Any]) -> str:
     if row["advises"]:
         text += f" The fit of Eq. (1) covers {covered}."
     else:
-        text = f"no advice, only for the {covered} that the fit of Eq. (1) covers: {text}"
+        text = (
+            f"The expected map is no advice here: the fit of Eq. (1) covers only {covered}. It says, "
+            f"{text}"
+        )
     if row["contradicts_record"]:
         text += " This contradicts the record's own errors, which count because they judge all of "
         text += "its motion."
