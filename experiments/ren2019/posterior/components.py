@@ -1,0 +1,160 @@
+"""What each source of error contributes to a scheme's mean square error, by simulation.
+
+The schemes are linear. So an error is the sum of those from the motion, the fixes' noise, the
+IMU's noise, the walk of its bias and its bias at the start. These are independent, so their mean
+squares add (superposition); each grows with the square of its size. The sizes of motion and noises
+then cost no run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from experiments.ren2019.posterior.settings import (
+    FORCES,
+    LENGTHS,
+    OF_SCHEME,
+    SETTLING,
+    from_unit,
+    make_tuning,
+)
+from owtsweep.arrays import Array
+from owtsweep.config import with_values
+from owtsweep.studies import compose
+from owtsweep.studies.hub.batch import ChainRun, weights_of
+from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Known
+from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.listed import resolve
+from owtsweep.studies.hub.records import Feed, make_records
+from owtsweep.studies.hub.sensors import sensors
+
+#: Natural periods of tables 6 to 9, s.
+PERIODS = (3.0, 4.0, 8.0)
+#: Source of noise -> overrides that leave this source alone, of unit size. The last two are what
+#: `TRUTH` in `settings` sizes.
+SILENT = {"gnss.sigma": 1e-12, "imu.sigma": 1e-12, "imu.bias_walk": 0.0, "imu.bias_initial": 0.0}
+SOURCES = {name: {**SILENT, name: 1.0} for name in SILENT}
+#: The largest mean square that counts: a scheme that exceeds it diverges.
+DIVERGED = 1e6
+
+
+class Components(NamedTuple):
+    """Mean squares of a scheme's errors, of position and velocity (the last axis).
+
+    motion: along the wave, for a motion of 1 m, shape (forces, periods, lengths, 2, 2).
+    noise: per axis, for noises of size one, shape (sources, lengths, 2, 2).
+    The axis before the last: the whole record, and without its first `SETTLING` seconds.
+    """
+
+    motion: Array
+    noise: Array
+
+
+@cache
+def base_config() -> HubConfig:
+    """Return the hub's configuration with `tuning=paper`: its kinds of filters and of the MHE."""
+    words = ["tuning=paper", f"record.duration={LENGTHS[-1]}", f"measures.settling_time={SETTLING}"]
+    config = compose([*words, "seed=1842"])
+    assert isinstance(config, HubConfig)
+    return config
+
+
+def make_chain(scheme: str, settings: Mapping[str, float], steps: int) -> Chain:
+    """Return a scheme as arrays for the kernels, for values of the settings by name."""
+    tuned = with_values(base_config(), make_tuning(scheme, dict(settings)))
+    chain = resolve(scheme).kernel(Known(sensors(tuned.sensors), tuned), steps)
+    assert isinstance(chain, Chain)
+    return chain
+
+
+@cache
+def _list_feeds() -> list[tuple[Feed, Array]]:
+    """Return for each force and period eight records, and the motions' peaks (lengths, WIDTH)."""
+    base, feeds = base_config(), []
+    noises = list(SOURCES.values())
+    for number, (force, period) in enumerate(
+        (force, period) for force in FORCES.values() for period in PERIODS
+    ):
+        noise = noises[number] if number < len(noises) else SILENT
+        values = {**{f"sensors.{key}": value for key, value in noise.items()}, **force}
+        records = make_records(with_values(base, values), period, range(WIDTH))
+        feed = Feed(records)
+        feeds.append((feed, find_peaks(feed)))
+    return feeds
+
+
+def find_peaks(feed: Feed) -> Array:
+    """Return the largest displacement up to each end of `LENGTHS`, m, shape (lengths, WIDTH)."""
+    ends = count_steps(feed)
+    motions = [feed.records.motion[index] for index in feed.indices]
+    return np.array([[np.abs(m.position[:end]).max() for m in motions] for end in ends])
+
+
+def count_steps(feed: Feed) -> list[int]:
+    """Return the ends of `LENGTHS` in steps."""
+    return [round(length / feed.records.sensors.step) for length in LENGTHS]
+
+
+def sum_nested(chain: Chain, feed: Feed) -> Array:
+    """Return sums of products of errors up to each end, shape (lengths, 2, 4, 3, WIDTH).
+
+    The axes are those of `layout.products`, of x, y, vx and vy: before and after settling,
+    quantity, product, record.
+    """
+    settled = round(SETTLING / feed.records.sensors.step)
+    run = ChainRun(chain, weights_of(chain, consistency=False), feed, settled)
+    ends, found = count_steps(feed), []
+    for span in feed.spans(run.lead):
+        run.advance(span)
+        if run.done in ends:
+            found.append(run.products[:, :4].copy())
+    assert len(found) == len(ends)  # spans end where records do
+    return np.array(found)
+
+
+def average(sums: Array, feed: Feed) -> Array:
+    """Return means from `sum_nested`: the whole record and its settled part, same shape."""
+    settled = round(SETTLING / feed.records.sensors.step)
+    steps = np.array([[end, end - settled] for end in count_steps(feed)], dtype=float)
+    both = np.stack([sums.sum(axis=1), sums[:, 1]], axis=1)
+    return np.asarray(both / steps.reshape(*steps.shape, *[1] * (both.ndim - 2)))
+
+
+def simulate(scheme: str, settings: Mapping[str, float]) -> Components:
+    """Simulate the components of a scheme's errors; NaN where it diverges."""
+    feeds = _list_feeds()
+    chain = make_chain(scheme, settings, feeds[0][0].records.steps)
+    shape = (len(LENGTHS), 2, 2)
+    motion, noise = np.empty((len(feeds), *shape)), np.empty((len(SOURCES), *shape))
+    with np.errstate(all="ignore"):
+        for number, (feed, peaks) in enumerate(feeds):
+            means = average(sum_nested(chain, feed), feed)
+            # x and y together are the motion along the wave, for a motion whose peak is 1 m
+            along = means[..., 0, :].reshape(*shape, 2, WIDTH).sum(axis=3)
+            motion[number] = (along / peaks[:, None, None] ** 2).mean(axis=-1)
+            if number < len(SOURCES):
+                noise[number] = means[..., 2, :].reshape(*shape, 2, WIDTH).mean(axis=(3, 4))
+    for part in (motion, noise):
+        part[~(part < DIVERGED)] = np.nan
+    return Components(motion.reshape(len(FORCES), len(PERIODS), *shape), noise)
+
+
+def simulate_all(scheme: str, unit: Array, workers: int = 2) -> list[Components]:
+    """Simulate at points of the unit cube, shape (points, settings of the scheme)."""
+    from joblib import Parallel, delayed
+
+    settings = OF_SCHEME[scheme]
+    values = from_unit(unit, settings)
+    names = [setting.name for setting in settings]
+    jobs: Sequence[dict[str, float]] = [dict(zip(names, row, strict=True)) for row in values]
+    # not loky, which takes the records that each worker keeps for a leak of memory
+    made = Parallel(workers, backend="multiprocessing")(
+        delayed(simulate)(scheme, job) for job in jobs
+    )
+    return list(made)

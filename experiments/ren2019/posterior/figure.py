@@ -1,0 +1,82 @@
+"""Draw the posterior's main results from its stored tables: which readings, and which numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from experiments.ren2019.evidence import SCHEMES
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
+from owtsweep.io.tables import read_table
+
+#: Readings shown, the greatest evidence first.
+SHOWN = 12
+
+
+def draw(folder: Path) -> list[Path]:
+    """Draw `posterior.png` and `.svg` into the folder that has the tables; return the files."""
+    evidence, numbers = read_table(folder, "evidence"), read_table(folder, "numbers")
+    with style.context():
+        figure = style.new_figure(11.0, 7.2)
+        left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.5])
+        readings = read_table(folder, "readings")
+        _draw_evidence(left, readings)
+        _draw_numbers(right, numbers)
+        figure.suptitle(
+            f"What can Ren et al. (2019) have done? Closest of {len(readings)} readings: "
+            f"{describe(evidence.iloc[0])}",
+            x=0.01,
+            ha="left",
+        )
+        style.footnote(
+            figure,
+            "Left: natural logarithms, discrepancies inferred, scatter of tuning=paper; gaps of "
+            "some 15 say nothing (dotted: a factor of 10). Right, with the scatter of the closest "
+            "reading's own settings: each table of the print as the other three predict it for one "
+            "record; dots are medians. Crosses: the print lies outside. Seed 1; 200 records.",
+        )
+        return style.save(figure, folder, "posterior", {})
+
+
+def describe(row: pd.Series) -> str:
+    """Return a reading in words, from a row of the table `evidence`."""
+    start = "whole" if row["start"] else "without its start"
+    force = {"level": "level IMU", "leaning": "IMU leaning", "against": "IMU leaning against",
+             "coupled": "AC-coupled IMU"}[row["force"]]  # fmt: skip
+    accuracy = {"sigma": "σ", "uniform": "uniform ±", "three_sigma": "3 σ"}[row["accuracy"]]
+    return f"{accuracy}, {row['length']:g} s {start}, {force}, {row['seeds']} seeds"
+
+
+def _draw_evidence(axes: Axes, table: pd.DataFrame) -> None:
+    shown = table.head(SHOWN).iloc[::-1]
+    places = np.arange(len(shown))
+    axes.errorbar(shown["below"], places, xerr=shown["error"], fmt="o", color="black")
+    axes.axvline(-np.log(10.0), color="black", linestyle=":", linewidth=1.0)
+    axes.set_yticks(places, [describe(row) for _, row in shown.iterrows()], fontsize=7)
+    axes.set_xlabel("log evidence below the greatest")
+    axes.set_title(f"the {len(shown)} closest readings", loc="left")
+
+
+def _draw_numbers(axes: Axes, table: pd.DataFrame) -> None:
+    places, labels = [], []
+    for place, row in enumerate(table.to_dict("records")):
+        line = -(place + place // 16)  # a gap between tables
+        colour = style_of(str(row["scheme"]), SCHEMES).color
+        low, middle, high = (
+            row[f"out_{end}"] / row["published"] for end in ("low", "median", "high")
+        )
+        axes.plot([low, high], [line, line], color=colour, linewidth=2.0)
+        marker = "o" if row["inside"] else "X"
+        axes.plot(middle, line, marker, color=colour, markersize=4 if row["inside"] else 7)
+        places.append(line)
+        labels.append(f"{row['table']}  {row['scheme']} {row['measure']}")
+    axes.axvline(1.0, color="black", linewidth=1.0)
+    axes.set_xscale("log")
+    axes.set_yticks(places, labels, fontsize=5)
+    axes.set_xlabel("predicted / printed mean square error, 95 %")
+    inside = int(table["inside"].sum())
+    axes.set_title(f"tables 6 to 9: {inside} of {len(table)} numbers inside", loc="left")

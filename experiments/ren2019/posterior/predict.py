@@ -1,0 +1,59 @@
+"""Predict the 64 numbers of one record: from all of them, and each table from the other three."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from experiments.ren2019.evidence import TABLE_CELLS
+from experiments.ren2019.posterior.evidence import Posterior
+from experiments.ren2019.posterior.likelihood import Likelihood
+from experiments.ren2019.posterior.records import print_of_tables
+from owtsweep.arrays import Array
+
+#: Draws of a posterior from which a prediction is made.
+DRAWS = 1000
+Sampler = Callable[[list[Likelihood], int], list[Posterior]]
+
+
+def draw_records(likelihood: Likelihood, posterior: Posterior, seed: int = 11) -> Array:
+    """Return logarithms of the 64 numbers of one record per draw, shape (draws, 64)."""
+    generator = np.random.default_rng(seed)
+    freedom, found = likelihood.scatter.freedom, []
+    for point in posterior.points[:DRAWS]:
+        mean, variances = likelihood.predict(point)
+        factor = np.linalg.cholesky(likelihood.covariance(point, variances))
+        tail = np.sqrt((freedom - 2.0) / generator.chisquare(freedom))
+        found.append(mean + tail * (factor @ generator.standard_normal(len(mean))))
+    return np.array(found)
+
+
+def leave_tables_out(likelihood: Likelihood, sample_all: Sampler) -> dict[int, Array]:
+    """Return table -> logarithms of its 16 numbers as the other three predict, (draws, 16)."""
+    lines = np.repeat(list(TABLE_CELLS), 64 // len(TABLE_CELLS))
+    without = [replace(likelihood, used=lines != table) for table in TABLE_CELLS]
+    return {
+        table: draw_records(each, posterior)[:, lines == table]
+        for table, each, posterior in zip(TABLE_CELLS, without, sample_all(without, 1), strict=True)
+    }
+
+
+def predict_numbers(
+    likelihood: Likelihood, posterior: Posterior, left_out: Mapping[int, Array]
+) -> pd.DataFrame:
+    """Return the 64 numbers with the medians and 95 % intervals of both predictions.
+
+    Columns of `print_of_tables`, then low, median, high (from all numbers) and out_low, out_median,
+    out_high (from the other three tables), inside (whether the print lies within the latter).
+    """
+    table = print_of_tables()[["table", "scheme", "measure", "published"]].copy()
+    both = (draw_records(likelihood, posterior), np.hstack(list(left_out.values())))
+    for name, logs in zip(("", "out_"), both, strict=True):
+        ends = np.exp(np.quantile(logs, [0.025, 0.5, 0.975], axis=0))
+        for part, row in zip(("low", "median", "high"), ends, strict=True):
+            table[name + part] = row
+    table["inside"] = table["published"].between(table["out_low"], table["out_high"])
+    return table

@@ -1,0 +1,179 @@
+"""How the 64 numbers of one record scatter about their means: schemes share motion and noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.special import gammaln
+
+from experiments.ren2019 import published
+from experiments.ren2019.evidence import SCHEMES, TABLE_CELLS
+from experiments.ren2019.posterior.components import (
+    PERIODS,
+    average,
+    base_config,
+    find_peaks,
+    make_chain,
+    sum_nested,
+)
+from experiments.ren2019.posterior.settings import ACCURACIES, FORCES, LENGTHS, OF_SCHEME, Reading
+from experiments.ren2019.published import MEASURES, published_numbers
+from owtsweep.arrays import Array
+from owtsweep.config import with_values
+from owtsweep.results.superposition import superpose
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.records import Feed, make_records
+
+#: Records from which scatter is computed.
+RECORDS = 200
+
+
+@cache
+def print_of_tables() -> pd.DataFrame:
+    """Return the 64 numbers of tables 6 to 9, in the order of all arrays here.
+
+    Table by table, scheme by scheme, x y vx vy. Columns as `published_numbers`, and `rounding`: the
+    variance of the logarithm that comes from rounding to the printed digits.
+    """
+    table = published_numbers()
+    table["rounding"] = (_last_digits() / table["published"].to_numpy()) ** 2 / 12.0
+    return table
+
+
+def _last_digits() -> Array:
+    """The value of one unit in the last printed digit, in the order of `print_of_tables`."""
+    file = Path(published.__file__).with_name("ren2019_tables6to9_mse.csv")
+    rows = pd.read_csv(file, dtype=str)
+    found = {}
+    for row in rows.to_dict("records"):
+        for measure, column in MEASURES.items():
+            digits, power = str(row[column]).split("e")
+            decimals = len(digits.partition(".")[2])
+            found[int(row["table"]), row["scheme"], measure] = 10.0 ** (int(power) - decimals)
+    # the misprint 1.98e-2 has the digits of 1.98e-3
+    found[7, "EKF", "vx"] /= 10.0
+    return np.array(
+        [found[t, s, m] for t in TABLE_CELLS for s in SCHEMES for m in MEASURES], dtype=float
+    )
+
+
+class Scatter(NamedTuple):
+    """How the logarithms of the 64 numbers of one record are distributed about those of the means.
+
+    offset: mean of the logarithm less logarithm of the mean, shape (64,).
+    covariance: shape (64, 64), shrunk.
+    freedom: degrees of freedom of Student's distribution that fits its tails best.
+    """
+
+    offset: Array
+    covariance: Array
+    freedom: float
+
+
+def configure(reading: Reading, settings: Mapping[str, float]) -> HubConfig:
+    """Return the configuration of records with the accuracy and force of a reading."""
+    base, share = base_config(), ACCURACIES[reading.accuracy]
+    return with_values(
+        base,
+        {
+            "sensors.gnss.sigma": base.sensors.gnss.sigma * share,
+            "sensors.imu.sigma": base.sensors.imu.sigma * share,
+            "sensors.imu.bias_walk": settings["bias_walk"],
+            "sensors.imu.bias_initial": settings["bias_initial"],
+            **FORCES[reading.force],
+            "seed": 77,
+        },
+    )
+
+
+def simulate_records(
+    reading: Reading, settings: Mapping[str, float], count: int = RECORDS
+) -> Array:
+    """Return the 64 numbers of each record, shape (lengths, 2, 64, records).
+
+    The second axis: the start counts, or not. All tables share their random numbers.
+    reading: its accuracy and force count.
+    """
+    config = configure(reading, settings)
+    steps = make_records(config, PERIODS[0], [0]).steps
+    chains = {
+        scheme: make_chain(scheme, {s.name: settings[s.name] for s in each}, steps)
+        for scheme, each in OF_SCHEME.items()
+    }
+    found = np.empty((len(LENGTHS), 2, len(TABLE_CELLS), len(SCHEMES), 4, count))
+    for first in range(0, count, WIDTH):
+        numbers = range(first, min(first + WIDTH, count))
+        for period in PERIODS:
+            records = make_records(config, period, numbers)
+            feed = Feed(replace(records, in_streams=(0.0,)))  # equal random numbers at all periods
+            peaks = find_peaks(feed)
+            for place, scheme in enumerate(SCHEMES):
+                means = average(sum_nested(chains[scheme], feed), feed)
+                for line, cell in enumerate(TABLE_CELLS.values()):
+                    if cell.natural_period == period:
+                        size = (cell.amplitude / peaks)[:, None, None]
+                        mse = superpose(means[..., 0, :], means[..., 1, :], means[..., 2, :], size)
+                        found[:, :, line, place, :, numbers] = np.moveaxis(
+                            mse[..., : len(numbers)], -1, 0
+                        )
+    return found.reshape(len(LENGTHS), 2, -1, count)
+
+
+def find_scatter(numbers: Array, reading: Reading) -> Scatter:
+    """Return the scatter of single records, from `simulate_records`, under a reading."""
+    window = numbers[LENGTHS.index(reading.length), 0 if reading.start else 1]
+    logs = np.log(window)
+    offset = logs.mean(axis=1) - np.log(window.mean(axis=1))
+    covariance = shrink(logs.T)
+    if reading.seeds == "own":
+        table = np.repeat(np.arange(len(TABLE_CELLS)), len(logs) // len(TABLE_CELLS))
+        covariance = np.where(table[:, None] == table, covariance, 0.0)
+    return Scatter(offset, covariance, fit_freedom(logs - logs.mean(axis=1)[:, None], covariance))
+
+
+def shrink(rows: Array) -> Array:
+    """Return the covariance of rows, shape (records, n), shrunk to its diagonal.
+
+    Schaefer and Strimmer (2005), Stat. Appl. Genet. Mol. Biol. 4, 32: target D of their table 2.
+    """
+    count = len(rows)
+    standard = (rows - rows.mean(axis=0)) / rows.std(axis=0, ddof=1)
+    pairs = standard[:, :, None] * standard[:, None, :]
+    correlation = pairs.sum(axis=0) / (count - 1)
+    variance = pairs.var(axis=0, ddof=1) * count / (count - 1) ** 2
+    off = ~np.eye(rows.shape[1], dtype=bool)
+    part = float(np.clip(variance[off].sum() / (correlation[off] ** 2).sum(), 0.0, 1.0))
+    correlation = np.where(off, (1.0 - part) * correlation, 1.0)
+    deviation = rows.std(axis=0, ddof=1)
+    return np.asarray(correlation * deviation[:, None] * deviation)
+
+
+def fit_freedom(deviations: Array, covariance: Array) -> float:
+    """Return the degrees of freedom with which Student's distribution fits records best.
+
+    deviations: from the mean, shape (n, records). The distribution has this covariance.
+    """
+    solved = np.linalg.solve(covariance, deviations)
+    distances = np.sum(deviations * solved, axis=0)
+    choices = np.geomspace(4.0, 4000.0, 61)
+    likely = [log_student(distances, len(deviations), nu).sum() for nu in choices]
+    return float(choices[int(np.argmax(likely))])
+
+
+def log_student(distance: Array, size: int, freedom: float) -> Array:
+    """Return Student's log density without its determinant, given a covariance (not a scale).
+
+    distance: squared Mahalanobis distances d' C^-1 d.
+    """
+    scale = freedom - 2.0
+    constant = (
+        gammaln((freedom + size) / 2) - gammaln(freedom / 2) - size / 2 * np.log(scale * np.pi)
+    )
+    return np.asarray(constant - (freedom + size) / 2 * np.log1p(distance / scale))
