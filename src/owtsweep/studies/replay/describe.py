@@ -88,8 +88,8 @@ def tell_row(row: Mapping[Any, Any]) -> str:
         text += f" The fit of Eq. (1) covers {covered}."
     else:
         text = (
-            f"The expected map is no advice here: the fit of Eq. (1) covers only {covered}. It says, "
-            f"{text}"
+            "The expected map is no advice here: the fit of Eq. (1) covers only "
+            f"{covered}. It says, {text}"
         )
     if row["contradicts_record"]:
         text += " This contradicts the record's own errors, which count because they judge all of "
