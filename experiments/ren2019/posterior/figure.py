@@ -14,7 +14,7 @@ from owtsweep.figures.palette import style_of
 from owtsweep.io.tables import read_table
 
 #: Readings shown, the greatest evidence first.
-SHOWN = 12
+SHOWN = 10
 
 
 def draw(folder: Path) -> list[Path]:
@@ -24,7 +24,7 @@ def draw(folder: Path) -> list[Path]:
         figure = style.new_figure(11.0, 7.2)
         left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.5])
         readings = read_table(folder, "readings")
-        _draw_evidence(left, readings)
+        _draw_evidence(left, readings, evidence)
         _draw_numbers(right, numbers)
         figure.suptitle(
             f"What can Ren et al. (2019) have done? Closest of {len(readings)} readings: "
@@ -34,8 +34,8 @@ def draw(folder: Path) -> list[Path]:
         )
         style.footnote(
             figure,
-            "Left: natural logarithms, discrepancies inferred, scatter of tuning=paper; gaps of "
-            "some 15 say nothing (dotted: a factor of 10). Right, with the scatter of the closest "
+            "Left: natural logarithms, discrepancies inferred; the scatter of single records decides "
+            "more than the readings (dotted: a factor of 10). Right, with the scatter of the closest "
             "reading's own settings: each table of the print as the other three predict it for one "
             "record; dots are medians. Crosses: the print lies outside. Seed 1; 200 records.",
         )
@@ -51,14 +51,26 @@ def describe(row: pd.Series) -> str:
     return f"{accuracy}, {row['length']:g} s {start}, {force}, {row['seeds']} seeds"
 
 
-def _draw_evidence(axes: Axes, table: pd.DataFrame) -> None:
-    shown = table.head(SHOWN).iloc[::-1]
-    places = np.arange(len(shown))
-    axes.errorbar(shown["below"], places, xerr=shown["error"], fmt="o", color="black")
+def _draw_evidence(axes: Axes, readings: pd.DataFrame, own: pd.DataFrame) -> None:
+    """Draw the closest readings, and all whose scatter was simulated with their own settings."""
+    readings = readings.assign(name=[describe(row) for _, row in readings.iterrows()])
+    own = own.assign(name=[describe(row) for _, row in own.iterrows()])
+    kept = (readings.index < SHOWN) | readings["name"].isin(own["name"])
+    shown = readings[kept].iloc[::-1].reset_index(drop=True)
+    place = {name: number for number, name in enumerate(shown["name"])}
+    axes.errorbar(
+        shown["below"], shown.index, xerr=shown["error"], fmt="o", color="black",
+        label="scatter of tuning=paper",
+    )  # fmt: skip
+    axes.errorbar(
+        own["below"], own["name"].map(place), xerr=own["error"], fmt="D", color="C1", mfc="none",
+        label="scatter of its own settings",
+    )  # fmt: skip
     axes.axvline(-np.log(10.0), color="black", linestyle=":", linewidth=1.0)
-    axes.set_yticks(places, [describe(row) for _, row in shown.iterrows()], fontsize=7)
+    axes.set_yticks(shown.index, shown["name"], fontsize=7)
     axes.set_xlabel("log evidence below the greatest")
-    axes.set_title(f"the {len(shown)} closest readings", loc="left")
+    axes.set_title("the closest readings", loc="left")
+    axes.legend(loc="center left", fontsize=7)
 
 
 def _draw_numbers(axes: Axes, table: pd.DataFrame) -> None:
