@@ -34,10 +34,11 @@ def draw(folder: Path) -> list[Path]:
         )
         style.footnote(
             figure,
-            "Left: natural logarithms, discrepancies inferred; the scatter of single records decides "
-            "more than the readings (dotted: a factor of 10). Right, with the scatter of the closest "
-            "reading's own settings: each table of the print as the other three predict it for one "
-            "record; dots are medians. Crosses: the print lies outside. Seed 1; 200 records.",
+            "Left: natural logarithms, discrepancies inferred; the scatter of single records "
+            "decides more than the readings (dotted: a factor of 10). Right, with the scatter "
+            "of the closest reading's own settings: each table of the print as the other three "
+            "predict it for one record; dots are medians. Crosses: the print lies outside. Seed "
+            "1; 200 records.",
         )
         return style.save(figure, folder, "posterior", {})
 
