@@ -151,7 +151,7 @@ def test_the_steps_of_make_reproduce_are_there():
             assert verb in ("sweep", "figures", "report", "copy", "script")
             if verb == "script":
                 path = ROOT.joinpath("experiments", *words[0].split("."))
-                assert path.with_suffix(".py").is_file()
+                assert path.with_suffix(".py").is_file() or (path / "__main__.py").is_file()
         assert "keep" not in part or (keeping.REFERENCE / name).is_dir()
 
 

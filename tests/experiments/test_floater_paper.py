@@ -185,7 +185,7 @@ def test_the_report_has_all_parts(holding, won, tmp_path):
     page = (tmp_path / "fidelity.md").read_text()
     assert "Goals G1-G10: 10 reproduced." in page
     assert "needs the author's file" in page
-    assert "| 2_10% | 3 | noise 10 dB | 0.00438 / 1 |" in page
+    assert "| 2_10% | 3 | noise 10 dB | 0.00438 / 1 (<.001) |" in page
     assert {file.name for file in files} >= {"fidelity.md", "fidelity.html", "stored_tests.csv"}
 
 
