@@ -123,4 +123,5 @@ def tell_most(levers: Sequence[Pulled]) -> str:
     most = min(ratios, key=ratios.__getitem__)
     if ratios[most] >= 1.0:
         return "None of these lessens the error."
-    return f"Most is bought by: {most} ({ratios[most]:.3g} times the error)."
+    tried = "Most" if len(ratios) == len(levers) else "Of those that could be tried, most"
+    return f"{tried} is bought by: {most} ({ratios[most]:.3g} times the error)."
