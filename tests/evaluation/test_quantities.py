@@ -53,6 +53,16 @@ def test_measures_are_means(first: int) -> None:
         assert means[name].samples == count
 
 
+def test_a_covariance_that_says_no_error_is_refused() -> None:
+    """Else its NEES would be stored as no number, of a case that is taken for good."""
+    errors = draw(0)
+    assert errors.covariance is not None
+    covariance = errors.covariance.copy()
+    covariance[STEPS - 1] = 0.0
+    with pytest.raises(np.linalg.LinAlgError, match="Singular matrix"):
+        measure(errors._replace(covariance=covariance), JUDGED)
+
+
 def test_products_superpose() -> None:
     motion, noise, N = draw(1, sparse=False), draw(2), 3.5
     parts = noise._replace(

@@ -98,11 +98,15 @@ def _decorrelate(covariance: Array, parts: Sequence[Array]) -> list[tuple[list[A
     By C = L D L' (Golub and Van Loan 2013, section 4.1), written out over the steps, as n is small:
     a' C^-1 b is the sum of (L^-1 a)_i (L^-1 b)_i / D_i. A part has the shape (steps, n), and
     `covariance` (steps, n, n).
+
+    Raise `LinAlgError` if a covariance is singular.
     """
     n = covariance.shape[1]
     rest = np.ascontiguousarray(np.moveaxis(covariance, 0, -1))
     rows = [[part[:, i] for part in parts] for i in range(n)]
     for j in range(n):
+        if not rest[j, j].all():
+            raise np.linalg.LinAlgError("Singular matrix")
         for i in range(j + 1, n):
             factor = rest[i, j] / rest[j, j]
             rest[i, j + 1 :] -= factor * rest[j, j + 1 :]
@@ -110,14 +114,14 @@ def _decorrelate(covariance: Array, parts: Sequence[Array]) -> list[tuple[list[A
     return [(rows[i], rest[i, i]) for i in range(n)]
 
 
-def _products(parts: Sequence[Array], variance: Array | float = 1.0) -> Array:
+def _products(parts: Sequence[Array], variance: Array | None = None) -> Array:
     """Compute the means of motion x motion, motion x noise and noise x noise, shape (3,).
 
-    The parts have the shape (steps,), and each product is divided by `variance`.
+    The parts have the shape (steps,). With `variance`, (steps,), each product is divided by it.
     """
 
     def mean(a: Array, b: Array) -> float:
-        return float(np.mean(a * b / variance))
+        return float(np.mean(a * b if variance is None else a * b / variance))
 
     if len(parts) == 1:
         return np.array([0.0, 0.0, mean(parts[0], parts[0])])
