@@ -16,10 +16,10 @@ MIXED = {**SPACE, "kind": {"options": ["good", "bad"]}}
 START = {"gain": 3.0, "window": 9, "offset": 0.2}
 
 
-def bowl(values: Plain) -> tuple[float, Plain]:
+def bowl(values: Plain) -> float:
     """Return a score whose minimum, 1, lies at gain 5, window 12, offset 0 and kind "good"."""
     far = math.log(values["gain"] / 5.0) ** 2 + (values["window"] / 12.0 - 1.0) ** 2
-    return 1.0 + far + values["offset"] ** 2 + (values.get("kind") == "bad"), {"far": far}
+    return 1.0 + far + values["offset"] ** 2 + (values.get("kind") == "bad")
 
 
 def test_a_minimum_is_found_and_found_again() -> None:
@@ -51,10 +51,10 @@ def test_starts_come_first_and_once_without_values_out_of_bounds() -> None:
 
 
 def test_a_trial_without_a_score_is_kept_and_the_search_goes_on() -> None:
-    def fragile(values: Plain) -> tuple[float, Plain]:
+    def fragile(values: Plain) -> float:
         if values["window"] > 20:
             raise InputError("window: too long")
-        return (math.nan if values["offset"] > 0.5 else bowl(values)[0]), {}
+        return math.nan if values["offset"] > 0.5 else bowl(values)
 
     trials = list(search(SPACE, fragile, trials=60, seed=2, starts=[START]))
     assert len(trials) == 60
@@ -62,7 +62,7 @@ def test_a_trial_without_a_score_is_kept_and_the_search_goes_on() -> None:
         failed = trial.values["window"] > 20
         assert ("too long" in trial.reason) == failed
         assert math.isinf(trial.score) == (failed or trial.values["offset"] > 0.5)
-    assert min(trial.score for trial in trials) < bowl(START)[0]
+    assert min(trial.score for trial in trials) < bowl(START)
 
 
 def test_a_bug_is_no_bad_score() -> None:
@@ -73,11 +73,11 @@ def test_a_bug_is_no_bad_score() -> None:
 def test_an_interrupt_leaves_the_trials_that_were_made() -> None:
     judged: list[Plain] = []
 
-    def interrupted(values: Plain) -> tuple[float, Plain]:
+    def interrupted(values: Plain) -> float:
         if len(judged) == 2:
             raise KeyboardInterrupt
         judged.append(values)
-        return 1.0, {}
+        return 1.0
 
     trials = search(SPACE, interrupted, trials=9, seed=1)
     assert [trial.values for trial in islice(trials, 2)] == judged

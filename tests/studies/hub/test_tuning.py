@@ -85,10 +85,10 @@ def test_an_interrupt_keeps_the_best_so_far(
 ) -> None:
     judged = [1.0, 1.0, 0.5]
 
-    def interrupted(*_: object) -> tuple[float, dict[str, object]]:
+    def interrupted(*_: object) -> float:
         if not judged:
             raise KeyboardInterrupt
-        return judged.pop(0), {}
+        return judged.pop(0)
 
     monkeypatch.setattr(search, "_judge", interrupted)
     path = tmp_path / "mine.yaml"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,32 +18,31 @@ if TYPE_CHECKING:
 #: `options` lists the values to choose from.
 Space = Mapping[str, Any]
 
-#: Computes the score of some values (parameter -> value), and details that the trial keeps. It may
-#: raise ArithmeticError or ValueError (so `InputError` and LinAlgError), if there is no score.
-Objective = Callable[[Plain], tuple[float, Plain]]
+#: Computes the score of some values (parameter -> value). It may raise ArithmeticError or
+#: ValueError (so `InputError` and LinAlgError), if there is no score.
+Objective = Callable[[Plain], float]
 
 
 @dataclass(frozen=True)
 class Trial:
     """Values that were tried.
 
-    `score`: the score, less is better; infinite if there is none. `details`: the details that the
-    objective returned. `reason`: why the objective could not be computed; else empty.
+    `score`: the score, less is better; infinite if there is none. `reason`: why the objective could
+    not be computed; else empty.
     """
 
     values: Plain
     score: float
-    details: Plain = field(default_factory=dict)
     reason: str = ""
 
 
 def attempt(objective: Objective, values: Plain) -> Trial:
     """Compute the score of some values; a score that is not finite counts as infinite."""
     try:
-        score, details = objective(values)
+        score = objective(values)
     except (ArithmeticError, ValueError) as error:
         return Trial(values, float("inf"), reason=as_text(error))
-    return Trial(values, score if np.isfinite(score) else float("inf"), details)
+    return Trial(values, score if np.isfinite(score) else float("inf"))
 
 
 def search(

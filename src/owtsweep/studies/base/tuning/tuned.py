@@ -122,11 +122,11 @@ def _find_able(training: Training, config: Any, schemes: Sequence[str]) -> list[
 
 def _judge(
     training: Training, criterion: Criterion, schemes: Sequence[str], begun: Any, values: Plain
-) -> tuple[float, Plain]:
+) -> float:
     """Return the score of values, which replace those of the configuration `begun`."""
     tuned = with_values(begun, values)
     errors = [criterion.judge(training.run(tuned, name, tuned.criterion)) for name in schemes]
-    return _score(np.array(errors)), {}
+    return _score(np.array(errors))
 
 
 def _score(judged: Array) -> float:

@@ -106,9 +106,9 @@ def _make_training(config: HubConfig, scheme: Scheme) -> HubConfig:
     )
 
 
-def _judge(config: HubConfig, scheme: Scheme, values: Plain) -> tuple[float, Plain]:
+def _judge(config: HubConfig, scheme: Scheme, values: Plain) -> float:
     tuned = with_values(config, values)
     if has_curves(scheme):
-        return score(expected_errors(tuned, scheme)), {}
+        return score(expected_errors(tuned, scheme))
     (errors,) = errors_on_records(tuned, [scheme.name], TRAINING_RECORDS)
-    return score(errors.mean(axis=-1)), {}
+    return score(errors.mean(axis=-1))
