@@ -73,6 +73,14 @@ def make_chain(scheme: str, settings: Mapping[str, float], steps: int) -> Chain:
     return chain
 
 
+def make_chains(settings: Mapping[str, float], steps: int) -> dict[str, Chain]:
+    """Return scheme -> its chain, for values of all settings by name."""
+    return {
+        scheme: make_chain(scheme, {each.name: settings[each.name] for each in own}, steps)
+        for scheme, own in OF_SCHEME.items()
+    }
+
+
 @cache
 def _list_feeds() -> list[tuple[Feed, Array]]:
     """Return for each force and period eight records, and the motions' peaks (lengths, WIDTH)."""

@@ -17,7 +17,9 @@ from experiments.ren2019.posterior.records import Scatter, log_student, print_of
 from experiments.ren2019.posterior.settings import (
     ACCURACIES,
     DISCREPANCY,
+    FIX_VARIANCE,
     FORCES,
+    IMU_VARIANCE,
     LENGTHS,
     NAMES,
     Reading,
@@ -28,8 +30,6 @@ from owtsweep.arrays import Array
 
 #: Places of bias_walk and bias_initial among the settings.
 _WALK, _INITIAL = NAMES.index("bias_walk"), NAMES.index("bias_initial")
-#: Table 5: standard deviations of a fix, m, and of an IMU sample, m/s^2.
-_SIGMAS = (0.03, 0.15)
 #: Places among `PERIODS` of the tables' cells, shape (4,).
 _ROWS = np.array([PERIODS.index(cell.natural_period) for cell in TABLE_CELLS.values()])
 #: Square of the motion along x and y per square along the wave, which comes 30 deg from x; times
@@ -82,11 +82,8 @@ class Likelihood:
         print_ = print_of_tables()
         self.logs = np.log(print_["published"].to_numpy(dtype=float))
         self.fixed = self.scatter.covariance * (1.0 + _MEANS) + np.diag(print_["rounding"])
-        pair = np.kron(np.eye(32), np.ones((2, 2)))
-        place = np.arange(64)
-        scheme = place // 4 % len(SCHEMES)
-        self.pairs = pair * (scheme[:, None] == scheme)
-        self.scheme = scheme
+        self.pairs = np.kron(np.eye(32), np.ones((2, 2)))  # x and y of a number
+        self.scheme = np.array([SCHEMES.index(scheme) for scheme in print_["scheme"]])
 
     @property
     def dimensions(self) -> int:
@@ -107,8 +104,9 @@ class Likelihood:
         """Return means (64,) of the logarithms of one record, and the emulators' variances."""
         unit = self.settings(point)
         values = from_unit(unit)
-        share = ACCURACIES[self.reading.accuracy]
-        sizes = np.square([share * _SIGMAS[0], share * _SIGMAS[1], values[_WALK], values[_INITIAL]])
+        share = ACCURACIES[self.reading.accuracy] ** 2
+        of_bias = values[[_WALK, _INITIAL]] ** 2
+        sizes = np.array([share * FIX_VARIANCE, share * IMU_VARIANCE, *of_bias])
         means, variances = np.empty((4, 4, 2, 2)), np.empty((4, 4, 2, 2))
         for place, scheme in enumerate(SCHEMES):
             fitted = self.emulators[scheme]

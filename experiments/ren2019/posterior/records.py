@@ -19,11 +19,12 @@ from experiments.ren2019.posterior.components import (
     average,
     base_config,
     find_peaks,
-    make_chain,
+    make_chains,
     sum_nested,
 )
-from experiments.ren2019.posterior.settings import ACCURACIES, FORCES, LENGTHS, OF_SCHEME, Reading
+from experiments.ren2019.posterior.settings import ACCURACIES, FORCES, LENGTHS, Reading
 from experiments.ren2019.published import MEASURES, published_numbers
+from experiments.single_record import read_rounded
 from owtsweep.arrays import Array
 from owtsweep.config import with_values
 from owtsweep.results.superposition import superpose
@@ -48,15 +49,14 @@ def print_of_tables() -> pd.DataFrame:
 
 
 def _last_digits() -> Array:
-    """The value of one unit in the last printed digit, in the order of `print_of_tables`."""
+    """The width of what rounds to each printed number, in the order of `print_of_tables`."""
     file = Path(published.__file__).with_name("ren2019_tables6to9_mse.csv")
     rows = pd.read_csv(file, dtype=str)
     found = {}
     for row in rows.to_dict("records"):
         for measure, column in MEASURES.items():
-            digits, power = str(row[column]).split("e")
-            decimals = len(digits.partition(".")[2])
-            found[int(row["table"]), row["scheme"], measure] = 10.0 ** (int(power) - decimals)
+            least, greatest = read_rounded(str(row[column]))
+            found[int(row["table"]), row["scheme"], measure] = greatest - least
     # the misprint 1.98e-2 has the digits of 1.98e-3
     found[7, "EKF", "vx"] /= 10.0
     return np.array(
@@ -103,10 +103,7 @@ def simulate_records(
     """
     config = configure(reading, settings)
     steps = make_records(config, PERIODS[0], [0]).steps
-    chains = {
-        scheme: make_chain(scheme, {s.name: settings[s.name] for s in each}, steps)
-        for scheme, each in OF_SCHEME.items()
-    }
+    chains = make_chains(settings, steps)
     found = np.empty((len(LENGTHS), 2, len(TABLE_CELLS), len(SCHEMES), 4, count))
     for first in range(0, count, WIDTH):
         numbers = range(first, min(first + WIDTH, count))
@@ -133,7 +130,7 @@ def find_scatter(numbers: Array, reading: Reading) -> Scatter:
     offset = logs.mean(axis=1) - np.log(window.mean(axis=1))
     covariance = shrink(logs.T)
     if reading.seeds == "own":
-        table = np.repeat(np.arange(len(TABLE_CELLS)), len(logs) // len(TABLE_CELLS))
+        table = print_of_tables()["table"].to_numpy()
         covariance = np.where(table[:, None] == table, covariance, 0.0)
     return Scatter(offset, covariance, fit_freedom(logs - logs.mean(axis=1)[:, None], covariance))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +15,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.hub.study import HubStudy
+from owtsweep.sweep.keys import hash_text
 
 #: Points of each scheme's design. The EKF diverges at two points of five; HME2 has eight settings.
 POINTS = {"EKF": 512, "MKF": 256, "HME1": 512, "HME2": 512}
@@ -48,10 +48,10 @@ def keep(
     said: what they depend on besides the configuration and the hub's numerics version.
     """
     content = (said, as_mapping(base_config()), HubStudy.numerics_version)
-    file = folder / f"{name}-{hashlib.sha256(repr(content).encode()).hexdigest()[:10]}.npz"
+    file = folder / f"{name}-{hash_text(repr(content))}.npz"
     if not file.exists():
         stream = io.BytesIO()
-        np.savez_compressed(stream, allow_pickle=False, **make())
+        np.savez_compressed(stream, **make())
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(file, stream.getvalue())
     with np.load(file) as kept:
