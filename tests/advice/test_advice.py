@@ -98,6 +98,19 @@ def test_levers_of_fewer_records_are_paired_over_these(tmp_path, monkeypatch):
     assert {pulled.ratio.n for pulled in advice.levers} == {3}
 
 
+def test_a_lever_that_does_not_fit_is_moved_to_one_that_does(tmp_path, monkeypatch):
+    """10 fixes per second do not become 20 beside an IMU of 50 Hz, nor a delay of .1 s .05 s."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("owtsweep.advice.advising.try_worlds", lambda *_: iter(()))
+    monkeypatch.setattr("owtsweep.advice.advising.measure_closely", lambda *_: None)
+    sensors = ["sensors.gnss.rate=10", "sensors.imu.rate=50", "sensors.gnss.delay=.1"]
+    advice = owtsweep.advise([*CASE, *sensors, "grid.replicates=3"])
+    changes = {pulled.change: pulled for pulled in advice.levers}
+    assert not any(pulled.refused for pulled in advice.levers)
+    assert changes["sensors.gnss.rate=25"].words == "nearly twice as many fixes"
+    assert changes["sensors.gnss.delay=0.04"].words == "nearly half the delay of a fix"
+
+
 def test_quick_is_the_answer_alone_and_json_one_object(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["advise", *CASE, "--quick", "--json"]) == 0

@@ -362,3 +362,11 @@ def test_an_error_that_a_library_makes_of_ctrl_c_is_ctrl_c(monkeypatch, capsys):
     monkeypatch.setattr("owtsweep.cli.list.names", interrupted)
     assert main(["list"]) == 130
     assert capsys.readouterr().err.startswith("owtsweep: interrupted; ")
+
+
+def test_a_warning_is_printed_once_in_a_command(capsys: pytest.CaptureFixture[str]) -> None:
+    """Both cells' configurations lie beyond the rules of tuning=matched."""
+    words = ["sweep", "--cfg", "sensors.gnss.sigma=3", "seed=1,2", "--multirun"]
+    for _ in range(2):  # in the next command again
+        assert main(words) == 0
+        assert capsys.readouterr().err.count("lies beyond") == 1

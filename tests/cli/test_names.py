@@ -31,6 +31,8 @@ def test_a_slip_is_one_line(
 def test_list_of_a_study_has_that_study_alone(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", "tower"]) == DONE
     out = capsys.readouterr().out
+    assert main(["list", "study=tower"]) == DONE  # as other commands name a study
+    assert capsys.readouterr().out == out
     assert out.startswith("  tower            The tower study")
     assert "AKF_LAGGED" in out
     assert "study=tower seas" in out

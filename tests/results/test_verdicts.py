@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from owtsweep.results.answer import tell_answer, tell_cell, tell_scheme
+from owtsweep.results.answer import tell_alike, tell_answer, tell_cell, tell_scheme
 from owtsweep.results.criteria import MILLIMETRE, Criterion
 from owtsweep.results.cube import Cube
 from owtsweep.results.ratios import compare_with_best
@@ -208,6 +208,19 @@ def test_a_scheme_that_has_left_is_compared_over_the_records_of_both() -> None:
     assert (
         tell_scheme("EKF", table, ratios, POSITION) == "EKF is best in no cell: it has no result."
     )
+
+
+def test_who_gives_the_errors_of_another_is_named_and_is_no_runner_up() -> None:
+    """HME2 has MKF's errors but for rounding: the runner-up is the simpler of them."""
+    rows = make_rows(dict.fromkeys(CONTENDERS, 8))
+    is_copy, is_mkf = rows["scheme"] == "HME2", rows["scheme"] == "MKF"
+    rows.loc[is_copy, "value"] = rows.loc[is_mkf, "value"].to_numpy() * (1.0 - 1e-12)
+    table = decide(rows)
+    assert set(table["runner_up"]) == {"MKF"}
+    cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
+    summary = summarise(cube)
+    assert tell_alike(["HME2"], summary) == ["HME2 and MKF give the same errors in every cell."]
+    assert tell_alike(["HME1"], summary) == []
 
 
 def test_records_after_the_last_look_do_not_move_a_ratio() -> None:

@@ -78,6 +78,7 @@ class Advice:
         if not self.question.study.list_worlds(self.question.config):
             return
         yield describe.HEADING_OF_WORLDS
+        yield describe.tell_nominal(answer)
         for turned in try_worlds(self.question, answer):
             self.worlds.append(turned)
             yield describe.tell_turned(turned, answer)

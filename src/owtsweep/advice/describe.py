@@ -90,12 +90,19 @@ def _tell_simplest(given: Answer) -> str:
 
 def tell_pulled(pulled: Pulled, given: Answer) -> str:
     """Return in a line what a lever brings."""
-    start = f"{pulled.lever.words[0].upper()}{pulled.lever.words[1:]} ({pulled.change}):"
+    start = f"{pulled.words[0].upper()}{pulled.words[1:]} ({pulled.change}):"
     if pulled.ratio is None:
         return f"{start} cannot be tried: {pulled.refused}"
     ratio = pulled.ratio
     times = _show_times(ratio.value, ratio.low, ratio.high)
     return f"{start} {pulled.best}, {given.found.criterion.show(pulled.error)}, {times}."
+
+
+def tell_nominal(given: Answer) -> str:
+    """Return in a line the error as asked, over the records of the other worlds."""
+    values = given.found.values[given.best][:RECORDS]
+    error = given.found.criterion.express(float(np.mean(values)))
+    return f"As asked (nominal): {given.best}, {given.found.criterion.show(float(error))}."
 
 
 def tell_turned(turned: Turned, given: Answer) -> str:
@@ -117,7 +124,7 @@ def tell_turned(turned: Turned, given: Answer) -> str:
 
 def tell_most(levers: Sequence[Pulled]) -> str:
     """Return in a sentence which lever buys most; "" if none could be tried."""
-    ratios = {each.lever.words: each.ratio.value for each in levers if each.ratio is not None}
+    ratios = {each.words: each.ratio.value for each in levers if each.ratio is not None}
     if not ratios:
         return ""
     most = min(ratios, key=ratios.__getitem__)

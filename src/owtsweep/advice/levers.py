@@ -5,7 +5,7 @@ A lever is run on the first records of the same numbers, so that ratios of error
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from owtsweep.advice.answer import Answer
@@ -26,7 +26,8 @@ FAR = 2.0
 class Pulled(NamedTuple):
     """What a lever brings: the best contender with it, its error, and the ratio to that without.
 
-    change: the override. refused: why it cannot be tried; "" if it was.
+    change: the override. near: whether it is one of `Lever.near`.
+    refused: why it cannot be tried; "" if it was.
     """
 
     lever: Lever
@@ -35,29 +36,51 @@ class Pulled(NamedTuple):
     error: float = float("nan")
     ratio: Error | None = None
     refused: str = ""
+    near: bool = False
+
+    @property
+    def words(self) -> str:
+        """What is done, in words."""
+        return f"nearly {self.lever.words}" if self.near else self.lever.words
 
 
 def pull_levers(question: Question, given: Answer) -> Iterator[Pulled]:
     """Yield what each lever of the study brings to a case, as soon as it is computed."""
-    plain, near = as_mapping(question.config), list_near(question, given)
+    plain, schemes = as_mapping(question.config), list_near(question, given)
     for lever in question.study.levers:
         value: Any = value_at(plain, lever.key)
         axis = isinstance(value, list)  # of a grid, with one value
-        new = lever.change(value[0] if axis else value)
+        old = value[0] if axis else value
+        new = lever.change(old)
         if new is None:
             continue
-        text = new if isinstance(new, str) else f"{new:.6g}"
-        change = f"{lever.key}=[{text}]" if axis else f"{lever.key}={text}"
-        try:
-            config = question.change(change, *near, f"grid.replicates={RECORDS}")
-            found = find(question.study, config)
-        except InputError as error:
-            yield Pulled(lever, change, refused=str(error))
-            continue
-        best = found.find_best(RECORDS)
-        without = given.found.values[given.best][:RECORDS]
-        ratio = divide(found.values[best][: len(without)], without, found.criterion)
-        yield Pulled(lever, change, best, found.measure(best).value, ratio)
+        tries = (
+            _pull(question, given, lever, _name_change(lever.key, one, axis=axis), schemes)
+            for one in (new, *(factor * old for factor in lever.near))
+        )
+        first = next(tries)
+        moved = next((one for one in tries if not one.refused), None) if first.refused else None
+        yield first if moved is None else moved._replace(near=True)
+
+
+def _name_change(key: str, new: float | str, *, axis: bool) -> str:
+    text = new if isinstance(new, str) else f"{new:.6g}"
+    return f"{key}=[{text}]" if axis else f"{key}={text}"
+
+
+def _pull(
+    question: Question, given: Answer, lever: Lever, change: str, schemes: Sequence[str]
+) -> Pulled:
+    """Run the case with a change; `schemes` is what `list_near` returns."""
+    try:
+        config = question.change(change, *schemes, f"grid.replicates={RECORDS}")
+        found = find(question.study, config)
+    except InputError as error:
+        return Pulled(lever, change, refused=str(error))
+    best = found.find_best(RECORDS)
+    without = given.found.values[given.best][:RECORDS]
+    ratio = divide(found.values[best][: len(without)], without, found.criterion)
+    return Pulled(lever, change, best, found.measure(best).value, ratio)
 
 
 def list_near(question: Question, given: Answer) -> list[str]:

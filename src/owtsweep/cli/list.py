@@ -31,13 +31,13 @@ PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Print all studies, then the schemes and config groups of each study, and return 0.
 
-    With `options.name`, print what this study, group or scheme is. A study of another package that
-    cannot be loaded is listed with its error. `argv` is not used.
+    With `options.name`, print what this study, group or scheme is; `study=NAME` is the study. A
+    study of another package that cannot be loaded is listed with its error. `argv` is not used.
 
     Raises InputError if nothing has this name.
     """
     if options.name is not None:
-        print("\n".join(_find(options.name)))
+        print("\n".join(_find(options.name.removeprefix("study="))))
         return DONE
     print("studies (study=...):")
     choices: dict[Path, list[str]] = {}

@@ -341,10 +341,20 @@ def program_here() -> str:
 
 
 class _ToStderr(logging.Handler):
-    """Prints each message to what `sys.stderr` is now, which a caller of `main` may exchange."""
+    """Prints each message to what `sys.stderr` is now, which a caller of `main` may exchange.
+
+    A command that runs many configurations, e.g. `advise`, says a message once. said: those said.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.said: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        print(self.format(record), file=sys.stderr)
+        text = self.format(record)
+        if text not in self.said:
+            print(text, file=sys.stderr)
+        self.said.add(text)
 
 
 def _warnings_to_stderr() -> None:
@@ -353,8 +363,11 @@ def _warnings_to_stderr() -> None:
     A warning says, for example, that a file of stored cases is damaged.
     """
     logger = logging.getLogger("owtsweep")
+    for handler in logger.handlers:
+        if isinstance(handler, _ToStderr):
+            handler.said.clear()
     if not logger.handlers:
-        handler = _ToStderr(logging.WARNING)
+        handler = _ToStderr()
         handler.addFilter(lambda record: not str(record.msg).startswith("failed: "))
         handler.setFormatter(Lines("owtsweep: %(message)s"))
         logger.addHandler(handler)

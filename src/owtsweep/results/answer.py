@@ -10,6 +10,7 @@ import numpy as np
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.verdicts import SEPARATOR
+from owtsweep.statistics.contest import agree
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,6 +119,25 @@ def tell_scheme(name: str, cells: pd.DataFrame, ratios: pd.DataFrame, criterion:
         f"{name} is best in no cell: its error is {_tell_range(both['error'], criterion)}, "
         f"{_tell_ends(ratio, '.3g')} times the least{records}."
     )
+
+
+def tell_alike(names: Sequence[str], summary: pd.DataFrame) -> list[str]:
+    """Return a sentence on each of some schemes that has the errors of another contender.
+
+    summary: the run's table summary.csv. Two are alike if all means that both have agree, in every
+    cell.
+    """
+    cells = [*summary.columns[: summary.columns.get_loc("mean")]]
+    means = summary.pivot(
+        index=[c for c in cells if c != "scheme"], columns="scheme", values="mean"
+    )
+    sentences = []
+    for name in names:
+        for other in means.columns.difference([name, *names], sort=False):
+            both = means[[name, other]].dropna()
+            if len(both) and agree(both[name].to_numpy(), both[other].to_numpy()).all():
+                sentences.append(f"{name} and {other} give the same errors in every cell.")
+    return sentences
 
 
 def _list_keys(ratios: pd.DataFrame) -> list[str]:

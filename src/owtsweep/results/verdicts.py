@@ -223,6 +223,8 @@ def _describe(
         i for i in others if np.isfinite(others[i]) and not agree(seen[i], seen[best])[:n].all()
     ]
     second = min(apart, key=lambda i: others[i], default=-1)
+    # of several that coincide, the simplest names them
+    second = next((i for i in apart if agree(seen[i], seen[second])[:n].all()), second)
     line: dict[str, object] = {
         "verdict": decision.verdict,
         "best": cell.names[best],

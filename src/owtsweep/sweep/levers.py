@@ -14,11 +14,14 @@ class Lever(NamedTuple):
     key: of the configuration, or a config group; `grid.` and the name of an axis for the one value
         that this axis has.
     change: Returns the new value of the key's value; None: there is nothing to change.
+    near: factors of the key's value that are tried in this order where the new one is refused: a
+        rate must fit another one, a delay its steps.
     """
 
     words: str
     key: str
     change: Callable[[Any], Any]
+    near: tuple[float, ...] = ()
 
 
 def halve(value: float | None) -> float | None:

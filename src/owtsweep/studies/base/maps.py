@@ -8,7 +8,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
-from owtsweep.results.answer import tell_answer, tell_beaten, tell_counts
+from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten, tell_counts
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.regret import tell_regret
 from owtsweep.results.status import FAILED
@@ -113,6 +113,7 @@ def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
             lines += tell_answer(cells, ratios, chosen, conditions)
             own = [scheme for scheme in schemes if scheme not in list_schemes(config.study)]
             lines += tell_beaten(own, cells, ratios, chosen)
+            lines += tell_alike(own, tables["summary"])
         elif name != config.criterion:
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if waiting:

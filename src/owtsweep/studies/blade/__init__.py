@@ -19,7 +19,7 @@ class BladeStudy(DeclaredStudy):
     name = "blade"
     levers = (
         Lever("half the noise of a GNSS fix", "grid.sigma", halve),
-        Lever("twice as many GNSS fixes", "sensors.fix_rate", double),
+        Lever("twice as many GNSS fixes", "sensors.fix_rate", double, (2.5, 1.5, 3.0, 4.0, 5.0)),
         Lever("half the length of an outage", "grid.outage", halve),
         Lever("half the error of the time stamps", "grid.offset", halve),
         Lever("half the error of the lever arm", "grid.lever", halve),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
 from owtsweep.figures.drawings import save_figure
-from owtsweep.results.answer import tell_answer, tell_beaten
+from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.contents import Contents
 from owtsweep.results.ratios import compare_with_best
@@ -130,6 +130,7 @@ class _Engine(Engine):
             lines += tell_answer(table, ratios, judged, get_map_conditions(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, ratios, judged)
+            lines += tell_alike(further, tables["summary"])
         lines += tell_regret(tables) or quote_worlds(config)
         lines += _tell_bound(config)
         lines += tell_not_asked(config)

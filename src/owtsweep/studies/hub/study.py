@@ -73,8 +73,8 @@ class HubStudy(HubKeys):
     advised_records = 192
     levers = (
         Lever("half the noise of a fix", "sensors.gnss.sigma", halve),
-        Lever("twice as many fixes", "sensors.gnss.rate", double),
-        Lever("half the delay of a fix", "sensors.gnss.delay", halve),
+        Lever("twice as many fixes", "sensors.gnss.rate", double, (2.5, 1.5, 3.0, 4.0, 5.0)),
+        Lever("half the delay of a fix", "sensors.gnss.delay", halve, (0.4, 0.6, 0.3, 0.2)),
         Lever("half the noise of the IMU", "sensors.imu.sigma", halve),
         Lever("half the walk of the IMU's bias", "sensors.imu.bias_walk", halve),
     )

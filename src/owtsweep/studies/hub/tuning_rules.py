@@ -182,7 +182,7 @@ def _warn(facts: Facts, bias_walk: float) -> None:
         if not low <= value <= high:
             logger.warning(
                 "%s: %g lies beyond %g to %g, for which the rules of tuning=matched were made; "
-                "`owtsweep tune` finds numbers for these sensors",
+                "`owtsweep tune` finds those of EKF, MKF, HME1 and HME2 for these sensors",
                 key, value, low, high,
             )  # fmt: skip
 
