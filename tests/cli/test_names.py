@@ -17,6 +17,9 @@ from owtsweep.cli import BAD_INPUT, DONE, main
         (["list", "flaoter"], "flaoter: no study, config group or scheme; did you mean floater?"),
         (["list", "HMEE1"], "did you mean HME1"),
         (["list", "#"], "`owtsweep list` has all names"),
+        (["list", "HOLD", "MEKF"], "give one name, e.g. HME1 or HOLD study=blade"),
+        (["list", "MEKF", "study=tower"], "MEKF: no study, config group or scheme"),
+        (["list", "HOLD", "study=blad"], "there is no study 'blad'; did you mean blade?"),
     ],
 )
 def test_a_slip_is_one_line(
@@ -37,6 +40,11 @@ def test_list_of_a_study_has_that_study_alone(capsys: pytest.CaptureFixture[str]
     assert "AKF_LAGGED" in out
     assert "study=tower seas" in out
     assert "study=floater" not in out
+
+
+def test_list_of_a_name_in_one_study(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "HOLD", "study=blade"]) == DONE
+    assert capsys.readouterr().out.startswith("study=blade schemes=[HOLD]: the last GNSS fix, held")
 
 
 def test_list_of_a_group_has_the_options_of_all_studies(

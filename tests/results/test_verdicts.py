@@ -219,8 +219,14 @@ def test_who_gives_the_errors_of_another_is_named_and_is_no_runner_up() -> None:
     assert set(table["runner_up"]) == {"MKF"}
     cube = Cube.of_rows(rows, CONTENDERS, CONDITIONS, GRID)
     summary = summarise(cube)
-    assert tell_alike(["HME2"], summary) == ["HME2 and MKF give the same errors in every cell."]
-    assert tell_alike(["HME1"], summary) == []
+    said = "HME2 and MKF give the same errors in every cell"
+    assert tell_alike(["HME2"], summary, ["position"]) == [f"{said}."]
+    assert tell_alike(["HME1"], summary, ["position"]) == []
+    is_copy = summary["scheme"] == "HME2"
+    other = summary.assign(measure="velocity")
+    other.loc[is_copy, "mean"] *= 1.1
+    both = pd.concat([summary, other], ignore_index=True)
+    assert tell_alike(["HME2"], both, ["position", "velocity"]) == [f"{said}, by position."]
 
 
 def test_records_after_the_last_look_do_not_move_a_ratio() -> None:

@@ -64,7 +64,7 @@ class Advice:
         yield from describe.tell_answer(answer)
         if quick:
             return
-        self.closer = measure_closely(self.question, answer)
+        self.closer = measure_closely(self.question, answer, progress)
         if self.closer is not None:
             yield describe.tell_closer(self.closer, answer)
         yield describe.HEADING_OF_LEVERS

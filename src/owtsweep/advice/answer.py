@@ -55,7 +55,9 @@ def find_answer(question: Question, progress: Progress | None = None) -> Answer:
     )
 
 
-def measure_closely(question: Question, given: Answer) -> Error | None:
+def measure_closely(
+    question: Question, given: Answer, progress: Progress | None = None
+) -> Error | None:
     """Return the error of the best contender over more records; None if it has as many already.
 
     These are `Study.advised_records`: so many that the error is that of the long run.
@@ -70,4 +72,4 @@ def measure_closely(question: Question, given: Answer) -> Error | None:
         f"baselines=[{given.best if baseline else ''}]",
         f"grid.replicates={records}",
     ]
-    return find(question.study, question.change(*words)).measure(given.best)
+    return find(question.study, question.change(*words), progress).measure(given.best)

@@ -49,8 +49,8 @@ def tell_answer(given: Answer) -> list[str]:
         first,
         f"Judged by {criterion.title}.",
         *of_cell[1:],
-        *_tell_bound(given),
         _tell_simplest(given),
+        *_tell_bound(given),
         *further,
     ]
 
@@ -83,9 +83,9 @@ def _tell_bound(given: Answer) -> list[str]:
 def _tell_simplest(given: Answer) -> str:
     margin = f"{100.0 * given.margin:.3g} %"
     if given.simplest == given.best:
-        return f"No simpler one is within {margin} of it."
+        return f"No simpler one is within {margin} of {given.best}."
     error = given.found.criterion.show(given.simplest_error)
-    return f"Simplest within {margin} of it: {given.simplest}, {error}."
+    return f"Simplest within {margin} of {given.best}: {given.simplest}, {error}."
 
 
 def tell_pulled(pulled: Pulled, given: Answer) -> str:
@@ -114,7 +114,8 @@ def tell_turned(turned: Turned, given: Answer) -> str:
     if not np.isfinite(turned.error):
         return f"{start} {given.best} has no result; run {turned.best}, {show(turned.least)}."
     if turned.best == given.best:
-        return f"{start} {given.best} stays best, {show(turned.error)}."
+        after = f"; next {turned.second}, {show_error(turned.ratio)} times" * bool(turned.second)
+        return f"{start} {given.best} stays best, {show(turned.error)}{after}."
     times = _show_times(turned.regret, turned.low, turned.high)
     return (
         f"{start} {given.best} has {show(turned.error)}, {times} that of the best, "

@@ -31,6 +31,7 @@ class Turned(NamedTuple):
     world, sentence: its name, and how it departs.
     refused: why it cannot be tried; "" if it was.
     best, least: who is best in this world, and its error.
+    second, ratio: who comes next there, and its error over the least; "" and NaN without one.
     error: of the contender that is best in the nominal world; NaN where it has none.
     regret, low, high: `error` over `least`, with its range.
     """
@@ -40,6 +41,8 @@ class Turned(NamedTuple):
     refused: str = ""
     best: str = ""
     least: float = float("nan")
+    second: str = ""
+    ratio: float = float("nan")
     error: float = float("nan")
     regret: float = float("nan")
     low: float = float("nan")
@@ -59,7 +62,10 @@ def try_worlds(question: Question, given: Answer) -> Iterator[Turned]:
         own: Mapping[Hashable, Any] = lines.to_dict("index").get(given.best, {})
         best, least = str(row["best"]), float(row["least"])
         errors = [float(own.get(name, np.nan)) for name in ERRORS]
-        yield Turned(world, sentence, "", best, least, *errors)
+        others = lines["error"].drop(best).dropna()
+        second = str(others.idxmin()) if len(others) else ""
+        ratio = float(others.min()) / least if second else np.nan
+        yield Turned(world, sentence, "", best, least, second, ratio, *errors)
 
 
 def join_worlds(question: Question, worlds: list[str]) -> Mapping[str, pd.DataFrame]:

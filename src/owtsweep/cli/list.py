@@ -11,7 +11,7 @@ from itertools import chain
 from pathlib import Path
 
 from owtsweep.cli import DONE
-from owtsweep.config import Tree
+from owtsweep.config import Tree, require
 from owtsweep.errors import InputError, shorten
 from owtsweep.studies import get_study, names
 from owtsweep.studies.registry import (
@@ -31,13 +31,14 @@ PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Print all studies, then the schemes and config groups of each study, and return 0.
 
-    With `options.name`, print what this study, group or scheme is; `study=NAME` is the study. A
-    study of another package that cannot be loaded is listed with its error. `argv` is not used.
+    With a name in `options.names`, print what this study, group or scheme is; with `study=STUDY`
+    too, in this study alone. A study of another package that cannot be loaded is listed with its
+    error. `argv` is not used.
 
-    Raises InputError if nothing has this name.
+    Raises InputError if nothing has this name, or several are given.
     """
-    if options.name is not None:
-        print("\n".join(_find(options.name.removeprefix("study="))))
+    if options.names:
+        print("\n".join(_find(*_split(options.names))))
         return DONE
     print("studies (study=...):")
     choices: dict[Path, list[str]] = {}
@@ -55,8 +56,21 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     return DONE
 
 
-def _find(name: str) -> list[str]:
-    """Return lines on a study, a config group or a scheme, in every study that has it.
+def _split(words: Sequence[str]) -> tuple[str, list[str]]:
+    """Return the name that is asked for, and the studies in which it is looked for."""
+    chosen = [word.removeprefix("study=") for word in words if word.startswith("study=")]
+    asked = [word for word in words if not word.startswith("study=")] or chosen
+    require(
+        len(asked) == 1 and len(chosen) <= 1,
+        f"NAME: {shorten(' '.join(words))}: give one name, e.g. HME1 or HOLD study=blade",
+    )
+    for study in chosen:
+        get_study(study)
+    return asked[0], chosen or [*names()]
+
+
+def _find(name: str, studies: Sequence[str]) -> list[str]:
+    """Return lines on a study, a config group or a scheme, in each of some studies that has it.
 
     Raises InputError if nothing has this name; the message names what is most alike.
     """
@@ -65,7 +79,7 @@ def _find(name: str) -> list[str]:
     lines: list[str] = []
     known: set[str] = {*names()}
     seen: set[Path] = set()
-    for study in names():
+    for study in studies:
         try:
             schemes, tree = list_schemes(study), find_tree(study)
         except InputError:  # a broken study of another package

@@ -142,8 +142,11 @@ def _add_report(parser: Parser) -> None:
 
 
 def _add_list(parser: Parser) -> None:
-    text = "a study, a config group, or a scheme, e.g. tower, sensors or HME1; default: all"
-    parser.add_argument("name", nargs="?", metavar="NAME", help=text)
+    text = (
+        "a study, a config group, or a scheme, e.g. tower, sensors or HME1; default: all; "
+        "with study=STUDY, of this study alone"
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=text)
 
 
 def _add_runs(parser: Parser) -> None:

@@ -514,7 +514,7 @@ class Page {
     const {part, state} = this;
     const place = document.getElementById("stretch");
     const stretch = findStretch(part, state.at, state.amplitude);
-    const heading = make("h3", {}, "40 s of record 0, from the settling time on");
+    const heading = make("h3", {}, "40 s of record 0, from the middle of its judged part on");
     if (!stretch) {
       place.replaceChildren(heading, make("p", {class: "note"}, part.help));
       return;

@@ -62,11 +62,13 @@ class Extras:
     tables: Caption -> a table of its own, e.g. a paper's claims.
     pictures: Description -> PNG.
     help: how to get details, where there are none.
+    names: Scheme -> what it is, in a few words.
     """
 
     tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     help: str = ""
+    names: Mapping[str, str] = field(default_factory=dict)
 
 
 def make_run_page(
@@ -90,7 +92,7 @@ def make_run_page(
     parts = [_write_answer(title, shown)]
     data = None
     if mapped:
-        parts.append(_write_map(mapped))
+        parts.append(_write_map(mapped, extras.names))
         data = {
             "parts": [
                 make_part(
@@ -140,7 +142,7 @@ def clean_lines(text: str) -> str:
     return "\n".join(clean(line) for line in text.splitlines())
 
 
-def _write_map(mapped: Mapping[str, Contents]) -> str:
+def _write_map(mapped: Mapping[str, Contents], names: Mapping[str, str]) -> str:
     maps, rows = [], []
     for tuning, contents in mapped.items():
         criterion = next(iter(contents.criteria))
@@ -158,7 +160,14 @@ def _write_map(mapped: Mapping[str, Contents]) -> str:
         for name, color in list_legend(next(iter(mapped.values()))).items()
     ]
     return Template(read_asset("map.html")).substitute(
-        maps="\n".join(maps), legend="\n".join(legend), rows="\n".join(rows)
+        maps="\n".join(maps),
+        legend="\n".join(legend),
+        rows="\n".join(rows),
+        named="".join(
+            f"<dt>{clean(name)}</dt><dd>{clean(names[name])}</dd>\n"
+            for name in dict.fromkeys(n for each in mapped.values() for n in each.contenders)
+            if name in names
+        ),
     )
 
 

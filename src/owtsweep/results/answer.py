@@ -121,22 +121,26 @@ def tell_scheme(name: str, cells: pd.DataFrame, ratios: pd.DataFrame, criterion:
     )
 
 
-def tell_alike(names: Sequence[str], summary: pd.DataFrame) -> list[str]:
-    """Return a sentence on each of some schemes that has the errors of another contender.
+def tell_alike(names: Sequence[str], summary: pd.DataFrame, criteria: Sequence[str]) -> list[str]:
+    """Return sentences on those of some schemes that have the errors of another contender.
 
-    summary: the run's table summary.csv. Two are alike if all means that both have agree, in every
-    cell.
+    summary: the run's table summary.csv. Two are alike by a criterion if all means that both have
+    agree, in every cell.
     """
     cells = [*summary.columns[: summary.columns.get_loc("mean")]]
-    means = summary.pivot(
-        index=[c for c in cells if c != "scheme"], columns="scheme", values="mean"
-    )
+    index = [name for name in cells if name != "scheme"]
+    judged = summary[summary["measure"].isin(list(criteria))]
+    means = judged.pivot(index=index, columns="scheme", values="mean")
     sentences = []
-    for name in names:
+    for name in means.columns.intersection([*names]):  # others have no result
         for other in means.columns.difference([name, *names], sort=False):
             both = means[[name, other]].dropna()
-            if len(both) and agree(both[name].to_numpy(), both[other].to_numpy()).all():
-                sentences.append(f"{name} and {other} give the same errors in every cell.")
+            same = both.assign(same=agree(both[name].to_numpy(), both[other].to_numpy()))["same"]
+            by = same.groupby("measure", sort=False).all()
+            alike = [str(measure).replace("_", " ") for measure in by.index[by]]
+            if alike:
+                what = "" if len(alike) == len(by) else f", by {' and '.join(alike)}"
+                sentences.append(f"{name} and {other} give the same errors in every cell{what}.")
     return sentences
 
 

@@ -1,7 +1,8 @@
 """Computes what a page shows on request: 40 s of a record in each cell, and error spectra.
 
 A sweep stores errors alone. For its page, record 0 of each cell is made again, and what the schemes
-say of one quantity is kept from the settling time on. Where one run serves all amplitudes, the
+say of one quantity is kept from the middle of the judged part on, because a scheme that learns the
+sea starts like another one. Where one run serves all amplitudes, the
 least and the largest one are run: the page computes the others, because these schemes are linear.
 """
 
@@ -110,7 +111,8 @@ def _run_cell(
         record = study.estimate(changed(config, grid=grid), 0)
     step = float(record.time[1] - record.time[0])
     every = max(round(1.0 / (RATE * step)), 1)
-    first = min(record.settled, max(len(record.time) - round(SECONDS / step), 0))
+    middle = (record.settled + len(record.time)) // 2
+    first = min(middle, max(len(record.time) - round(SECONDS / step), 0))
     part = slice(first, first + round(SECONDS / step) + 1, every)
     truth = np.asarray(record.truth[quantity])[part, component]
     series = [pack("", truth)]

@@ -97,7 +97,8 @@ def test_the_noise_counts_that_is_better_on_fixes_that_were_withheld():
 
 def answer(*rows: dict) -> list[str]:
     config = config_of([Path("a.csv")])
-    return describe.tell_answer(config, {"advice": pd.DataFrame(rows)})
+    noise = pd.DataFrame([{"parameter": "sensors.gnss.sigma", "estimate": 0.02}])
+    return describe.tell_answer(config, {"advice": pd.DataFrame(rows), "noise": noise})
 
 
 def test_the_answer_is_in_the_words_of_a_sweep():
@@ -121,7 +122,9 @@ def test_the_answer_is_in_the_words_of_a_sweep():
     parts = {"source": "fixes", "criterion": "fix_residual", "recommended_ci_low": np.nan}
     said = answer(row | parts)
     assert said[0] == "HME1 is best: error 0.200 m, 20 parts."
-    assert "distances from later fixes" in said[-1]
+    assert "distances from later fixes" in said[-2]
+    # .2 m are a mean square of .04 m^2, of which 2 x .02^2 are the fixes'
+    assert said[-1] == "Without that noise, 0.0200 m per axis, it is some 0.198 m."
     alike = row | {"same_as": "EKF", "recommended": "EKF", "left": "EKF; HME1"}
     assert answer(alike)[0].startswith("EKF is best")
     by_map = row | {"source": "map", "counts": False}

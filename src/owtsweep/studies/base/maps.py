@@ -113,7 +113,7 @@ def tell(contest: Contest[C], config: C, tables: Mapping[str, pd.DataFrame]) -> 
             lines += tell_answer(cells, ratios, chosen, conditions)
             own = [scheme for scheme in schemes if scheme not in list_schemes(config.study)]
             lines += tell_beaten(own, cells, ratios, chosen)
-            lines += tell_alike(own, tables["summary"])
+            lines += tell_alike(own, tables["summary"], [*contest.criteria])
         elif name != config.criterion:
             lines.append(f"By {name.replace('_', ' ')}: {tell_counts(cells)}")
     if waiting:

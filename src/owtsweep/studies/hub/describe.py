@@ -50,6 +50,15 @@ def list_sensors(sensors: SensorConfig) -> dict[str, str]:
     }
 
 
+def describe_sensors(config: HubConfig) -> str:
+    """Return in a line what the sensors are that every record has."""
+    known = take_facts(config.sensors)
+    return (
+        f"GNSS {known.gnss_sigma:g} m, {known.gnss_rate:g} Hz, {known.delay:g} s late; "
+        f"IMU {known.imu_sigma:g} m/s², {known.imu_rate:g} Hz"
+    )
+
+
 def _list_faults(sensors: SensorConfig) -> dict[str, str]:
     """Return name -> value, in words, of what the paper's sensors do not have."""
     listed, imu = {}, sensors.imu

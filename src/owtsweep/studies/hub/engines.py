@@ -33,6 +33,7 @@ from owtsweep.studies.hub.describe import (
     OTHER_WINDOW,
     ask,
     describe_draws,
+    describe_sensors,
     describe_truth,
     find_winners,
     make_cube,
@@ -119,7 +120,8 @@ class _Engine(Engine):
     def _list_origin(self, config: HubConfig) -> list[str]:
         world = [] if self.world.has_spectrum else [self.world.describe(config)]
         truth, draws = describe_truth(config), describe_draws(config)
-        return [f"Tuning {config.tuning_name}", *world, truth, draws]
+        sensors = f"Sensors: {describe_sensors(config)}"
+        return [f"Tuning {config.tuning_name}", *world, truth, sensors, draws]
 
     def _tell(
         self, config: HubConfig, table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]
@@ -130,7 +132,7 @@ class _Engine(Engine):
             lines += tell_answer(table, ratios, judged, get_map_conditions(config))
             further = [name for name in scheme_names(config) if name not in REGISTERED]
             lines += tell_beaten(further, table, ratios, judged)
-            lines += tell_alike(further, tables["summary"])
+            lines += tell_alike(further, tables["summary"], [*ask(config).criteria])
         lines += tell_regret(tables) or quote_worlds(config)
         lines += _tell_bound(config)
         lines += tell_not_asked(config)

@@ -40,10 +40,14 @@ def quote_worlds(config: HubConfig) -> list[str]:
         return []
     summary = read_table(folder, SUMMARY)
     cells = int(summary["least_mean"].sum())
+    periods = " ".join(f"{period:g}" for period in summary["natural_period"].unique())
+    worst = summary.loc[summary.loc[summary["least_worst"], "worst"].idxmax()]
+    far = f"{worst['scheme']} has up to {worst['worst']:.2f} times the least error"
     return [
-        f"If the world is another one ({origin['worlds']} worlds, `{origin['command']}`, "
-        f"{origin['date']}): least mean regret {_count(summary, 'mean')} of {cells} cells, least "
-        f"worst {_count(summary, 'worst')} (docs/regret.md)."
+        f"If the world is another one, by a stored sweep of {cells} cells of its own ({periods} s; "
+        f"{origin['worlds']} worlds, `{origin['command']}`, {origin['date']}): least mean regret "
+        f"{_count(summary, 'mean')} cells, least worst {_count(summary, 'worst')}; "
+        f"{far}, in {worst['worst_world']} (docs/regret.md)."
     ]
 
 

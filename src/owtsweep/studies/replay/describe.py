@@ -61,7 +61,24 @@ def tell_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> lis
     if not own:
         return []
     both = ESTIMATED in {*advised["noise"]}
-    return _tell(own[0]) + [NOISES[own[0]["noise"]]] * both
+    noise = [NOISES[own[0]["noise"]]] * both
+    return [*_tell(own[0]), *_tell_without_noise(config, tables["noise"], own[0]), *noise]
+
+
+def _tell_without_noise(
+    config: ReplayConfig, noise: pd.DataFrame, row: Mapping[Any, Any]
+) -> list[str]:
+    """Return a sentence on an error that is measured by fixes, less these fixes' own noise."""
+    if row["source"] != "fixes":
+        return []
+    shown = noise.loc[noise["parameter"] == "sensors.gnss.sigma", "estimate"]
+    sigma = float(shown.iloc[0]) if len(shown) else make_sensors(config.sensors).position_sigma
+    left = float(row["value_recommended"]) - 2.0 * sigma**2  # of both axes
+    if left <= 0.0:
+        return []
+    criterion = JUDGED["position"]
+    error = criterion.show(float(criterion.express(left)))
+    return [f"Without that noise, {criterion.show(sigma)} per axis, it is some {error}."]
 
 
 def tell_others(advised: pd.DataFrame) -> list[str]:
