@@ -243,7 +243,11 @@ class PlacedSensors:
             f"sensors.{name}=[{','.join(f'{height:.9g}' for height in heights)}]"
             for name, heights in sensors.items()
         )
-        return f"for errors on records run `sweep` with the same overrides and {' '.join(words)}"
+        tuned = f"tuning={self.config.tuning_name}"
+        return (
+            f"for errors on records run `sweep` with the same overrides, {tuned} and "
+            f"{' '.join(words)}"
+        )
 
 
 def _find_added(choice: Choice, better: Choice) -> float:
