@@ -5,7 +5,8 @@ Each world is run by the key `over`: its truth departs, and schemes know what th
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+#: Worlds that are run together: enough to keep some cores busy, so few that lines come soon.
+AT_ONCE = 4
 #: Columns of the table "regret" that `Turned` has of the nominal world's best contender.
 ERRORS = ("error", "regret", "low", "high")
 
@@ -50,22 +53,39 @@ class Turned(NamedTuple):
 
 
 def try_worlds(question: Question, given: Answer) -> Iterator[Turned]:
-    """Yield what the advice turns to in each world of the study, as soon as it is computed."""
-    for world, sentence in question.study.list_worlds(question.config).items():
+    """Yield what the advice turns to in each world of the study, some at a time as computed."""
+    worlds = question.study.list_worlds(question.config)
+    for names in batched(worlds, AT_ONCE):
         try:
-            table = _run(question, [world])["regret"]
-        except InputError as error:
-            yield Turned(world, sentence, refused=str(error))
-            continue
-        lines = table[table["world"] == world].set_index("scheme")
-        row: Mapping[Hashable, Any] = lines.iloc[0].to_dict()
-        own: Mapping[Hashable, Any] = lines.to_dict("index").get(given.best, {})
-        best, least = str(row["best"]), float(row["least"])
-        errors = [float(own.get(name, np.nan)) for name in ERRORS]
-        others = lines["error"].drop(best).dropna()
-        second = str(others.idxmin()) if len(others) else ""
-        ratio = float(others.min()) / least if second else np.nan
-        yield Turned(world, sentence, "", best, least, second, ratio, *errors)
+            tables = dict.fromkeys(names, _run(question, names)["regret"])
+        except InputError:  # of one of them: each by itself
+            tables = {}
+        for world in names:
+            try:
+                table = tables[world] if tables else _run(question, [world])["regret"]
+            except InputError as error:
+                yield Turned(world, worlds[world], refused=str(error))
+            else:
+                yield _tell_apart(table, world, worlds[world], given)
+
+
+def batched(names: Iterable[str], size: int) -> Iterator[list[str]]:
+    """Yield names in lists of a size; the last may have fewer."""
+    rest = iter(names)
+    while some := [*islice(rest, size)]:
+        yield some
+
+
+def _tell_apart(table: pd.DataFrame, world: str, sentence: str, given: Answer) -> Turned:
+    lines = table[table["world"] == world].set_index("scheme")
+    row: Mapping[Hashable, Any] = lines.iloc[0].to_dict()
+    own: Mapping[Hashable, Any] = lines.to_dict("index").get(given.best, {})
+    best, least = str(row["best"]), float(row["least"])
+    errors = [float(own.get(name, np.nan)) for name in ERRORS]
+    others = lines["error"].drop(best).dropna()
+    second = str(others.idxmin()) if len(others) else ""
+    ratio = float(others.min()) / least if second else np.nan
+    return Turned(world, sentence, "", best, least, second, ratio, *errors)
 
 
 def join_worlds(question: Question, worlds: list[str]) -> Mapping[str, pd.DataFrame]:
@@ -73,6 +93,6 @@ def join_worlds(question: Question, worlds: list[str]) -> Mapping[str, pd.DataFr
     return _run(question, [NOMINAL, *worlds])
 
 
-def _run(question: Question, worlds: list[str]) -> Mapping[str, pd.DataFrame]:
+def _run(question: Question, worlds: Sequence[str]) -> Mapping[str, pd.DataFrame]:
     words = f"over={{world: [{','.join(worlds)}]}}", f"grid.replicates={RECORDS}"
     return find(question.study, question.change(*words)).tables

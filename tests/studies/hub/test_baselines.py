@@ -257,7 +257,7 @@ def test_a_baseline_of_less_error_is_named_and_hatched(tmp_path: Path) -> None:
 
 def test_an_answer_names_its_window_and_the_other(tmp_path: Path) -> None:
     run, tables = crowned(tmp_path)
-    told = describe.OTHER_WINDOW["full"]
+    told = describe.tell_window("full")
     assert told in " ".join(render(run, tables).split())
     figure = listing.draw_cells(run.config, tables, run.cases(), "position", [])
     texts = " ".join(text.get_text() for text in figure.findobj(Text))

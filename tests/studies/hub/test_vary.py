@@ -18,7 +18,7 @@ from owtsweep.results.conditions import Condition
 from owtsweep.statistics.inference import t_quantile
 from owtsweep.studies.base.varying.sentences import answer_each
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
-from owtsweep.studies.hub.describe import OTHER_WINDOW
+from owtsweep.studies.hub.describe import tell_window
 from owtsweep.studies.hub.tuning.errors import errors_on_records
 from owtsweep.studies.hub.varying import compute, list_common_facts, make_errors
 
@@ -50,7 +50,7 @@ def test_table_figure_and_answer(tmp_path: Path, capsys: pytest.CaptureFixture[s
     (folder,) = tmp_path.iterdir()
     names = {path.name for path in folder.iterdir()}
     assert names == {"vary.csv", "vary.png", "vary.svg", "configurations.yaml"}
-    assert OTHER_WINDOW["settled"] in out
+    assert tell_window("settled") in out
     assert "Not asked: SKFA, which tracks the sea." in out
     table = pd.read_csv(folder / "vary.csv")
     assert list(table["value"].unique()) == [1.0, 4.0]

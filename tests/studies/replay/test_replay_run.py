@@ -15,7 +15,7 @@ from rich.console import Console
 
 import owtsweep
 from owtsweep.cli import main
-from owtsweep.studies.hub.public import OTHER_WINDOW
+from owtsweep.studies.hub.public import tell_window
 from owtsweep.studies.replay import facts
 from owtsweep.studies.replay.measures import BASELINE_ROWS
 from owtsweep.studies.replay.report import render_answer
@@ -37,7 +37,7 @@ def test_outputs(capsys):
     out, err = capsys.readouterr()
     assert "HME1" in out
     assert "by the expected map at its period and amplitude" in " ".join(out.split())
-    assert OTHER_WINDOW["settled"] in " ".join(out.split())
+    assert tell_window("settled", 5.0) in " ".join(out.split())
     alone = "The advice is for this motion of tower.csv alone, with noise drawn anew."
     assert alone in " ".join(out.split())
     assert "note: motion kept up to 5 Hz" in err
@@ -69,7 +69,7 @@ def test_outputs(capsys):
     assert np.array_equal(one.x, own.x)
     report = (run / "report.md").read_text()
     assert f"- {alone}" in report
-    assert f"- {OTHER_WINDOW['settled']}" in report
+    assert f"- {tell_window('settled', 5.0)}" in report
     for link in ("position_zoom", "velocity_zoom", "spectrum", "place_in_map", "bias"):
         assert f"](figures/{link}.png)" in report
         assert (run / f"figures/{link}.png").stat().st_size > 10_000

@@ -146,13 +146,27 @@ ESTIMATES = {
 UNDECIDED = (
     "has the least error in some cells, but the data do not tell it and the best scheme apart there"
 )
-#: Window -> what an answer that judges it says of the other one.
-OTHER_WINDOW = {
-    "full": "Judged: the full record, with its start. Over the settled part alone, as is the "
-    "default (measures.window=settled), another may be best.",
-    "settled": "Judged: the settled part of a record. Over the full record, with its start "
-    "(measures.window=full), another may be best.",
-}
+
+
+def tell_window(window: str, settling: float | None = None) -> str:
+    """Return what an answer that judges a window says of it, and of the other one.
+
+    settling: what the window "settled" leaves out, s; None where no record is judged.
+    """
+    if window == "full":
+        return (
+            "Judged: the full record, with its start. Over the settled part alone, as is the "
+            "default (measures.window=settled), another may be best."
+        )
+    part = (
+        "the settled part of a record"
+        if settling is None
+        else (f"a record without its first {settling:g} s")
+    )
+    return (
+        f"Judged: {part}. Over the full record, with its start (measures.window=full), another may "
+        "be best."
+    )
 
 
 def tell_not_asked(config: HubConfig) -> list[str]:

@@ -30,7 +30,6 @@ from owtsweep.studies.hub.conditions import (
 )
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.describe import (
-    OTHER_WINDOW,
     ask,
     describe_draws,
     describe_sensors,
@@ -38,6 +37,7 @@ from owtsweep.studies.hub.describe import (
     find_winners,
     make_cube,
     tell_not_asked,
+    tell_window,
 )
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.figures import listing
@@ -136,7 +136,7 @@ class _Engine(Engine):
         lines += tell_regret(tables) or quote_worlds(config)
         lines += _tell_bound(config)
         lines += tell_not_asked(config)
-        return [*lines, OTHER_WINDOW[config.measures.window]]
+        return [*lines, tell_window(config.measures.window, config.measures.settling_time)]
 
     def overview(self, config: HubConfig) -> str:
         """Return the name of the map, figure 18 of Ren et al. (2019)."""
@@ -271,8 +271,8 @@ def _tell_bound(config: HubConfig) -> list[str]:
     judged = JUDGED[config.measures.criterion]
     return [
         "Bound: an estimator that assumes nothing of the motion has on average at least "
-        f"{judged.show(float(judged.express(bound)))}. Less takes knowledge of the motion "
-        "(measures.efficiency=true), or chance."
+        f"{judged.show(float(judged.express(bound)))}. Less takes knowledge of the motion, which "
+        "SKFA learns (measures.efficiency=true), or chance."
     ]
 
 

@@ -84,7 +84,7 @@ ON_REQUEST = {
         simplicity=42,  # 16 states and bias for each axis; 8 keys and variances
     ),
     "SKFA": Listed(
-        "SKF that is told nothing and tracks the sea itself; for fixes without outliers",
+        "Kalman filter that learns the sea from its measurements, and refuses outlying fixes",
         SchemeStyle("#B3261E", "h", (0, (4, 2))),
         simplicity=44,  # 8 states, bias and chosen spectrum (3) for each axis; 20 of its rules
     ),

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.conditions import JUDGED, find_world
     from owtsweep.studies.hub.config import Grid, HubConfig
     from owtsweep.studies.hub.contract import Known, Scheme
-    from owtsweep.studies.hub.describe import OTHER_WINDOW
+    from owtsweep.studies.hub.describe import tell_window
     from owtsweep.studies.hub.error_spectrum import (
         ErrorSpectrum,
         error_spectrum,
@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.tuning_rules import assume_tilt, follow_sensors
 
 __all__ = [
-    "BASELINES", "INSTEAD", "JUDGED", "OTHER_WINDOW", "ROOMS", "SCHEMES", "WIDTH", "Chain",
+    "BASELINES", "INSTEAD", "JUDGED", "ROOMS", "SCHEMES", "WIDTH", "Chain",
     "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "HubKeys", "Known", "Line",
     "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "assume_tilt", "backend", "bias_of",
     "chunks", "error_spectrum", "expected_mse", "find_world", "fix_count", "fix_noise",
     "follow_sensors", "has_acceleration", "lag_of", "look_constant",
     "make_sensors", "noise_floor", "resolve", "resolve_all", "simulate_bias",
-    "state_chunks", "trajectories",
+    "state_chunks", "tell_window", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
@@ -65,7 +65,7 @@ _HOMES = {
     "sensors": ["ForceNoise", "Sensors", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
     "study": ["HubKeys"],
     "tuning_rules": ["assume_tilt", "follow_sensors"],
-    "describe": ["OTHER_WINDOW"],
+    "describe": ["tell_window"],
 }
 #: Name here -> name in its module, where they differ.
 _OTHER_NAMES = {"make_sensors": "sensors"}

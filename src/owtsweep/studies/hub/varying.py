@@ -25,7 +25,7 @@ from owtsweep.studies.base.varying.errors import Errors
 from owtsweep.studies.hub.bounds.kalman import kalman_bounds
 from owtsweep.studies.hub.conditions import criteria, require_spectrum
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.describe import OTHER_WINDOW, list_sensors, tell_not_asked
+from owtsweep.studies.hub.describe import list_sensors, tell_not_asked, tell_window
 from owtsweep.studies.hub.expected.answers import RESOLUTION, expected, find_winning
 from owtsweep.studies.hub.expected.engine import rows
 from owtsweep.studies.hub.listed import BASELINES, list_baselines, resolve_all, scheme_names
@@ -69,7 +69,7 @@ def list_notes(
             "paper's sensors; elsewhere its numbers follow a rule (docs/tuning.md)."
         )
     not_asked = tell_not_asked(next(iter(configs.values())))
-    return (*sentences, BOUND, *not_asked, OTHER_WINDOW["settled"])
+    return (*sentences, BOUND, *not_asked, tell_window("settled"))
 
 
 def _has_recorded_numbers(config: HubConfig) -> bool:

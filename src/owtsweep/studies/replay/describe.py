@@ -15,9 +15,9 @@ from owtsweep.results.verdicts import SEPARATOR
 from owtsweep.studies.hub.public import (
     INSTEAD,
     JUDGED,
-    OTHER_WINDOW,
     assume_tilt,
     make_sensors,
+    tell_window,
 )
 from owtsweep.studies.replay.advice import LEAST_MARGIN, advise
 from owtsweep.studies.replay.config import ReplayConfig
@@ -162,14 +162,15 @@ def tell_scope(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list
     """Return sentences on what the advice holds for: the motion, and the part of a record."""
     drawn = (tables["errors"]["n"] > 1).any()  # recorded sensors have the noise that they had
     motion = [f"The advice is for {tell_alone(*config.grid.files)}."] if drawn else []
-    return [*motion, *_tell_windows(tables["advice"])]
+    return [*motion, *_tell_windows(tables["advice"], config.measures.settling_time)]
 
 
-def _tell_windows(advised: pd.DataFrame) -> list[str]:
+def _tell_windows(advised: pd.DataFrame, settling: float) -> list[str]:
     """Return sentences on the part of a record that the advice judges, and on the other part."""
     of_map = advised["source"] == "map"
     windows = list(dict.fromkeys(advised.loc[~of_map, "window"]))
-    lines = [OTHER_WINDOW[window] for window in windows or dict.fromkeys(advised["window"])]
+    judged = windows or dict.fromkeys(advised["window"])
+    lines = [tell_window(window, settling) for window in judged]
     if of_map.any() and "full" in windows:
         lines.append("The expected map judges the settled part.")
     return lines

@@ -116,5 +116,5 @@ def draw_map(
         "noise without any record.",
         coinciding=same,
         baselines=beside.schemes,
-        notes=[*describe.explain(won), describe.OTHER_WINDOW[window]],
+        notes=[*describe.explain(won), describe.tell_window(window)],
     )

@@ -17,12 +17,12 @@ from owtsweep.studies.hub.conditions import (
     select,
 )
 from owtsweep.studies.hub.describe import (
-    OTHER_WINDOW,
     describe_one_record,
     describe_origin,
     find_alike,
     find_winners,
     make_cube,
+    tell_window,
 )
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 
@@ -185,7 +185,7 @@ def draw_cells(
         coinciding=coinciding,
         records=records,
         failures=int((rows["status"] == FAILED).sum()),
-        notes=[*notes, OTHER_WINDOW[window]],
+        notes=[*notes, tell_window(window, config.measures.settling_time)],
     )
 
 

@@ -23,7 +23,7 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.answer import tell_counts
 from owtsweep.studies.hub.conditions import JUDGED, find_world, get_map_conditions, select
-from owtsweep.studies.hub.describe import OTHER_WINDOW, describe_origin, find_alike, find_winners
+from owtsweep.studies.hub.describe import describe_origin, find_alike, find_winners, tell_window
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 
 if TYPE_CHECKING:
@@ -116,13 +116,14 @@ def draw(
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
     second = [RUNNER_UP] if room else []
+    judged = tell_window(window, config.measures.settling_time)
     outlined = [region.text] if region is not None else []
     same = [
         f"Tuning {tuning}: {sentence}"
         for tuning, cells in shown.items()
         for sentence in style.explain_coinciding(_find_groups(results[tuning], cells, second=room))
     ]
-    footnotes = [*outlined, *second, EXPLANATION, *same, *notes, OTHER_WINDOW[window]]
+    footnotes = [*outlined, *second, EXPLANATION, *same, *notes, judged]
     style.footnote(figure, " ".join(footnotes))
     return figure
 

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.studies.hub.public import BASELINES, OTHER_WINDOW
+from owtsweep.studies.hub.public import BASELINES, tell_window
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import as_plain
@@ -83,13 +83,15 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
                 Patch(facecolor="0.9", edgecolor="0.5", hatch=HATCH, label="does not matter")
             )
         add_legend(figure, handles, columns=len(handles))
+        settling = config.measures.settling_time
+        judged = dict.fromkeys(tell_window(name, settling) for name in shown["window"])
         style.footnote(
             figure,
             f"Second line: the runner-up, and by how much its MSE is larger."
             f" Hatched: it is larger by less than {100.0 * LEAST_MARGIN:g} %, or the paired"
             " interval (95 %) of the difference holds zero."
             " NONE!, HOLD!, DELTA!: no scheme is better than this baseline."
-            f" {' '.join(dict.fromkeys(OTHER_WINDOW[name] for name in shown['window']))}",
+            f" {' '.join(judged)}",
         )
     return figure
 
