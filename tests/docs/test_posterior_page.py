@@ -16,12 +16,20 @@ def read(name: str) -> pd.DataFrame:
 
 
 def test_readings_and_evidence():
-    readings, evidence = read("readings"), read("evidence")
-    assert f"All {len(readings)} readings" in PAGE
-    assert (readings.head(12)["force"] == "against").all()
-    for force in ("level", "coupled", "leaning"):
-        below = -readings[readings["force"] == force]["below"].max()
-        assert f"seeds | {below:.1f} |" in PAGE
+    first, readings, evidence = read("first_look"), read("readings"), read("evidence")
+    assert f"All {len(first)} readings" in PAGE
+    assert f"the {(readings['seeds'] == 'own').sum()} within 25 of the best" in PAGE
+    assert f"makes {(readings['seeds'] == 'shared').sum()} more" in PAGE
+    for key in ("accuracy", "length", "force", "spectrum"):
+        for value, lines in first.groupby(key):
+            again = readings[readings[key] == value]
+            own = f"{abs(again['below'].max()):.1f}" if len(again) else "not tried"
+            assert f"| {abs(lines['below'].max()):.1f} | {own} |" in PAGE
+    both = readings[readings["seeds"] == "own"].merge(
+        first, on=["accuracy", "length", "start", "force", "spectrum"]
+    )
+    moved = both["log_evidence_x"] - both["log_evidence_y"]
+    assert f"moved by {moved.min():.0f} to +{moved.max():.0f} against" in PAGE
     for row in evidence.itertuples():
         numbers = (row.log_evidence_again, row.log_evidence_narrow, row.log_evidence_plain)
         shown = " | ".join(f"{number:.1f}" for number in numbers)
@@ -35,21 +43,29 @@ def test_tables_left_out():
     assert f"factor of {width:.1f} either way" in PAGE
     for row in numbers[~numbers["inside"]].itertuples():
         assert f"| {row.table} | {row.scheme} {row.measure} | {row.published:.3g} |" in PAGE
+    left_out = read("left_out")
+    assert left_out[left_out["accuracy"] == "sigma"]["inside"].tolist() == [64 - 14, 64 - 13]
+    assert "and misses 13 or 14" in PAGE
+    assert not set.intersection(*(set(row.split("; ")) for row in left_out["outside"]))
 
 
 def test_statements_and_their_scores():
-    table = read("statements")
+    table, by_reading = read("statements"), read("statements_by_reading")
+    greatest = by_reading.groupby(["statement", "criterion"])["probability"].max()
     for name, lines in table.groupby("statement"):
         found = lines.set_index(["source", "criterion"])["probability"]
         shown = [
             f"{found[source, 'x']:.2f}, {found[source, 'position']:.2f}"
             for source in ("posterior", "prior", "tuning=paper")
         ]
+        every = greatest[name]
+        shown.append(f"{every['x']:.2f}, {every['position']:.2f}")
         assert f"| {name} |" in PAGE
-        assert " | ".join(shown) in PAGE
+        assert f"{' | '.join(shown)} |" in PAGE
     for source in ("posterior", "prior", "tuning=paper"):
         for criterion in ("x", "position"):
             lines = table[(table["source"] == source) & (table["criterion"] == criterion)]
+            lines = lines[lines["statement"] != "all"]
             least = 0.5 / 64  # half a record of the fewest that a source has
             score = np.log(lines["probability"].clip(least, 1.0 - least)).sum()
             assert f"{score:.1f}" in PAGE
@@ -57,5 +73,8 @@ def test_statements_and_their_scores():
 
 def test_settings():
     for row in read("settings").itertuples():
-        assert f"`{row.setting}`" in PAGE
-        assert f"{row.low:.1e} to {row.high:.1e} | {row.width:.2f} |" in PAGE
+        if row.width < 0.35:
+            shown = f"{row.low:.1e} to {row.high:.1e} | {row.width:.2f} | {row.above:.2f} |"
+            assert f"`{row.setting}` ({row.unit}) | {shown}" in PAGE
+        else:
+            assert f"`{row.setting}` {row.width:.2f}" in PAGE

@@ -24,7 +24,7 @@ from experiments.ren2019.posterior.settings import (
 from owtsweep.studies.hub.kernels.layout import WIDTH
 
 #: The records of `simulate_records` and the components are of other seeds; so is what differs.
-READING = Reading(length=200.0)
+READING = Reading()
 
 
 @pytest.fixture(scope="module")
@@ -41,14 +41,14 @@ def numbers() -> np.ndarray:
 @pytest.mark.usefixtures("kernels")
 def test_components_add_up_to_the_error_of_whole_records(mkf, numbers):
     """Superposition: motion, noises and bias, each alone, against records that have all."""
-    length = LENGTHS.index(1000.0)
+    length = LENGTHS.index(READING.length)
     sizes = np.square([0.03, 0.15, PAPER["bias_walk"], PAPER["bias_initial"]])
     noise = sizes @ mkf.noise[:, length, 0, 0]
     for line, (table, cell) in enumerate(TABLE_CELLS.items()):
         period = components.PERIODS.index(cell.natural_period)
         along = cell.amplitude**2 * mkf.motion[0, period, length, 0, 0]
         expected = np.array([0.75 * along + noise, 0.25 * along + noise])
-        whole = numbers[length, 0].reshape(4, 4, 4, WIDTH)[line, SCHEMES.index("MKF"), :2]
+        whole = numbers.reshape(4, 4, 4, WIDTH)[line, SCHEMES.index("MKF"), :2]
         assert whole.mean(axis=-1) == pytest.approx(expected, rel=0.35), table
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from experiments.ren2019.posterior.records import print_of_tables, simulate_records
-from experiments.ren2019.posterior.settings import LENGTHS, NAMES, Reading
+from experiments.ren2019.posterior.settings import NAMES, Reading
 from owtsweep.io.tables import read_table
 
 #: Draws that are simulated, and records of each.
@@ -32,11 +32,10 @@ def check(folder: Path) -> int:
     numbers = read_table(folder, "numbers")
     assert np.array_equal(numbers["published"], print_of_tables()["published"])
     chosen = draws[:: max(len(draws) // DRAWS, 1)][:DRAWS]
-    place = (LENGTHS.index(reading.length), 0 if reading.start else 1)
     inside = []
     for values in chosen:
         settings = dict(zip(NAMES, values.tolist(), strict=True))
-        medians = np.median(simulate_records(reading, settings, RECORDS)[place], axis=-1)
+        medians = np.median(simulate_records(reading, settings, RECORDS), axis=-1)
         inside.append((medians >= numbers["low"]) & (medians <= numbers["high"]))
     share = float(np.mean(inside))
     print(f"{reading}: {share:.1%} of {64 * len(chosen)} simulated numbers lie inside")

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from experiments.ren2019.posterior.settings import (
-    FORCES,
     LENGTHS,
+    MOTIONS,
     OF_SCHEME,
     SETTLING,
+    Reading,
     from_unit,
     make_tuning,
 )
@@ -47,7 +49,7 @@ DIVERGED = 1e6
 class Components(NamedTuple):
     """Mean squares of a scheme's errors, of position and velocity (the last axis).
 
-    motion: along the wave, for a motion of 1 m, shape (forces, periods, lengths, 2, 2).
+    motion: along the wave, for a motion of 1 m, shape (motions, periods, lengths, 2, 2).
     noise: per axis, for noises of size one, shape (sources, lengths, 2, 2).
     The axis before the last: the whole record, and without its first `SETTLING` seconds.
     """
@@ -83,41 +85,40 @@ def make_chains(settings: Mapping[str, float], steps: int) -> dict[str, Chain]:
 
 @cache
 def _list_feeds() -> list[tuple[Feed, Array]]:
-    """Return for each force and period eight records, and the motions' peaks (lengths, WIDTH)."""
+    """Return for each motion and period eight records, and the motions' peaks (lengths, WIDTH)."""
     base, feeds = base_config(), []
     noises = list(SOURCES.values())
-    for number, (force, period) in enumerate(
-        (force, period) for force in FORCES.values() for period in PERIODS
-    ):
+    for number, ((force, spectrum), period) in enumerate(product(MOTIONS, PERIODS)):
         noise = noises[number] if number < len(noises) else SILENT
-        values = {**{f"sensors.{key}": value for key, value in noise.items()}, **force}
+        motion = Reading(force=force, spectrum=spectrum).motion
+        values = {**{f"sensors.{key}": value for key, value in noise.items()}, **motion}
         records = make_records(with_values(base, values), period, range(WIDTH))
         feed = Feed(records)
         feeds.append((feed, find_peaks(feed)))
     return feeds
 
 
-def find_peaks(feed: Feed) -> Array:
-    """Return the largest displacement up to each end of `LENGTHS`, m, shape (lengths, WIDTH)."""
-    ends = count_steps(feed)
+def find_peaks(feed: Feed, lengths: Sequence[float] = LENGTHS) -> Array:
+    """Return the largest displacement up to each length, m, shape (lengths, WIDTH)."""
+    ends = count_steps(feed, lengths)
     motions = [feed.records.motion[index] for index in feed.indices]
     return np.array([[np.abs(m.position[:end]).max() for m in motions] for end in ends])
 
 
-def count_steps(feed: Feed) -> list[int]:
-    """Return the ends of `LENGTHS` in steps."""
-    return [round(length / feed.records.sensors.step) for length in LENGTHS]
+def count_steps(feed: Feed, lengths: Sequence[float]) -> list[int]:
+    """Return lengths in steps."""
+    return [round(length / feed.records.sensors.step) for length in lengths]
 
 
-def sum_nested(chain: Chain, feed: Feed) -> Array:
-    """Return sums of products of errors up to each end, shape (lengths, 2, 4, 3, WIDTH).
+def sum_nested(chain: Chain, feed: Feed, lengths: Sequence[float] = LENGTHS) -> Array:
+    """Return sums of products of errors up to each length, shape (lengths, 2, 4, 3, WIDTH).
 
     The axes are those of `layout.products`, of x, y, vx and vy: before and after settling,
     quantity, product, record.
     """
     settled = round(SETTLING / feed.records.sensors.step)
     run = ChainRun(chain, weights_of(chain, consistency=False), feed, settled)
-    ends, found = count_steps(feed), []
+    ends, found = count_steps(feed, lengths), []
     for span in feed.spans(run.lead):
         run.advance(span)
         if run.done in ends:
@@ -126,10 +127,10 @@ def sum_nested(chain: Chain, feed: Feed) -> Array:
     return np.array(found)
 
 
-def average(sums: Array, feed: Feed) -> Array:
+def average(sums: Array, feed: Feed, lengths: Sequence[float] = LENGTHS) -> Array:
     """Return means from `sum_nested`: the whole record and its settled part, same shape."""
     settled = round(SETTLING / feed.records.sensors.step)
-    steps = np.array([[end, end - settled] for end in count_steps(feed)], dtype=float)
+    steps = np.array([[end, end - settled] for end in count_steps(feed, lengths)], dtype=float)
     both = np.stack([sums.sum(axis=1), sums[:, 1]], axis=1)
     return np.asarray(both / steps.reshape(*steps.shape, *[1] * (both.ndim - 2)))
 
@@ -150,7 +151,7 @@ def simulate(scheme: str, settings: Mapping[str, float]) -> Components:
                 noise[number] = means[..., 2, :].reshape(*shape, 2, WIDTH).mean(axis=(3, 4))
     for part in (motion, noise):
         part[~(part < DIVERGED)] = np.nan
-    return Components(motion.reshape(len(FORCES), len(PERIODS), *shape), noise)
+    return Components(motion.reshape(len(MOTIONS), len(PERIODS), *shape), noise)
 
 
 def simulate_all(scheme: str, unit: Array, workers: int = 2) -> list[Components]:

@@ -11,8 +11,8 @@ from experiments.ren2019.posterior.likelihood import Likelihood
 from experiments.ren2019.posterior.tables import keep
 from owtsweep.arrays import Array
 
-#: Live points of nested sampling, and the part of the logarithm of the evidence that may be left.
-LIVE, LEFT = 150, 0.3
+#: The part of the logarithm of the evidence that nested sampling may leave.
+LEFT = 0.3
 
 
 class Posterior(NamedTuple):
@@ -34,8 +34,11 @@ class Posterior(NamedTuple):
         return np.asarray(self.points[int(np.argmax(self.likelihoods))])
 
 
-def sample(likelihood: Likelihood, seed: int) -> Posterior:
-    """Sample by nested sampling (Skilling 2006; Speagle 2020, MNRAS 493, 3132: dynesty)."""
+def sample(likelihood: Likelihood, seed: int, live: int) -> Posterior:
+    """Sample by nested sampling (Skilling 2006; Speagle 2020, MNRAS 493, 3132: dynesty).
+
+    live: number of live points; the evidence's error falls with its root.
+    """
     from dynesty import NestedSampler
 
     generator = np.random.default_rng(seed)
@@ -43,7 +46,7 @@ def sample(likelihood: Likelihood, seed: int) -> Posterior:
         likelihood,
         lambda unit: unit,
         likelihood.dimensions,
-        nlive=LIVE,
+        nlive=live,
         bound="single",
         sample="rwalk",
         rstate=generator,
@@ -60,17 +63,18 @@ def sample(likelihood: Likelihood, seed: int) -> Posterior:
     )
 
 
-def load_posterior(folder: Path, likelihood: Likelihood, seed: int) -> Posterior:
+def load_posterior(folder: Path, likelihood: Likelihood, seed: int, live: int) -> Posterior:
     """Return what `sample` finds, kept in a folder."""
 
     def make() -> dict[str, Array]:
         return {
-            name: np.asarray(value) for name, value in sample(likelihood, seed)._asdict().items()
+            name: np.asarray(value)
+            for name, value in sample(likelihood, seed, live)._asdict().items()
         }
 
     some = np.linspace(0.1, 0.9, likelihood.dimensions)  # what the likelihood is, by its values
     values = [likelihood(np.roll(some, shift)) for shift in range(3)]
-    said = (likelihood.reading, values, likelihood.part, likelihood.discrepant, seed, LIVE, LEFT)
+    said = (likelihood.reading, values, likelihood.part, likelihood.discrepant, seed, live, LEFT)
     found = keep(folder, "posterior", said, make)
     return Posterior(
         float(found["evidence"]), float(found["error"]), found["points"], found["likelihoods"]

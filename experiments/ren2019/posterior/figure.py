@@ -23,22 +23,21 @@ def draw(folder: Path) -> list[Path]:
     with style.context():
         figure = style.new_figure(11.0, 7.2)
         left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.5])
-        readings = read_table(folder, "readings")
+        readings, tried = read_table(folder, "readings"), len(read_table(folder, "first_look"))
         _draw_evidence(left, readings, evidence)
         _draw_numbers(right, numbers)
         figure.suptitle(
-            f"What can Ren et al. (2019) have done? Closest of {len(readings)} readings: "
+            f"What can Ren et al. (2019) have done? Closest of {tried} readings: "
             f"{describe(evidence.iloc[0])}",
             x=0.01,
             ha="left",
         )
         style.footnote(
             figure,
-            "Left: natural logarithms, discrepancies inferred; the scatter of single records "
-            "decides more than the readings (dotted: a factor of 10). Right, with the scatter "
-            "of the closest reading's own settings: each table of the print as the other three "
-            "predict it for one record; dots are medians. Crosses: the print lies outside. Seed "
-            "1; 200 records.",
+            "Left: natural logarithms, discrepancies inferred; scatter of single records with each "
+            "reading's own settings (dotted: a factor of 10). Right, for the closest: each table "
+            "of the print as the other three predict it for one record; dots are medians. "
+            "Crosses: the print lies outside. Seed 1; 200 records.",
         )
         return style.save(figure, folder, "posterior", {})
 
@@ -47,13 +46,15 @@ def describe(row: pd.Series) -> str:
     """Return a reading in words, from a row of the table `evidence`."""
     start = "whole" if row["start"] else "without its start"
     force = {"level": "level IMU", "leaning": "IMU leaning", "against": "IMU leaning against",
-             "coupled": "AC-coupled IMU"}[row["force"]]  # fmt: skip
+             "coupled": "AC-coupled IMU",
+             "coupled_high": "AC-coupled IMU (.05 Hz)"}[row["force"]]  # fmt: skip
+    spectrum = "" if row["spectrum"] == "middle" else f"{row['spectrum']} spectrum, "
     accuracy = {"sigma": "σ", "uniform": "uniform ±", "three_sigma": "3 σ"}[row["accuracy"]]
-    return f"{accuracy}, {row['length']:g} s {start}, {force}, {row['seeds']} seeds"
+    return f"{accuracy}, {row['length']:g} s {start}, {force}, {spectrum}{row['seeds']} seeds"
 
 
 def _draw_evidence(axes: Axes, readings: pd.DataFrame, own: pd.DataFrame) -> None:
-    """Draw the closest readings, and all whose scatter was simulated with their own settings."""
+    """Draw the closest readings, and again those that were sampled closely."""
     readings = readings.assign(name=[describe(row) for _, row in readings.iterrows()])
     own = own.assign(name=[describe(row) for _, row in own.iterrows()])
     kept = (readings.index < SHOWN) | readings["name"].isin(own["name"])
@@ -61,17 +62,17 @@ def _draw_evidence(axes: Axes, readings: pd.DataFrame, own: pd.DataFrame) -> Non
     place = {name: number for number, name in enumerate(shown["name"])}
     axes.errorbar(
         shown["below"], shown.index, xerr=shown["error"], fmt="o", color="black",
-        label="scatter of tuning=paper",
+        label="scatter of the first mode",
     )  # fmt: skip
     axes.errorbar(
         own["below"], own["name"].map(place), xerr=own["error"], fmt="D", color="C1", mfc="none",
-        label="scatter of its own settings",
+        label="scatter of this mode, more live points",
     )  # fmt: skip
     axes.axvline(-np.log(10.0), color="black", linestyle=":", linewidth=1.0)
     axes.set_yticks(shown.index, shown["name"], fontsize=7)
     axes.set_xlabel("log evidence below the greatest")
     axes.set_title("the closest readings", loc="left")
-    axes.legend(loc="center left", fontsize=7)
+    axes.legend(loc="upper left", fontsize=7)
 
 
 def _draw_numbers(axes: Axes, table: pd.DataFrame) -> None:

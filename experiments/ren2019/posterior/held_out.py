@@ -17,10 +17,10 @@ from scipy.special import erf
 
 from experiments.ren2019.evidence import AMPLITUDES, SCHEMES, tolerated
 from experiments.ren2019.evidence import PERIODS as GRID
-from experiments.ren2019.posterior.components import average, find_peaks, make_chains, sum_nested
+from experiments.ren2019.posterior.components import make_chains
 from experiments.ren2019.posterior.inference import name_settings
-from experiments.ren2019.posterior.records import configure
-from experiments.ren2019.posterior.settings import LENGTHS, Reading
+from experiments.ren2019.posterior.records import configure, measure
+from experiments.ren2019.posterior.settings import Reading
 from owtsweep.arrays import Array
 from owtsweep.results.superposition import find_crossing, superpose
 from owtsweep.studies.hub.kernels.layout import WIDTH
@@ -33,6 +33,8 @@ PERIODS = (*GRID, HISTORY[0])
 LIMIT, SHARE = 0.05, 0.95
 #: Statements and boundaries that the 64 numbers do not hold. F4 and F3 are the boundaries' own.
 STATEMENTS = ("F1", "F2", "F3", "F4", "F5", "F9", "F11")
+#: All of them: the whole figure.
+ALL = "all"
 #: Statement -> natural period of the boundary between HME2 and HME1 that it is about, s.
 BOUNDARY = {"F3": 4.0, "F4": 6.0}
 #: Two errors within this ratio are "nearly equal" (`claims.toml`, F2).
@@ -56,18 +58,15 @@ class Map(NamedTuple):
 def simulate_map(reading: Reading, settings: Mapping[str, float], replicates: range) -> Map:
     """Simulate up to eight records of the paper's figure 18 under a reading, shapes as `Map`."""
     assert len(replicates) <= WIDTH
-    place = (LENGTHS.index(reading.length), 0 if reading.start else 1)
     config, count = configure(reading, settings), len(replicates)
     steps = make_records(config, GRID[0], [0]).steps
     chains = make_chains(settings, steps)
     made = np.empty((len(PERIODS), len(SCHEMES), 4, 3, count))
     for line, period in enumerate(PERIODS):
         feed = Feed(make_records(config, period, replicates))
-        peaks = find_peaks(feed)[place[0]]
-        for column, scheme in enumerate(SCHEMES):
-            means = average(sum_nested(chains[scheme], feed), feed)[place]
-            scale = np.stack([peaks**-2, peaks**-1, np.ones(WIDTH)])  # the largest |d| is 1 m
-            made[line, column] = (means * scale)[..., :count]
+        means, peaks = measure(chains, feed, reading)
+        scale = np.stack([peaks**-2, peaks**-1, np.ones(WIDTH)])  # the largest |d| is 1 m
+        made[line] = (means * scale)[..., :count]
     both = np.stack([made[:, :, 0], made[:, :, :2].sum(axis=2)])  # x, and x + y
     sizes = np.array(AMPLITUDES)[:, None, None]
     grid = both[:, : len(GRID), None]
@@ -154,8 +153,9 @@ def _share(name: str, maps: list[Map]) -> pd.DataFrame:
     for criterion, label in enumerate(("x", "position")):
         judged = [judge(each, criterion) for each in maps]
         bounds = np.concatenate([each.boundary[criterion] for each in maps], axis=1)
-        for statement in STATEMENTS:
-            holds = np.concatenate([each[statement] for each in judged])
+        held = {name: np.concatenate([each[name] for each in judged]) for name in STATEMENTS}
+        held[ALL] = np.all([*held.values()], axis=0)
+        for statement, holds in held.items():
             row = {"source": name, "criterion": label, "statement": statement,
                    "probability": holds.mean(), "records": len(holds)}  # fmt: skip
             if statement in BOUNDARY:

@@ -18,7 +18,10 @@ UNIFORM = 12.0**-0.5
 
 
 def tabulate_widths(posterior: Posterior) -> pd.DataFrame:
-    """Return one row per setting: prior, posterior's median and 95 %, its sd over the prior's."""
+    """Return one row per setting: prior, posterior's median and 95 %, its sd over the prior's.
+
+    above: probability of the upper half of the prior, in the logarithm; half without the print.
+    """
     units = posterior.points[:, : len(NAMES)]
     low, middle, high = from_unit(np.quantile(units, [0.025, 0.5, 0.975], axis=0))
     best = from_unit(posterior.best[: len(NAMES)])
@@ -33,6 +36,7 @@ def tabulate_widths(posterior: Posterior) -> pd.DataFrame:
             "high": high,
             "mode": best,
             "width": units.std(axis=0) / UNIFORM,
+            "above": (units > 0.5).mean(axis=0),
         }
     )
 

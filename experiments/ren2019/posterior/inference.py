@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from experiments.ren2019.evidence import SCHEMES
@@ -56,15 +56,20 @@ class Inference:
     def scatter(self, reading: Reading, settings: Mapping[str, float] | None = None) -> Scatter:
         """Return the scatter of single records, with settings.
 
-        Without, it is that of `tuning=paper` and a level IMU, with the reading's accuracy.
+        Without, it is that of `first_of`.
         """
-        of = reading if settings else Reading(reading.accuracy)
-        return find_scatter(load_records(self.folder, of, settings or PAPER), reading)
+        of, chosen = (reading, settings) if settings else first_of(reading)
+        return find_scatter(load_records(self.folder, of, chosen), reading)
 
     def likelihood(
         self, reading: Reading, settings: Mapping[str, float] | None = None
     ) -> Likelihood:
         return Likelihood(reading, self.emulators(reading), self.scatter(reading, settings))
+
+
+def first_of(reading: Reading) -> tuple[Reading, dict[str, float]]:
+    """Return what gives the scatter until a reading has a mode: `tuning=paper`, a level IMU."""
+    return replace(reading, force="level", spectrum="middle", seeds="own"), PAPER
 
 
 def load_records(folder: Path, reading: Reading, settings: Mapping[str, float]) -> Array:
@@ -74,5 +79,6 @@ def load_records(folder: Path, reading: Reading, settings: Mapping[str, float]) 
     def make() -> dict[str, Array]:
         return {"numbers": simulate_records(reading, chosen)}
 
-    said = (reading.accuracy, reading.force, chosen, RECORDS)
+    of = replace(reading, seeds="own")  # seeds are in no record
+    said = (of, chosen, RECORDS)
     return keep(folder, "records", said, make)["numbers"]

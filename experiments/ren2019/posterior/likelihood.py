@@ -18,9 +18,9 @@ from experiments.ren2019.posterior.settings import (
     ACCURACIES,
     DISCREPANCY,
     FIX_VARIANCE,
-    FORCES,
     IMU_VARIANCE,
     LENGTHS,
+    MOTIONS,
     NAMES,
     Reading,
     columns_of,
@@ -49,10 +49,11 @@ def fit_emulators(
     Outputs are logarithms: motion (periods, 2), then noise (sources, 2), position and velocity.
     hyper: scheme -> hyperparameters; those that are missing are searched and added.
     """
-    force, length = list(FORCES).index(reading.force), LENGTHS.index(reading.length)
+    motion_of = MOTIONS.index((reading.force, reading.spectrum))
+    length = LENGTHS.index(reading.length)
     window, fitted = 0 if reading.start else 1, {}
     for scheme, (points, parts) in tables.items():
-        motion = parts.motion[:, force, :, length, window].reshape(len(points), -1)
+        motion = parts.motion[:, motion_of, :, length, window].reshape(len(points), -1)
         noise = parts.noise[:, :, length, window].reshape(len(points), -1)
         outputs = np.log(np.maximum(np.hstack([motion, noise]), 1e-30))
         fitted[scheme], hyper[scheme] = emulator.fit(points, outputs, hyper.get(scheme))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from owtsweep.arrays import Array
 
 #: Draws of a posterior from which a prediction is made.
 DRAWS = 1000
-Sampler = Callable[[list[Likelihood], int], list[Posterior]]
+Sampler = Callable[[list[Likelihood]], list[Posterior]]
 
 
 def draw_records(likelihood: Likelihood, posterior: Posterior, seed: int = 11) -> Array:
@@ -37,7 +37,7 @@ def leave_tables_out(likelihood: Likelihood, sample_all: Sampler) -> dict[int, A
     without = [replace(likelihood, used=lines != table) for table in TABLE_CELLS]
     return {
         table: draw_records(each, posterior)[:, lines == table]
-        for table, each, posterior in zip(TABLE_CELLS, without, sample_all(without, 1), strict=True)
+        for table, each, posterior in zip(TABLE_CELLS, without, sample_all(without), strict=True)
     }
 
 
@@ -57,3 +57,26 @@ def predict_numbers(
             table[name + part] = row
     table["inside"] = table["published"].between(table["out_low"], table["out_high"])
     return table
+
+
+def tabulate_left_out(
+    likelihoods: Sequence[Likelihood], predicted: Sequence[pd.DataFrame]
+) -> pd.DataFrame:
+    """Return per reading how its predictions of tables left out meet the print.
+
+    Columns of the reading; inside, of 64; width, the median factor either way; outside, which.
+    """
+    rows = []
+    for likelihood, numbers in zip(likelihoods, predicted, strict=True):
+        outside = numbers[~numbers["inside"]]
+        named = [f"{row.table} {row.scheme} {row.measure}" for row in outside.itertuples()]
+        widths = np.log(numbers["out_high"] / numbers["out_low"])
+        rows.append(
+            {
+                **vars(likelihood.reading),
+                "inside": int(numbers["inside"].sum()),
+                "width": float(np.exp(np.median(widths) / 2.0)),
+                "outside": "; ".join(named),
+            }
+        )
+    return pd.DataFrame(rows)

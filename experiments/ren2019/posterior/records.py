@@ -22,12 +22,13 @@ from experiments.ren2019.posterior.components import (
     make_chains,
     sum_nested,
 )
-from experiments.ren2019.posterior.settings import ACCURACIES, FORCES, LENGTHS, Reading
+from experiments.ren2019.posterior.settings import ACCURACIES, Reading
 from experiments.ren2019.published import MEASURES, published_numbers
 from experiments.single_record import read_rounded
 from owtsweep.arrays import Array
 from owtsweep.config import with_values
 from owtsweep.results.superposition import superpose
+from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Feed, make_records
@@ -78,7 +79,7 @@ class Scatter(NamedTuple):
 
 
 def configure(reading: Reading, settings: Mapping[str, float]) -> HubConfig:
-    """Return the configuration of records with the accuracy and force of a reading."""
+    """Return the configuration of records under a reading: accuracy, length and motion count."""
     base, share = base_config(), ACCURACIES[reading.accuracy]
     return with_values(
         base,
@@ -87,7 +88,8 @@ def configure(reading: Reading, settings: Mapping[str, float]) -> HubConfig:
             "sensors.imu.sigma": base.sensors.imu.sigma * share,
             "sensors.imu.bias_walk": settings["bias_walk"],
             "sensors.imu.bias_initial": settings["bias_initial"],
-            **FORCES[reading.force],
+            **reading.motion,
+            "record.duration": reading.length,
             "seed": 77,
         },
     )
@@ -96,38 +98,44 @@ def configure(reading: Reading, settings: Mapping[str, float]) -> HubConfig:
 def simulate_records(
     reading: Reading, settings: Mapping[str, float], count: int = RECORDS
 ) -> Array:
-    """Return the 64 numbers of each record, shape (lengths, 2, 64, records).
+    """Return the 64 numbers of each record, shape (64, records). All tables share random numbers.
 
-    The second axis: the start counts, or not. All tables share their random numbers.
-    reading: its accuracy and force count.
+    reading: all but its seeds count.
     """
     config = configure(reading, settings)
     steps = make_records(config, PERIODS[0], [0]).steps
     chains = make_chains(settings, steps)
-    found = np.empty((len(LENGTHS), 2, len(TABLE_CELLS), len(SCHEMES), 4, count))
+    found = np.empty((len(TABLE_CELLS), len(SCHEMES), 4, count))
     for first in range(0, count, WIDTH):
         numbers = range(first, min(first + WIDTH, count))
         for period in PERIODS:
             records = make_records(config, period, numbers)
             feed = Feed(replace(records, in_streams=(0.0,)))  # equal random numbers at all periods
-            peaks = find_peaks(feed)
-            for place, scheme in enumerate(SCHEMES):
-                means = average(sum_nested(chains[scheme], feed), feed)
-                for line, cell in enumerate(TABLE_CELLS.values()):
-                    if cell.natural_period == period:
-                        size = (cell.amplitude / peaks)[:, None, None]
-                        mse = superpose(means[..., 0, :], means[..., 1, :], means[..., 2, :], size)
-                        found[:, :, line, place, :, numbers] = np.moveaxis(
-                            mse[..., : len(numbers)], -1, 0
-                        )
-    return found.reshape(len(LENGTHS), 2, -1, count)
+            means, peaks = measure(chains, feed, reading)
+            for line, cell in enumerate(TABLE_CELLS.values()):
+                if cell.natural_period == period:
+                    mse = superpose(*np.moveaxis(means, 2, 0), cell.amplitude / peaks)
+                    found[line][..., numbers] = mse[..., : len(numbers)]
+    return found.reshape(-1, count)
+
+
+def measure(chains: Mapping[str, Chain], feed: Feed, reading: Reading) -> tuple[Array, Array]:
+    """Return means of products of errors (schemes, 4, 3, WIDTH), and the motions' peaks (WIDTH,).
+
+    Over the record of a reading, with or without its start; axes as `components.sum_nested`.
+    """
+    lengths, window = (reading.length,), 0 if reading.start else 1
+    means = [
+        average(sum_nested(chains[scheme], feed, lengths), feed, lengths)[0, window]
+        for scheme in SCHEMES
+    ]
+    return np.array(means), find_peaks(feed, lengths)[0]
 
 
 def find_scatter(numbers: Array, reading: Reading) -> Scatter:
     """Return the scatter of single records, from `simulate_records`, under a reading."""
-    window = numbers[LENGTHS.index(reading.length), 0 if reading.start else 1]
-    logs = np.log(window)
-    offset = logs.mean(axis=1) - np.log(window.mean(axis=1))
+    logs = np.log(numbers)
+    offset = logs.mean(axis=1) - np.log(numbers.mean(axis=1))
     covariance = shrink(logs.T)
     if reading.seeds == "own":
         table = print_of_tables()["table"].to_numpy()
@@ -159,7 +167,7 @@ def fit_freedom(deviations: Array, covariance: Array) -> float:
     """
     solved = np.linalg.solve(covariance, deviations)
     distances = np.sum(deviations * solved, axis=0)
-    choices = np.geomspace(4.0, 4000.0, 61)
+    choices = np.geomspace(2.5, 4000.0, 81)
     likely = [log_student(distances, len(deviations), nu).sum() for nu in choices]
     return float(choices[int(np.argmax(likely))])
 

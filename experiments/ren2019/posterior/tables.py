@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from experiments.ren2019.posterior.components import Components, base_config, simulate_all
-from experiments.ren2019.posterior.settings import FORCES, LENGTHS, OF_SCHEME
+from experiments.ren2019.posterior.settings import FORCES, LENGTHS, MOTIONS, OF_SCHEME, SPECTRA
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.io.files import write_atomically
@@ -36,7 +36,7 @@ def load_table(scheme: str, folder: Path) -> tuple[Array, Components]:
         motion, noise = (np.array(part) for part in zip(*made, strict=True))
         return {"motion": motion, "noise": noise}
 
-    said = (scheme, OF_SCHEME[scheme], FORCES, LENGTHS, design.tobytes())
+    said = (scheme, OF_SCHEME[scheme], MOTIONS, FORCES, SPECTRA, LENGTHS, design.tobytes())
     return design, Components(**keep(folder, scheme.lower(), said, make))
 
 
