@@ -34,11 +34,11 @@ from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub.conditions import CRITERIA
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
-    OTHER_WINDOW,
     describe_draws,
     describe_truth,
     find_winners,
     make_cube,
+    tell_window,
 )
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.listed import scheme_names
@@ -216,7 +216,9 @@ def _explanations(configs: Sequence[HubConfig]) -> list[str]:
         error_spectra.EXPLANATION,
         "So a boundary in the maps is where the square of the amplitude times the difference of two"
         f" curves makes up for the difference of their bars{scale}.",
-        *dict.fromkeys(OTHER_WINDOW[config.measures.window] for config in configs),
+        *dict.fromkeys(
+            tell_window(config.measures.window, config.measures.settling_time) for config in configs
+        ),
     ]
 
 
