@@ -12,6 +12,7 @@ al. fitted it at Hs 2 m, Tp 8 s without blades.
 """
 
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from owtsweep.motion.spectra import translated
 from owtsweep.motion.whittle import BAND, fit_lines, periodogram
 from owtsweep.streams import stream
 from owtsweep.studies import compose
-from owtsweep.studies.hub.conditions import list_record_conditions
+from owtsweep.studies.hub.conditions import get_grid, list_condition_names
 from owtsweep.studies.hub.records import STUDY
 from owtsweep.studies.hub.seas import make_plant
 
@@ -30,12 +31,14 @@ from owtsweep.studies.hub.seas import make_plant
 AROUND = 0.8, 1.25
 
 folder, _, words = read_words("results/plant")
-seas = ["motion.hs=[2.0]", "motion.tp=[6.0,8.0]", "motion.blades=[0,1,2]"]
+seas = ["motion.hs=[2.0]", "motion.tp=[6.0,8.0]", "motion.blades=[0,1,2]", "grid.replicates=20"]
 config: Any = compose(["motion=plant", "record.duration=2000", *seas, *words])
 step = 1.0 / config.sensors.imu.rate
 steps = round(config.record.duration / step)
 rows: list[dict[str, Any]] = []
-for conditions in list_record_conditions(config):
+names, grid = list_condition_names(config), get_grid(config)
+for values in product(*(sorted(grid[name]) for name in names)):
+    conditions = dict(zip(names, values, strict=True))
     plant = make_plant(config, conditions)
     powers = []
     for replicate in range(config.grid.replicates):
