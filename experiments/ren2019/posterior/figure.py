@@ -62,17 +62,17 @@ def _draw_evidence(axes: Axes, readings: pd.DataFrame, own: pd.DataFrame) -> Non
     place = {name: number for number, name in enumerate(shown["name"])}
     axes.errorbar(
         shown["below"], shown.index, xerr=shown["error"], fmt="o", color="black",
-        label="scatter of the first mode",
+        label="first mode's",
     )  # fmt: skip
     axes.errorbar(
         own["below"], own["name"].map(place), xerr=own["error"], fmt="D", color="C1", mfc="none",
-        label="scatter of this mode, more live points",
+        label="this mode's",
     )  # fmt: skip
     axes.axvline(-np.log(10.0), color="black", linestyle=":", linewidth=1.0)
     axes.set_yticks(shown.index, shown["name"], fontsize=7)
     axes.set_xlabel("log evidence below the greatest")
     axes.set_title("the closest readings", loc="left")
-    axes.legend(loc="upper left", fontsize=7)
+    axes.legend(loc="center left", fontsize=7, title="scatter", title_fontsize=7)
 
 
 def _draw_numbers(axes: Axes, table: pd.DataFrame) -> None:
