@@ -7,6 +7,7 @@ import pytest
 
 import owtsweep
 from owtsweep import InputError
+from owtsweep.advice import worlds
 from owtsweep.cli.program import main
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -80,6 +81,9 @@ def test_a_world_has_the_regret_of_the_key_over(advice, tmp_path, monkeypatch):
     assert turned.error == pytest.approx(line["error"], rel=1e-12)
     assert turned.regret == pytest.approx(line["regret"], rel=1e-12)
     assert turned.best == line["best"]
+    errors = table.loc["red_fixes", "error"].sort_values()
+    assert turned.second == errors.index[1]
+    assert turned.ratio == pytest.approx(errors.iloc[1] / errors.iloc[0], rel=1e-12)
 
 
 def test_every_lever_and_world_has_a_line(advice):
@@ -88,6 +92,24 @@ def test_every_lever_and_world_has_a_line(advice):
     assert all(f"({turned.world})" in text for turned in advice.worlds)
     assert "Most is bought by" in text
     assert "If nobody knows the world" in text
+    found, best = advice.answer.found, advice.answer.best
+    nominal = np.sqrt(found.values[best][:RECORDS].mean())
+    assert f"As asked (nominal): {best}, {nominal:#.3g} m." in text
+    assert found.measure(best, 3).value == pytest.approx(np.sqrt(found.values[best][:3].mean()))
+
+
+def test_a_world_that_is_refused_takes_no_other_with_it(advice, monkeypatch):
+    whole = worlds._run
+
+    def run(question, names):
+        if "red_fixes" in names:
+            raise InputError("red_fixes: refused")
+        return whole(question, names)
+
+    monkeypatch.setattr(worlds, "_run", run)
+    tried = [*worlds.try_worlds(advice.question, advice.answer)]
+    assert [each.world for each in tried] == [each.world for each in advice.worlds]
+    assert [each.world for each in tried if each.refused] == ["red_fixes"]
 
 
 def test_levers_of_fewer_records_are_paired_over_these(tmp_path, monkeypatch):

@@ -225,6 +225,9 @@ def test_who_gives_the_errors_of_another_is_named_and_is_no_runner_up() -> None:
     is_copy = summary["scheme"] == "HME2"
     other = summary.assign(measure="velocity")
     other.loc[is_copy, "mean"] *= 1.1
+    one_cell = is_copy & (summary["amplitude"] == 1.0)
+    apart = summary.assign(mean=summary["mean"].where(~one_cell, 1.1 * summary["mean"]))
+    assert tell_alike(["HME2"], apart, ["position"]) == []
     both = pd.concat([summary, other], ignore_index=True)
     assert tell_alike(["HME2"], both, ["position", "velocity"]) == [f"{said}, by position."]
 

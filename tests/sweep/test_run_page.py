@@ -56,6 +56,9 @@ def test_the_page_of_a_hub_run_agrees_with_its_table_and_names_no_folder(hub_run
     assert path == hub_run.folder / "report.html"
     page = path.read_text(encoding="utf-8")
     assert str(tmp_path) not in page
+    assert "<dt>MKF</dt><dd>multirate Kalman filter on the undelayed IMU</dd>" in page
+    assert "<dt>NONE</dt><dd>no estimator: zero position, zero velocity</dd>" in page
+    assert "Sensors: GNSS 0.03 m, 1 Hz, 0.2 s late; IMU 0.15 m/s²" in page
     best = hub_run.best_scheme()
     best = best[best["criterion"] == "position"]
     code = """
@@ -102,6 +105,14 @@ def test_details_of_a_stranger_are_refused_in_one_line(hub_run, text, capsys):
     (hub_run.place / DETAILS).write_text(text, encoding="utf-8")
     assert main(["report", str(hub_run.folder)]) == 2
     assert "this holds no details of a run; delete it" in capsys.readouterr().err
+
+
+def test_details_begin_in_the_middle_of_the_judged_part(tmp_path, kernels):
+    words = ["record.duration=125", "schemes=[MKF]", "grid.replicates=1"]
+    run = owtsweep.run([*SMALL, *words, f"results={tmp_path / 'results'}"])
+    run.keep_details()
+    kept = json.loads((run.folder / DETAILS).read_text(encoding="utf-8"))[""]
+    assert {cell["start"] for cell in kept["cells"]} == {65.0}  # of 5 to 125 s
 
 
 def test_a_damaged_series_is_left_out(hub_run):

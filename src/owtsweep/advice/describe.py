@@ -100,9 +100,8 @@ def tell_pulled(pulled: Pulled, given: Answer) -> str:
 
 def tell_nominal(given: Answer) -> str:
     """Return in a line the error as asked, over the records of the other worlds."""
-    values = given.found.values[given.best][:RECORDS]
-    error = given.found.criterion.express(float(np.mean(values)))
-    return f"As asked (nominal): {given.best}, {given.found.criterion.show(float(error))}."
+    error = given.found.measure(given.best, RECORDS).value
+    return f"As asked (nominal): {given.best}, {given.found.criterion.show(error)}."
 
 
 def tell_turned(turned: Turned, given: Answer) -> str:

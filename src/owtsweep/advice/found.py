@@ -63,9 +63,9 @@ class Found:
         require(bool(able), f"{self.run.folder}: no contender has a result; see its run.log")
         return min(able, key=lambda name: able[name])
 
-    def measure(self, name: str) -> Error:
-        """Return the error of a contender over its records."""
-        mean, error, n = mean_and_error(self.values[name][None])
+    def measure(self, name: str, records: int | None = None) -> Error:
+        """Return the error of a contender over its records, or the first of them."""
+        mean, error, n = mean_and_error(self.values[name][None, :records])
         reach = t_quantile(n - 1) * error
         three = self.criterion.express(
             np.array([mean, np.maximum(mean - reach, 0.0), mean + reach])

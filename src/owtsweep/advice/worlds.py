@@ -5,8 +5,7 @@ Each world is run by the key `over`: its truth departs, and schemes know what th
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from itertools import islice
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -54,26 +53,24 @@ class Turned(NamedTuple):
 
 def try_worlds(question: Question, given: Answer) -> Iterator[Turned]:
     """Yield what the advice turns to in each world of the study, some at a time as computed."""
-    worlds = question.study.list_worlds(question.config)
-    for names in batched(worlds, AT_ONCE):
-        try:
-            tables = dict.fromkeys(names, _run(question, names)["regret"])
-        except InputError:  # of one of them: each by itself
-            tables = {}
-        for world in names:
-            try:
-                table = tables[world] if tables else _run(question, [world])["regret"]
-            except InputError as error:
-                yield Turned(world, worlds[world], refused=str(error))
-            else:
-                yield _tell_apart(table, world, worlds[world], given)
+    worlds = [*question.study.list_worlds(question.config)]
+    for first in range(0, len(worlds), AT_ONCE):
+        yield from _try(question, given, worlds[first : first + AT_ONCE])
 
 
-def batched(names: Iterable[str], size: int) -> Iterator[list[str]]:
-    """Yield names in lists of a size; the last may have fewer."""
-    rest = iter(names)
-    while some := [*islice(rest, size)]:
-        yield some
+def _try(question: Question, given: Answer, worlds: Sequence[str]) -> Iterator[Turned]:
+    sentences = question.study.list_worlds(question.config)
+    try:
+        table = _run(question, worlds)["regret"]
+    except InputError as error:  # of one of them
+        if len(worlds) == 1:
+            yield Turned(worlds[0], sentences[worlds[0]], refused=str(error))
+        else:
+            for world in worlds:
+                yield from _try(question, given, [world])
+        return
+    for world in worlds:
+        yield _tell_apart(table, world, sentences[world], given)
 
 
 def _tell_apart(table: pd.DataFrame, world: str, sentence: str, given: Answer) -> Turned:

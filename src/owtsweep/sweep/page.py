@@ -81,8 +81,8 @@ def make_page(
     tables = _gather_tables(results, shown, place)
     drawn = {printable(path.stem): path.read_bytes() for path in sorted(pictures)}
     help_ = HELP if study.stretched else NO_STRETCH
-    # without what `list` says of the key that names it
-    names = {n: text.rpartition("=[...]): ")[2] for n, text in study.schemes().items()}
+    with blame(study):
+        names = study.explain_schemes()
     extras = Extras(tables, drawn, help_, names)
     title = f"Which estimator? Study {study.name}, run {name}"
     origin = _find_origin(folder, config)

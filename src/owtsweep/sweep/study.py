@@ -267,6 +267,10 @@ class Study(ABC):
         """Return name -> description in one sentence of each scheme, for `list`."""
         return {}
 
+    def explain_schemes(self) -> Mapping[str, str]:
+        """Return name -> what each scheme is, for somebody who does not have this program."""
+        return self.schemes()
+
     def describe_scheme(self, name: str) -> Mapping[str, str]:
         """Return facts on one of `schemes` in words, for `list`: its size, its keys, and so on."""
         return {}

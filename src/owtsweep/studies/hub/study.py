@@ -82,6 +82,9 @@ class HubStudy(HubKeys):
     def schemes(self) -> dict[str, str]:
         return describe()
 
+    def explain_schemes(self) -> dict[str, str]:
+        return SCHEMES.describe()
+
     def scheme_table(self) -> SchemeTable:
         """Return the schemes and baselines of the study."""
         return SCHEMES
