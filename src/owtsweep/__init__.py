@@ -11,11 +11,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from owtsweep._version import __version__
+from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
     from owtsweep.advice.advising import Advice
     from owtsweep.api import advise, estimate, load, online, replay, run
-    from owtsweep.errors import InputError
     from owtsweep.evaluation.estimate import Estimate, EstimatedRecord, Innovation, Reading
     from owtsweep.studies.replay.running import Replay
     from owtsweep.sweep.runs import Run

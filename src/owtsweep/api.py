@@ -8,13 +8,13 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from numpy.typing import ArrayLike
+
 from owtsweep.errors import InputError, require
 from owtsweep.studies import registry
 from owtsweep.sweep.study import blame
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from owtsweep.advice.advising import Advice
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.studies.hub.contract import Estimator

@@ -9,6 +9,7 @@ from textwrap import fill
 
 from owtsweep.cli.program import DONE
 from owtsweep.cli.running import WIDTH
+from owtsweep.freed_memory import keep_freed_memory
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -20,7 +21,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     from owtsweep.advice.advising import Advice
     from owtsweep.advice.question import ask
-    from owtsweep.freed_memory import keep_freed_memory
     from owtsweep.sweep.progress import make_progress
 
     keep_freed_memory()

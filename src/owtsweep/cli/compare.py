@@ -9,6 +9,7 @@ from pathlib import Path
 
 from owtsweep.cli.program import DONE
 from owtsweep.errors import printable
+from owtsweep.io.files import refuse_in_one_line
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -20,7 +21,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         written.
     """
     from owtsweep.api import load
-    from owtsweep.io.files import refuse_in_one_line
     from owtsweep.sweep.compare import compare
 
     with refuse_in_one_line(Path(options.runs[0])):

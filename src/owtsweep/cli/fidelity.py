@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import owtsweep
 from owtsweep.cli.program import DONE
 from owtsweep.errors import InputError, printable, require
+from owtsweep.io.files import refuse_in_one_line
 
 if TYPE_CHECKING:
     from owtsweep.verdicts.claims_file import ClaimsFile
@@ -31,7 +32,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         records, or no case of it has succeeded.
     """
     from owtsweep.api import load
-    from owtsweep.io.files import refuse_in_one_line
     from owtsweep.sweep.scores import collect_scores
     from owtsweep.verdicts.claims_file import read_claims
     from owtsweep.verdicts.judge import list_beyond

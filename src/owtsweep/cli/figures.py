@@ -6,6 +6,8 @@ import argparse
 from collections.abc import Sequence
 
 from owtsweep.cli.program import DONE
+from owtsweep.errors import printable
+from owtsweep.io.files import refuse_in_one_line, write_atomically
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -16,8 +18,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     `options` are the parsed arguments of the command; `argv` is not used.
     """
     from owtsweep.api import load
-    from owtsweep.errors import printable
-    from owtsweep.io.files import refuse_in_one_line, write_atomically
     from owtsweep.io.steps import show_steps, tell_step
     from owtsweep.report.gallery_page import INDEX, make_gallery
 

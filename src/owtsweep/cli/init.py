@@ -13,6 +13,7 @@ from string import Template
 
 from owtsweep.cli.program import DONE, program_here
 from owtsweep.errors import require
+from owtsweep.io.files import refuse_in_one_line, write_all
 
 TEMPLATES = Path(__file__).with_name("templates")
 #: What a module of Python, a file and a study can all be called.
@@ -53,8 +54,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     Raises InputError if the name cannot be used, the study takes no schemes, or a file is there.
     """
-    from owtsweep.io.files import refuse_in_one_line, write_all
-
     kind, name = options.kind, options.name
     study = _read_study(kind, options.overrides)
     _check_name(name)

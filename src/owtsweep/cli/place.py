@@ -10,8 +10,11 @@ from itertools import pairwise
 
 from owtsweep.cli.program import DONE, INTERRUPTED
 from owtsweep.cli.running import name_folder, require_serving, show_answer
+from owtsweep.config import dump, get_key
 from owtsweep.errors import require
-from owtsweep.sweep.study import PlaceQuestion
+from owtsweep.io.files import refuse_in_one_line, write_all
+from owtsweep.sweep.keys import question_hash
+from owtsweep.sweep.study import PlaceQuestion, blame
 
 #: Most heights to choose from that are read.
 MOST_HEIGHTS = 300
@@ -23,14 +26,10 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if the study has no sensors to place, or the configuration or the question is
         refused.
     """
-    from owtsweep.config import dump, get_key
-    from owtsweep.io.files import refuse_in_one_line, write_all
     from owtsweep.io.steps import show_steps
     from owtsweep.io.tables import dump_tables
     from owtsweep.studies import compose, locate
     from owtsweep.studies.registry import DEFAULT
-    from owtsweep.sweep.keys import question_hash
-    from owtsweep.sweep.study import blame
 
     study = require_serving("place", locate(options.overrides).study or DEFAULT)
     given = frozenset(map(get_key, options.overrides))

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from owtsweep.cli.program import DONE
+from owtsweep.errors import InputError, printable
+from owtsweep.io.files import check_writable, refuse_in_one_line
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -18,8 +20,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         written.
     """
     from owtsweep.api import load
-    from owtsweep.errors import InputError, printable
-    from owtsweep.io.files import check_writable, refuse_in_one_line
     from owtsweep.io.steps import show_steps
 
     opened = load(options.run)

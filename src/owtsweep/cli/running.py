@@ -14,7 +14,12 @@ from owtsweep.cli.program import DONE, FAILED, same_command
 from owtsweep.config import Config
 from owtsweep.errors import InputError, printable, require
 from owtsweep.freed_memory import keep_freed_memory
+from owtsweep.io.files import check_writable, refuse_in_one_line
+from owtsweep.io.reading import refuse_links
+from owtsweep.statistics.deciding import LOOKS
 from owtsweep.sweep.asked import PAGE
+from owtsweep.sweep.keys import hash_text, run_folder
+from owtsweep.sweep.study import Study, blame
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -24,7 +29,6 @@ if TYPE_CHECKING:
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
-    from owtsweep.sweep.study import Study
 
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
@@ -50,10 +54,6 @@ def require_serving(command: str, name: str) -> Study:
 
 def name_folder(command: str, config: Config, query: str) -> Path:
     """Return the folder for the answer to a query, checked: named by the command and a hash."""
-    from owtsweep.io.files import check_writable
-    from owtsweep.io.reading import refuse_links
-    from owtsweep.sweep.keys import hash_text
-
     require(
         config.name is None,
         f"name: `{command}` names its folder by the query; leave out name, or choose another place "
@@ -75,8 +75,6 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
     config: the configuration of the run.
     Raises InputError if the user would have to be asked, but stdin is no terminal.
     """
-    from owtsweep.sweep.keys import run_folder
-
     folder = run_folder(config)
     if not options.fresh or options.yes or not (folder / "cases").is_dir():
         return True
@@ -127,8 +125,6 @@ def write_or_tell(failure: str, write: Callable[[], object], folder: Path) -> bo
 
     If it could not, `failure` and the reason are printed to stderr. What is there is kept.
     """
-    from owtsweep.io.files import refuse_in_one_line
-
     try:
         with refuse_in_one_line(folder):
             write()
@@ -148,8 +144,6 @@ def print_answer(run: Run, results: Mapping[str, Results]) -> bool:
     """
     from rich.columns import Columns
 
-    from owtsweep.sweep.study import blame
-
     try:
         with blame(run.study):
             parts = [run.engine.terminal(part.config, part.tables) for part in results.values()]
@@ -167,7 +161,6 @@ def tell_further(outcome: Outcome) -> list[str]:
     left. Return [] if no cell is open, or nothing was computed now.
     """
     from owtsweep.results.verdicts import SEPARATOR
-    from owtsweep.statistics.deciding import LOOKS
 
     cases, most = 0.0, 0
     for part in outcome.results.values():

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from owtsweep.cli.program import DONE
+from owtsweep.config import Plain
 from owtsweep.config.records import CONTEST_KEYS
 from owtsweep.errors import InputError, printable
-
-if TYPE_CHECKING:
-    from owtsweep.config import Plain
-    from owtsweep.sweep.asked import Question
-    from owtsweep.sweep.runs import Run
+from owtsweep.sweep.asked import Question
+from owtsweep.sweep.runs import Run
 
 #: In a manifest, sections nested deeper than `DEEPEST` are not shown, and names longer than
 #: `WIDEST` characters are not aligned.

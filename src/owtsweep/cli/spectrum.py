@@ -7,6 +7,10 @@ from collections.abc import Sequence
 
 from owtsweep.cli.program import DONE
 from owtsweep.cli.running import require_serving
+from owtsweep.io.files import check_writable, refuse_in_one_line
+from owtsweep.io.reading import refuse_links
+from owtsweep.sweep.keys import run_folder, run_hash
+from owtsweep.sweep.study import blame
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -16,11 +20,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     Raises InputError if the study has no error spectra, or the configuration is refused.
     """
-    from owtsweep.io.files import check_writable, refuse_in_one_line
-    from owtsweep.io.reading import refuse_links
     from owtsweep.studies import compose
-    from owtsweep.sweep.keys import run_folder, run_hash
-    from owtsweep.sweep.study import blame
 
     config = compose(options.overrides, options.config_dir)
     study = require_serving("spectrum", config.study)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from owtsweep.cli.program import BAD_INPUT, DONE
 from owtsweep.cli.running import foretell, may_start, run_one
+from owtsweep.config import dump_with_units
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -23,7 +24,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         from owtsweep.cli.multirun import run_all
 
         return run_all(options, argv)
-    from owtsweep.config import dump_with_units
     from owtsweep.studies import compose
 
     config = compose(options.overrides, options.config_dir)

@@ -14,8 +14,10 @@ from owtsweep.cli.program import DONE, INTERRUPTED
 from owtsweep.cli.running import describe_cost, require_serving, show_answer
 from owtsweep.config import Config, dump, require
 from owtsweep.config.tuned import GROUP
+from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
 from owtsweep.io.reading import expand_home
 from owtsweep.sweep.keys import LONGEST_NAME, hash_text
+from owtsweep.sweep.study import blame
 
 #: The tuning that a search begins with, and that its result is compared with.
 START = "matched"
@@ -29,9 +31,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     Raises InputError if the study has nothing to tune, or the configuration or the file is refused.
     """
-    from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
     from owtsweep.studies import compose
-    from owtsweep.sweep.study import blame
 
     given = {word.lstrip("+").partition("=")[0] for word in options.overrides}
     start = [] if GROUP in given else [f"{GROUP}={START}"]

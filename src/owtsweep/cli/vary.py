@@ -15,6 +15,7 @@ from owtsweep.config.section import unit_of
 from owtsweep.config.tuned import GROUP
 from owtsweep.config.typed import value_at
 from owtsweep.errors import printable, require
+from owtsweep.io.files import refuse_in_one_line, write_atomically
 from owtsweep.results.conditions import Condition, Value
 from owtsweep.studies import compose, locate
 from owtsweep.studies.registry import DEFAULT
@@ -39,7 +40,6 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     Raises InputError if not exactly one override has several values, the study cannot vary a key,
         or a configuration is refused.
     """
-    from owtsweep.io.files import refuse_in_one_line, write_atomically
     from owtsweep.io.steps import show_steps
 
     key, configs = compose_each(options.overrides, options.config_dir)

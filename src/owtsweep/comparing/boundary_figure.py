@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from owtsweep.comparing.comparison import Aspects, Comparison
 from owtsweep.config.section import unit_of
 from owtsweep.figures import style
 from owtsweep.results.conditions import Condition
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MARKERS = "osD^vP*X"
 #: The vertical axis may extend beyond the condition's values by this factor. A boundary farther out
@@ -42,8 +41,6 @@ def draw(
     comparison: the runs, which differ in one or two keys.
     subtitle: the end of the title, which says by what the schemes are judged.
     """
-    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
-
     keys = comparison.keys
     across = comparison.rank(keys[0])
     down = comparison.rank(keys[1]) if len(keys) == 2 else [0] * len(across)
@@ -108,8 +105,6 @@ def _draw_panel(
     *,
     joined: bool,
 ) -> None:
-    import matplotlib as mpl
-
     colors = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(cells), 2)))
     width = 0.5 / max(len(cells), 1)
     for number, (name, rows) in enumerate(cells.items()):

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.results.boundary import divide_crossings, split_cells
 from owtsweep.results.conditions import Value
 from owtsweep.statistics.contrasts import Contrast, difference, gap, ratio
 from owtsweep.statistics.inference import holm
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: The columns before the conditions, and the columns after them.
 PAIR_COLUMNS = ("from_run", "to_run", "along", "paired")
@@ -65,8 +62,6 @@ def compare_cells(
         NaN where a scheme did not finish a replicate. Both tables have the same rows and columns.
     paired: whether equal replicates have the same motion and noise in both runs.
     """
-    import pandas as pd
-
     common = [cell for cell in best_first if cell in best_second]
     cells = [cell for cell in common if best_first[cell] != best_second[cell]]
     if not cells:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.config import require
@@ -13,9 +14,6 @@ from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.results.conditions import Value, order_values, show_value
 from owtsweep.results.cube import Cube
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[Aspects, list[str]]:
@@ -122,8 +120,6 @@ def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
 
 
 def _arrange_samples(cube: Cube, window: str, shared: Aspects) -> pd.DataFrame:
-    import pandas as pd
-
     axes = ["scheme", *shared.names]
     values = cube.to_table()
     used = values[(values["measure"] == shared.criterion) & (values["window"] == window)]

@@ -7,13 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
+from owtsweep.comparing import report
 from owtsweep.comparing.common import Judged, find_common, judge
 from owtsweep.comparing.comparison import Aspects, Candidate, Comparison, Findings, Pair
 from owtsweep.comparing.report import describe_origins
 from owtsweep.errors import InputError, require
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 __all__ = ["compare"]
@@ -33,10 +35,6 @@ def compare(
     runs cannot be compared, for example because they have no scheme in common, or no run has a
     usable number: a stranger may seal NaN, or the name of another scheme.
     """
-    import pandas as pd
-
-    from owtsweep.comparing import report
-
     aspects = [describe(run) for run in comparison.runs]
     shared, left_out = find_common(comparison.runs, aspects)
     runs = [judge(run, own, shared) for run, own in zip(comparison.runs, aspects, strict=True)]
@@ -67,8 +65,6 @@ def compare(
 
 def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame:
     """Join the tables of the runs that have one; the first columns are folder and swept values."""
-    import pandas as pd
-
     return pd.DataFrame(
         [
             {"folder": run.name} | run.written | row
@@ -83,7 +79,6 @@ def _compare_pairs(
     pairs: Sequence[Pair], runs: Sequence[Judged], shared: Aspects
 ) -> tuple[dict[str, pd.DataFrame], list[str]]:
     """Return the tables of pairs of runs, and a note if some differ in motion and noise."""
-    import pandas as pd
 
     from owtsweep.comparing import changes
 
@@ -134,7 +129,6 @@ def _draw(
     origin: str,
 ) -> tuple[list[Path], list[str]]:
     """Save the figures, with `origin` above each; return the files, and why others are missing."""
-    import pandas as pd
 
     from owtsweep.comparing import boundary_figure, maps
     from owtsweep.figures import style

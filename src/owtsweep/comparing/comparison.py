@@ -12,15 +12,12 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import pandas as pd
+
+from owtsweep.config import AnyConfig
 from owtsweep.errors import printable
 from owtsweep.results.conditions import Condition, Grid
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.config import AnyConfig
 
 __all__ = ["Aspects"]
 

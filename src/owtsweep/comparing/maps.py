@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from owtsweep.comparing.common import Judged
 from owtsweep.comparing.comparison import Aspects, Comparison
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
+from owtsweep.figures.margin import HANDLERS, Shades
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
 #: Greatest number of panels in a figure; number of panels in a row if the runs differ in one key.
 MOST_PANELS = 30
@@ -68,8 +66,6 @@ def draw(
     plane: the axes of each map.
     subtitle: the end of the title, which says by what the schemes are judged.
     """
-    from owtsweep.figures.margin import HANDLERS, Shades
-
     rows, columns = len(panels), len(panels[0])
     width = min(max(2.9, 0.5 * len(plane.columns)), 5.0)
     height = min(max(2.1, 0.27 * len(plane.lines)), 4.0)

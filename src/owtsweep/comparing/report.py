@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.comparing.common import Judged
 from owtsweep.comparing.comparison import Aspects
 from owtsweep.io import markdown
 from owtsweep.results.conditions import Condition, show_value
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: Greatest number of different values of one setting that are listed.
 MOST_VALUES = 4
@@ -26,8 +24,6 @@ def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame
     `changed` is the table changed_cells.csv: for each pair of runs, one row per cell in which the
     best scheme differs.
     """
-    import pandas as pd
-
     rows = []
     for index, judged in enumerate(runs):
         wins = judged.best["best"]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import yaml
 from hydra._internal.core_plugins.file_config_source import FileConfigSource
 from hydra._internal.sources_registry import SourcesRegistry
 from hydra.plugins.config_source import ConfigResult
@@ -51,8 +52,6 @@ def search_path_of(directories: Sequence[Path]) -> str:
 
 
 def _check_file(path: Path) -> None:
-    import yaml
-
     text = read_text(path, MOST_BYTES)
     try:
         deepest, values = _measure(text)
@@ -71,8 +70,6 @@ def _measure(text: str) -> tuple[int, int]:
     An alias (`*name`) counts as the values for which it stands. Counting stops as soon as a bound,
     `DEEPEST` or `MOST_VALUES`, is exceeded.
     """
-    import yaml
-
     deepest = 0
     sizes: dict[str | None, int] = {}  # anchor -> number of values that it names
     open_lists: list[tuple[str | None, int]] = []  # anchor, and `values` at its start

@@ -13,12 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.input_state import (
-    Filter,
-    InputStateModel,
-    Step,
-    settle,
-)
+from owtsweep.estimation.input_state import Filter, InputStateModel, Step, settle
 from owtsweep.estimation.square_root import Correction, deviation, kalman
 
 

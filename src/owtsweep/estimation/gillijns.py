@@ -14,12 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.input_state import (
-    Filter,
-    InputStateModel,
-    Step,
-    settle,
-)
+from owtsweep.estimation.input_state import Filter, InputStateModel, Step, settle
 from owtsweep.estimation.square_root import check_noise, combine, deviation, overflows, root_of
 
 #: A singular value of the scaled feedthrough below this part of the largest one counts as zero.

@@ -20,12 +20,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.estimation.input_state import (
-    Filter,
-    Step,
-    settle,
-    to_step,
-)
+from owtsweep.estimation.input_state import Filter, Step, settle, to_step
 from owtsweep.estimation.square_root import Correction, kalman
 
 #: Steps that are smoothed at once, so that little memory is needed.

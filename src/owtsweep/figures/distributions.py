@@ -6,6 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from owtsweep.errors import InputError
@@ -14,10 +17,6 @@ from owtsweep.figures.palette import style_of
 from owtsweep.results.conditions import Condition, Value, order_values
 
 if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from owtsweep.results.cube import Cube
 
 NAME = "distributions"
@@ -41,8 +40,6 @@ def collect(cube: Cube, criterion: str, window: str) -> pd.DataFrame:
     record counts if all schemes of the cell have it, so that boxes can stand side by side.
     Raise `InputError` if the criterion was not measured, or no cell has `LEAST_RECORDS` records.
     """
-    import pandas as pd
-
     if criterion not in cube.measures or len(cube.replicates) < LEAST_RECORDS:
         raise InputError(
             f"grid.replicates: distributions of {criterion} need {LEAST_RECORDS} records per cell "

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.legend_handler import HandlerBase
@@ -93,8 +94,6 @@ class _Strip(HandlerBase):
         fontsize: float,
         trans: Transform,
     ) -> list[Rectangle]:
-        from matplotlib.colors import to_hex
-
         assert isinstance(orig_handle, Shades)
         color, step = to_hex(orig_handle.get_facecolor()), width / COUNT
         return [

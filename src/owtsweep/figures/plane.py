@@ -8,13 +8,13 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition, Grid, Value, order_values, show_value
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.axes import Axes
 
 #: A value beyond the map is drawn this many cells outside the centres of the edge cells.

@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from owtsweep.results.conditions import Condition
 from owtsweep.results.regret import SUMMARY, make_map_table
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 #: Kind of regret -> the map's title.

@@ -9,9 +9,9 @@ computed once for all numbers of blades and all soils.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
@@ -21,9 +21,6 @@ from owtsweep.motion.plant import Plant, compute_forces, respond
 from owtsweep.motion.synthesis import interleaved
 from owtsweep.structures import Modes, Structure
 from owtsweep.waves import Sea, draw_waves
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: Significant wave heights (m) and peak periods (s): the range of offshore operations in section
 #: 2.1 of Ren et al. (2019), H_s up to 3 m and T_p from 4 to 10 s.
@@ -75,8 +72,6 @@ def compute_points(
     friction_angles: Friction angles (degrees) of every layer; None keeps those of the description.
         Ignored if the structure has no soil.
     """
-    import pandas as pd
-
     require(len(seas) > 0, "seas: the list is empty; give at least one sea state")
     variants = list(_vary(structure, seas[0], blades, friction_angles))
     rows = []

@@ -12,13 +12,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.report.static_map import choose_axes, get_grid
-from owtsweep.report.statistics import (
-    MOST_RECORDS,
-    Look,
-    gather_records,
-    is_superposed,
-    list_looks,
-)
+from owtsweep.report.statistics import MOST_RECORDS, Look, gather_records, is_superposed, list_looks
 from owtsweep.results.contents import Contents
 from owtsweep.statistics.inference import t_quantile
 

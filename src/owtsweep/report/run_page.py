@@ -5,23 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from string import Template
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.figures.margin import FULL, PALEST
 from owtsweep.report.data import make_part
-from owtsweep.report.document import (
-    clean,
-    make_document,
-    make_picture,
-    make_table,
-    read_asset,
-)
+from owtsweep.report.document import clean, make_document, make_picture, make_table, read_asset
 from owtsweep.report.static_map import draw, list_legend
 from owtsweep.results.conditions import show_value
 from owtsweep.results.contents import Contents
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: Most rows of a table that stands there without JavaScript.
 MOST_ROWS = 500

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 from urllib.parse import quote
+
+import pandas as pd
 
 from owtsweep.report.document import clean, make_document, make_picture
 from owtsweep.report.run_page import scroll, tabulate, write_section
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 def make_multirun_page(

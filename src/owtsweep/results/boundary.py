@@ -12,9 +12,9 @@ In this module a cell is one value of each condition but the last, which is the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
@@ -23,9 +23,6 @@ from owtsweep.results.status import OK
 from owtsweep.results.superposition import PRODUCTS, find_crossing
 from owtsweep.statistics.inference import percentile_interval, resample_means
 from owtsweep.streams import encode_value
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: The columns of a table of boundaries, after those of the conditions.
 COLUMNS = ("boundary", "ci_low", "ci_high", "n", "wins")
@@ -61,8 +58,6 @@ def find_boundary(
         `ci_high`. If `ci_low` falls on such a resample, `ci_low` is NaN; if `ci_high` does,
         `ci_high` is infinite.
     """
-    import pandas as pd
-
     lines = []
     difference = subtract_schemes(rows, conditions, schemes, measure, window)
     for cell, products in split_cells(difference).items():

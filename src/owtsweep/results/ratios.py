@@ -7,18 +7,15 @@ means over each one's own records are not compared: the ratio is over the record
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.results.criteria import Criterion
 from owtsweep.results.cube import Cube, join_lines
 from owtsweep.statistics.inference import ordered_sum
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 __all__ = ["compare_with_best"]
 
@@ -39,8 +36,6 @@ def compare_with_best(
     best: the table best_scheme made of it.
     criteria: the measures that `best` judges by.
     """
-    import pandas as pd
-
     last, names = cube.names[-1], np.array(cube.schemes, dtype=object)
     parts = []
     for (name, window), judged in best.groupby(["criterion", "window"], sort=False):

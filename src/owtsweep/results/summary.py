@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.results.conditions import order_values, sort_lines
 from owtsweep.results.cube import Cube, join_lines
 from owtsweep.results.status import tell_in_summary
 from owtsweep.statistics.inference import mean_and_error, t_quantile
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 __all__ = ["summarise"]
 
@@ -33,8 +30,6 @@ def summarise(cube: Cube, *, shared: bool = False) -> pd.DataFrame:
     the number of replicates that the scheme finished. If a scheme was unable to work under some
     conditions, there are also the columns `status` and `reason`, and a line without measure for it.
     """
-    import pandas as pd
-
     columns = name_columns(cube.names)
     parts = []
     counted = {place: cube.find_shared(place) for place in cube.outer_places() if shared}

@@ -20,15 +20,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-from owtsweep.config import (
-    Config,
-    Tree,
-    admit,
-    checked,
-    compose_plain,
-    conf_directory,
-    require,
-)
+from owtsweep.config import Config, Tree, admit, checked, compose_plain, conf_directory, require
 from owtsweep.config.common import TREES
 from owtsweep.config.hints import suggest_name
 from owtsweep.config.stored import resolved

@@ -9,7 +9,8 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.comparing.comparison import (
     RUN,
@@ -34,9 +35,6 @@ from owtsweep.sweep.keys import hash_text
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -67,8 +65,6 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
         the folder cannot be written. Nothing has been written then. Also if the study is of another
         package and does not work; its figures may have been written then.
     """
-    import pandas as pd
-
     runs, preferred, notes = _open(paths, load)
     studies = list(dict.fromkeys(run.config.study for run in runs))
     require(

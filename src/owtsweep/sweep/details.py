@@ -13,13 +13,14 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from pydantic import TypeAdapter
 
 from owtsweep.arrays import Array
-from owtsweep.config import changed
+from owtsweep.config import AnyConfig, changed
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_bytes
 from owtsweep.io.steps import tell_step
@@ -27,11 +28,6 @@ from owtsweep.results.conditions import Value
 from owtsweep.results.contents import Contents
 from owtsweep.sweep.asked import DETAILS
 from owtsweep.sweep.study import Study, blame
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.config import AnyConfig
 
 #: Length of a stretch, s, and the most samples of a second that are kept.
 SECONDS, RATE = 40.0, 10.0

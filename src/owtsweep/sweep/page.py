@@ -10,17 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+import pandas as pd
+
 from owtsweep.config import Config
 from owtsweep.errors import InputError, printable
 from owtsweep.io.tables import read_table
-from owtsweep.report.run_page import (
-    Extras,
-    Origin,
-    Shown,
-    clean_lines,
-    make_run_page,
-    tell_answer,
-)
+from owtsweep.report.run_page import Extras, Origin, Shown, clean_lines, make_run_page, tell_answer
 from owtsweep.report.static_map import draw
 from owtsweep.results.regret import SUMMARY, WORLDS
 from owtsweep.sweep.asked import PAGE, find_home
@@ -30,7 +25,6 @@ from owtsweep.sweep.manifest import read_manifest, without_places
 from owtsweep.sweep.study import OK, Engine, Study, blame
 
 if TYPE_CHECKING:
-    import pandas as pd
     from rich.console import RenderableType
 
 #: What a page says where it has no stretch of a record.

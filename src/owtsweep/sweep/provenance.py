@@ -11,15 +11,12 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING
 
 from owtsweep._version import __version__
 from owtsweep.sweep.keys import list_versions
 from owtsweep.sweep.manifest import without_places
 from owtsweep.sweep.plan import digest
-
-if TYPE_CHECKING:
-    from owtsweep.sweep.runs import Run
+from owtsweep.sweep.runs import Run
 
 #: Packages whose version can change a number or a file.
 PACKAGES = (

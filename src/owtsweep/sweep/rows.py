@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pyarrow as pa
 
+from owtsweep.config import Config
 from owtsweep.errors import printable
 from owtsweep.sweep.study import FAILED, OK, UNABLE, Block, Square, Study
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from owtsweep.config import Config
 
 STATUSES = (OK, FAILED, UNABLE)
 TEXT, CATEGORIES, NUMBERS, FLAGS, NOTHING = "text", "categories", "numbers", "flags", "nothing"

@@ -14,6 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
+import pyarrow as pa
+
 from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
 from owtsweep.io.reading import read_bytes
@@ -24,7 +26,6 @@ from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
     import pandas as pd
-    import pyarrow as pa
 
 logger = logging.getLogger(__name__)
 

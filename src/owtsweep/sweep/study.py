@@ -14,6 +14,7 @@ from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
+from owtsweep.config import AnyConfig, Config, Plain
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.results.status import FAILED, OK, UNABLE
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.config import AnyConfig, Config, Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition, Value

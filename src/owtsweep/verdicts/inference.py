@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.statistics.inference import fieller, holm, p_value, t_quantile
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
@@ -223,8 +221,6 @@ def name_missing(missing: tuple[str, ...]) -> str:
 
 def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
     """Make a table with one row per claim, which shows the claim's least favourable decision."""
-    import pandas as pd
-
     return pd.DataFrame(
         {
             "statement": statement.name,

@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from owtsweep.figures.drawings import save_figure
 from owtsweep.io.files import write_atomically
 from owtsweep.io.steps import tell_step
@@ -36,7 +38,6 @@ from owtsweep.verdicts.page import (
 from owtsweep.verdicts.score_table import ScoreTable
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 

@@ -6,7 +6,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, require
@@ -14,9 +16,6 @@ from owtsweep.results.boundary import find_boundary, find_boundary_ratio
 from owtsweep.results.conditions import Condition, Grid
 from owtsweep.results.cube import Cube
 from owtsweep.verdicts.inference import Estimate
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: A value of a column that says what a score is of.
 Value = str | bool | float
@@ -35,7 +34,6 @@ def tidy(value: object) -> Value:
     """Return a value as cells have it: numbers rounded, but for what is true or false."""
     if isinstance(value, str):
         return value
-    import numpy as np
 
     if isinstance(value, bool | np.bool_):
         return bool(value)
@@ -197,8 +195,6 @@ class ScoreTable:
         One array of shape (records,) per cell, all in the same order of records; None if a cell has
         no values, or if no record has all.
         """
-        import pandas as pd
-
         keys = [tuple(cell.get(name, "") for name in self.columns) for cell in cells]
         if not all(key in self._by_cell for key in keys):
             return None

@@ -12,12 +12,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable
-from owtsweep.motion.recorded.checks import (
-    check_extent,
-    check_time,
-    describe_gaps,
-    find_gaps,
-)
+from owtsweep.motion.recorded.checks import check_extent, check_time, describe_gaps, find_gaps
 from owtsweep.motion.recorded.choosing import add_motion
 from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, assign_roles
 from owtsweep.motion.recorded.composing import Hub, compose, imply_unit

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from owtsweep.config import Config
+from owtsweep.config.common import Record
 from owtsweep.config.records import Records
 from owtsweep.results.conditions import Condition
 from owtsweep.results.criteria import Criterion
@@ -18,7 +19,6 @@ from owtsweep.studies.base.costs import Costs
 if TYPE_CHECKING:
     import pandas as pd
 
-    from owtsweep.config.common import Record
     from owtsweep.studies.base.keys import Tune
 
 

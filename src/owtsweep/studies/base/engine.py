@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Generic
 
+import pandas as pd
+
+from owtsweep.figures.drawings import Drawing
 from owtsweep.results.contents import Contents
 from owtsweep.results.regret import Judged, make_regret
 from owtsweep.studies.base import maps, tables
@@ -19,10 +22,7 @@ from owtsweep.studies.base.tables import list_competing, make_cube
 from owtsweep.sweep.study import Block, Engine, Look
 
 if TYPE_CHECKING:
-    import pandas as pd
     from rich.console import RenderableType
-
-    from owtsweep.figures.drawings import Drawing
 
 
 class ContestEngine(Engine, Generic[C]):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.results.cube import Cube
 from owtsweep.results.verdicts import Asked, find_open
@@ -11,9 +12,6 @@ from owtsweep.statistics.deciding import LOOKS
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.base.blocks import PlanPart
 from owtsweep.sweep.study import Block, Look
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 def plan_look(

@@ -16,12 +16,7 @@ from pydantic import BeforeValidator
 from owtsweep.config import AnyConfig, Plain, Section, as_mapping
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.figures.palette import SchemeStyle, reserve
-from owtsweep.studies.base.contract import (
-    LEAST_SIMPLE,
-    Scheme,
-    check_name,
-    check_simplicity,
-)
+from owtsweep.studies.base.contract import LEAST_SIMPLE, Scheme, check_name, check_simplicity
 from owtsweep.studies.registry import OURS, list_schemes
 from owtsweep.sweep.source import describe_source, explain_doubt
 

@@ -7,17 +7,16 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.sweep.study import Study
+from owtsweep.config import Plain, checked
+from owtsweep.results.conditions import Condition, Value
+from owtsweep.studies.base.contest import AnyContest, ContestConfig
+from owtsweep.studies.base.schemes import SchemeTable
+from owtsweep.sweep.study import Engine, Study, Tuned, Varied
 
 if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.config import Plain
     from owtsweep.evaluation.estimate import EstimatedRecord
-    from owtsweep.results.conditions import Condition, Value
-    from owtsweep.studies.base.contest import AnyContest, ContestConfig
     from owtsweep.studies.base.declaration import AnyDeclaration
-    from owtsweep.studies.base.schemes import SchemeTable
-    from owtsweep.sweep.study import Engine, Tuned, Varied
 
 
 class ContestStudy(Study):
@@ -88,7 +87,6 @@ class ContestStudy(Study):
 
     def list_vary_defaults(self, plain: Plain) -> list[str]:
         """Return the overrides of `vary`: the cell in the middle of the map, and few records."""
-        from owtsweep.config import checked
         from owtsweep.studies.base.varying.records import list_defaults
 
         # the study's own check is not due: it may refuse another cell of the map

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.comparing.comparison import Aspects, Candidate
 from owtsweep.results.best_scheme import find_best_schemes
@@ -14,9 +15,6 @@ from owtsweep.results.summary import summarise
 from owtsweep.results.verdicts import Asked, count_cells, make_table
 from owtsweep.studies.base.contest import WAIT, WINDOW, C, Contest, ContestConfig, list_origin
 from owtsweep.studies.base.schemes import list_names
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 def make_tables(
@@ -73,8 +71,6 @@ def spread_all(contest: Contest[C], config: C, rows: pd.DataFrame) -> pd.DataFra
 
 def spread(rows: pd.DataFrame, axis: str, values: Sequence[float]) -> pd.DataFrame:
     """Repeat each row without a value of an axis, which its scheme ignores, at every value."""
-    import pandas as pd
-
     free = rows[axis].isna()
     if not free.any():
         return rows

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -20,10 +19,8 @@ from owtsweep.estimation.inertial.angles import from_heading, make_rotation
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, find_frequencies, respond, sample, scale_to_one
 from owtsweep.streams import stream
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import PRISMS, UNIT
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
 
 #: The mode's resonance ends at this multiple of its natural frequency.
 HIGHEST = 3.0

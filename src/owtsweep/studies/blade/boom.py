@@ -8,7 +8,6 @@ accelerations are exact derivatives of each other at the accelerometers' own rat
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +17,8 @@ from owtsweep.estimation.double_integration import RATE, decimate, integrate_twi
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import find_frequencies, respond, sample, scale_to_one
 from owtsweep.streams import stream
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Accelerations, BoomMotion
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
 
 #: Resonances end at this multiple of their natural frequency.
 HIGHEST = 3.0

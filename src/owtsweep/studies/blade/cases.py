@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,14 +11,12 @@ from scipy.spatial.transform import Rotation
 from owtsweep.arrays import Array
 from owtsweep.streams import stream
 from owtsweep.studies.base.axes import Cell
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import PLAN, Geometry, Measured, Setting, Truth
 from owtsweep.studies.blade.measuring import WALK_TIME, find_outages, measure
 from owtsweep.studies.blade.recorded_case import Lift, find_reference, load_lift
 from owtsweep.studies.blade.truth import Motion, choose_freedoms, make_truth
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
 
 #: A bias or a walk of zero is assumed to be this part of the noise of a sample, so that its
 #: variance stays positive.

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from owtsweep.config import require
 from owtsweep.estimation.double_integration import RATE
 from owtsweep.studies.base.axes import check_axes
 from owtsweep.studies.blade.boom import HIGHEST
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contest import CONTEST
 from owtsweep.studies.blade.contract import DOF
 from owtsweep.studies.blade.schemes import SCHEMES
 from owtsweep.studies.blade.truth import hold
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
 
 #: Most samples of a record: a filter keeps all its covariances.
 MOST_SAMPLES = 100_000

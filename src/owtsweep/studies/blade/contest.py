@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest, tell_single
 from owtsweep.studies.base.costs import Costs
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.measures import CRITERIA, list_measures
 from owtsweep.studies.blade.recorded import REFERENCE
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
 
 #: The axes that the grid may have, of which a map shows two.
 CONDITIONS = (

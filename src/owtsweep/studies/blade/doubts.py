@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.blade.cases import make_lift_setting
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Setting, Truth
 from owtsweep.studies.blade.recorded_case import find_reference, load_lift
 from owtsweep.studies.blade.schemes import HOOK_AT_REST
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
 
 #: A longer lever arm is warned of: nothing on a blade is so far from another thing, m.
 LONGEST_RECORDED = 150.0

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.inertial.angles import find_angles
@@ -98,8 +99,6 @@ def find_turn(true: Array, estimated: Array) -> Array:
 
     In the body's frame, rad; the errors of attitude in `estimation.inertial.strapdown`.
     """
-    from scipy.spatial.transform import Rotation
-
     if not np.isfinite(estimated).all():
         return np.full((len(true), 3), np.nan)
     return np.asarray(Rotation.from_matrix(estimated.transpose(0, 2, 1) @ true).as_rotvec())

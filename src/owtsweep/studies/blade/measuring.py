@@ -7,7 +7,6 @@ are the same draws enlarged.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,10 @@ from owtsweep.sensing.noise import draw_gauss_markov
 from owtsweep.streams import stream
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.boom import measure_boom
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import ANTENNAS, PRISMS, Measured
+from owtsweep.studies.blade.sections import Receiver, Unit
 from owtsweep.studies.blade.truth import Motion
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
-    from owtsweep.studies.blade.sections import Receiver, Unit
 
 #: Time in s after which a walk of a bias is what the configuration says.
 WALK_TIME = 100.0

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +24,10 @@ from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.formats.text_layout import ISO_TIME
 from owtsweep.motion.recorded.signals import read_fixes
 from owtsweep.studies.blade.aligning import align
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import Estimates, Geometry, Measured, Setting, Truth
 from owtsweep.studies.blade.recorded import REFERENCE
 from owtsweep.studies.blade.schemes import SCHEMES
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
 
 FORCE, RATE = ("fx", "fy", "fz"), ("wx", "wy", "wz")
 LOCAL, GLOBE = ("x", "y", "z"), ("latitude", "longitude", "height")

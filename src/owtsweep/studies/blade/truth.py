@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,11 +35,9 @@ from owtsweep.streams import stream
 from owtsweep.studies.base.axes import Cell
 from owtsweep.studies.blade.bending import Bending, make_bending
 from owtsweep.studies.blade.boom import make_boom
+from owtsweep.studies.blade.config import BladeConfig
 from owtsweep.studies.blade.contract import DOF, ROOT, UNIT, Truth
-
-if TYPE_CHECKING:
-    from owtsweep.studies.blade.config import BladeConfig
-    from owtsweep.studies.blade.sections import Freedom
+from owtsweep.studies.blade.sections import Freedom
 
 #: Resonances end at this multiple of their natural frequency, gusts at this frequency in Hz.
 HIGHEST, GUST_END = 3.0, 0.2

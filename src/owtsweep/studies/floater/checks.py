@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from owtsweep.config import require
 from owtsweep.studies.base.axes import check_axes
+from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contest import CONTEST
 from owtsweep.studies.floater.schemes import SCHEMES
 from owtsweep.studies.floater.worlds import WORLDS
-
-if TYPE_CHECKING:
-    from owtsweep.studies.floater.config import FloaterConfig
 
 #: Most samples of a record: of more, motion and estimates do not fit into memory.
 MOST_SAMPLES = 1_000_000

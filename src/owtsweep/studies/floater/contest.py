@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest, tell_single
 from owtsweep.studies.base.costs import Costs
+from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.measures import CRITERIA, list_measures
 from owtsweep.studies.floater.worlds import WORLDS
-
-if TYPE_CHECKING:
-    from owtsweep.studies.floater.config import FloaterConfig
 
 #: The axes that the grid may have, of which a map shows two.
 CONDITIONS = (

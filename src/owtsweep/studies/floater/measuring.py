@@ -7,7 +7,7 @@ the same draws enlarged.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,9 @@ from owtsweep.arrays import Array
 from owtsweep.sensing.faults import Losses
 from owtsweep.streams import stream
 from owtsweep.studies.base.axes import Cell
+from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Measured
 from owtsweep.studies.floater.truth import Motion
-
-if TYPE_CHECKING:
-    from owtsweep.studies.floater.config import FloaterConfig
 
 #: Time in s after which a drift of the bias is what the configuration says.
 DRIFT_TIME = 100.0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,11 +12,9 @@ from owtsweep.estimation.inertial.angles import find_body_rates, make_rotation
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.lines import Series, Span, interpolate
 from owtsweep.streams import stream
+from owtsweep.studies.floater.config import FloaterConfig
 from owtsweep.studies.floater.contract import Truth
 from owtsweep.studies.floater.worlds import WORLDS
-
-if TYPE_CHECKING:
-    from owtsweep.studies.floater.config import FloaterConfig
 
 #: Samples that are known before the oldest report, for irregular reports.
 MARGIN = 20

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,13 +15,11 @@ from owtsweep.io.reading import expand_home, hash_file
 from owtsweep.motion.lines import Series, Span
 from owtsweep.motion.recorded import tell_alone
 from owtsweep.studies.base.schemes import list_names
+from owtsweep.studies.floater.config import FloaterConfig, Motion
 from owtsweep.studies.floater.contract import DOF, Truth
 from owtsweep.studies.floater.motion_recorded import read_file, read_motion
 from owtsweep.studies.floater.motion_synthetic import Stream, decay, draw_motion
 from owtsweep.studies.floater.schemes import LARGE_ANGLES, SCHEMES
-
-if TYPE_CHECKING:
-    from owtsweep.studies.floater.config import FloaterConfig, Motion
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from math import prod
-from typing import TYPE_CHECKING
 
 from owtsweep.config.section import fields_along
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.conditions import find_world, require_spectrum
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.listed import list_baselines, list_entries, resolve_all
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK, count_records_per_block
 from owtsweep.studies.hub.scheme_sections import FilterTuning
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 #: Longest record that fits a machine's memory: 1e8 steps take gigabytes.
 MOST_STEPS = 100_000_000

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 from owtsweep.errors import require
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.results.criteria import MILLIMETRE, MILLIMETRE_PER_SECOND, Criterion
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.plant import PLANT
 from owtsweep.studies.hub.world import SPECTRUM, World, list_departing
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from owtsweep.studies.hub.config import HubConfig
 
 
 #: Value of the key `motion.kind` -> the world that it chooses.

@@ -17,11 +17,11 @@ from owtsweep.evaluation.loop import run_estimator
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.base import contract
 from owtsweep.studies.base.contract import Knowledge
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import Measured, Sensors
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.chain import Chain
-    from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.measures import Sums
     from owtsweep.studies.hub.records import Records
 

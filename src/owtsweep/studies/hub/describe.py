@@ -5,10 +5,13 @@ Sensors, truth, tuning, seed and number of records; in each cell the best scheme
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
+from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.results.cube import Cube
 from owtsweep.results.verdicts import Asked, count_cells
 from owtsweep.studies.hub.conditions import (
     CRITERIA,
@@ -19,14 +22,9 @@ from owtsweep.studies.hub.conditions import (
     get_conditions,
     get_grid,
 )
+from owtsweep.studies.hub.config import HubConfig, SensorConfig
 from owtsweep.studies.hub.listed import INSTEAD, SCHEMES, list_baselines, scheme_names
 from owtsweep.studies.hub.tuning_rules import take_facts
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub.config import HubConfig, SensorConfig
 
 #: Value of the configuration key `normalise` -> what the amplitude of a motion measures.
 MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
@@ -242,8 +240,6 @@ def explain(baselines: list[str]) -> list[str]:
 
 def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False) -> Cube:
     """Arrange a run's rows as a cube, with `baselines` after the schemes."""
-    from owtsweep.results.cube import Cube
-
     names = scheme_names(config) + (list_baselines(config) if baselines else [])
     conditions = get_conditions(config)
     return Cube.of_rows(rows, names, conditions, get_grid(config), measures=MEASURES)
@@ -251,8 +247,6 @@ def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False)
 
 def find_alike(config: HubConfig, rows: pd.DataFrame) -> list[tuple[str, ...]]:
     """Find groups of schemes with equal results; the last of a group stands for it on a map."""
-    from owtsweep.results.best_scheme import find_coinciding
-
     contenders = [*SCHEMES.rank(config)] if config.grid.decides else ()
     return find_coinciding(make_cube(config, rows), CRITERIA, contenders)
 

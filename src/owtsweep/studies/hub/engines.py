@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from owtsweep.config import AnyConfig
 from owtsweep.errors import InputError
-from owtsweep.figures.drawings import save_figure
+from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.answer import tell_alike, tell_answer, tell_beaten
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.contents import Contents
@@ -28,6 +30,7 @@ from owtsweep.studies.hub.conditions import (
     get_map_conditions,
     list_maps,
 )
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.declaration import DECLARATIONS
 from owtsweep.studies.hub.describe import (
     ask,
@@ -52,16 +55,11 @@ from owtsweep.studies.hub.plant import FRICTION_ANGLE
 from owtsweep.studies.hub.quoted import quote_worlds
 from owtsweep.studies.hub.records import REPLICATES_PER_BLOCK
 from owtsweep.studies.hub.world import World
-from owtsweep.sweep.study import Engine, Look, Square
+from owtsweep.sweep.gather import Results
+from owtsweep.sweep.study import Block, Engine, Look, Square
 
 if TYPE_CHECKING:
-    import pandas as pd
     from rich.console import RenderableType
-
-    from owtsweep.figures.drawings import Drawing
-    from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.gather import Results
-    from owtsweep.sweep.study import Block
 
 
 logger = logging.getLogger(__name__)
@@ -100,8 +98,6 @@ class _Engine(Engine):
     def contents(
         self, config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame
     ) -> Contents:
-        import pandas as pd
-
         asked, best = ask(config), tables["best_scheme"]
         won = [find_winners(config, best, name, asked.window) for name in asked.criteria]
         table, _, notes = won[0]

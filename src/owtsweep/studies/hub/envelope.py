@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.motion.envelope import compute_points, list_seas
 from owtsweep.streams import stream
+from owtsweep.structures import Structure
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import find_winners
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.structures import Structure
-    from owtsweep.studies.hub.config import HubConfig
 
 #: What stands for the best scheme of a point where the map names none: the point lies outside the
 #: map, or in a cell without a result.

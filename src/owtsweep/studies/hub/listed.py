@@ -6,7 +6,7 @@ Entries of the keys `schemes` and `baselines` name them, or schemes of a user.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from owtsweep.config import Plain
 from owtsweep.errors import require
@@ -20,10 +20,8 @@ from owtsweep.studies.base.schemes import (
     blame_code,
     list_names,
 )
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Known, Scheme
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 #: The paper's schemes. EKF and MKF can coincide: a dashed line over a solid one shows both.
 REGISTERED = {

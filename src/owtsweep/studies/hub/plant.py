@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from owtsweep.config import Plain
 from owtsweep.errors import InputError, require
@@ -18,14 +17,11 @@ from owtsweep.motion.plant import HIGHEST, Plant, PlantMotion
 from owtsweep.motion.source import Motion, Source
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.config import STRUCTURE
+from owtsweep.studies.hub.config import STRUCTURE, HubConfig
 from owtsweep.studies.hub.seas import LAYERS, find_structure, list_plant, make_plant
 from owtsweep.studies.hub.sensors import Sensors
 from owtsweep.studies.hub.world import World
 from owtsweep.waves import Sea
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 HS = Condition("hs", "significant wave height", "m")
 TP = Condition("tp", "peak period", "s")

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.config import as_mapping
 from owtsweep.config.stored import read
 from owtsweep.io.tables import read_table
 from owtsweep.results.answer import count_names
 from owtsweep.results.regret import SUMMARY
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.world import list_departing
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.studies.hub.config import HubConfig
 
 
 def find_reference() -> Path | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from owtsweep import structures, waves
 from owtsweep.config import Plain, as_mapping, changed
@@ -12,11 +11,9 @@ from owtsweep.motion.departing import StretchedSource
 from owtsweep.motion.plant import Plant
 from owtsweep.results.conditions import Value
 from owtsweep.structures import Structure
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.sweep.study import add_versions
 from owtsweep.waves import Sea
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 #: Value of a condition that leaves what the structure's file says.
 LAYERS = "layers"

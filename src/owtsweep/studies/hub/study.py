@@ -9,20 +9,19 @@ from typing import TYPE_CHECKING
 from owtsweep import estimation, evaluation, motion, sensing
 from owtsweep.config import Plain
 from owtsweep.errors import require
+from owtsweep.evaluation.estimate import EstimatedRecord
+from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.studies.hub import kernels
-from owtsweep.studies.hub.listed import SCHEMES, describe
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.listed import SCHEMES, describe, resolve_all
 from owtsweep.sweep.levers import Lever, double, halve
-from owtsweep.sweep.study import Study, add_versions
+from owtsweep.sweep.study import Engine, Study, Tuned, Varied, add_versions
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.evaluation.estimate import EstimatedRecord
     from owtsweep.results.conditions import Condition, Value
-    from owtsweep.studies.base.schemes import SchemeTable
-    from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.study import Engine, Tuned, Varied
 
 __all__ = ["HubKeys", "HubStudy"]
 
@@ -52,8 +51,6 @@ class HubKeys(Study):
         return describe_in_a_line(config)
 
     def describe_code(self, config: HubConfig) -> object:
-        from owtsweep.studies.hub.listed import resolve_all
-
         one = next(iter(config.by_tuning().values()))
         return SCHEMES.describe_stored(resolve_all(config.schemes, one))
 
@@ -98,8 +95,6 @@ class HubStudy(HubKeys):
         return SCHEMES.list_simplicity()
 
     def config_type(self) -> type[HubConfig]:
-        from owtsweep.studies.hub.config import HubConfig
-
         return HubConfig
 
     def list_worlds(self, config: HubConfig) -> dict[str, str]:
@@ -187,7 +182,6 @@ class HubStudy(HubKeys):
     def predict_vary(self, configs: Mapping[Value, HubConfig]) -> tuple[float, float] | None:
         """Return the time and the memory of the expected errors, as `Study` says."""
         from owtsweep.studies.hub.engines import PROCESS
-        from owtsweep.studies.hub.listed import resolve_all
         from owtsweep.studies.hub.varying import SECONDS
 
         schemes = sum(len(resolve_all(config.schemes)) for config in configs.values())

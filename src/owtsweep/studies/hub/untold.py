@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
 from owtsweep.config import Plain, conf_directory
 from owtsweep.config.stored import read
 from owtsweep.studies.base.worlds import Departure, Untold
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.config import HubConfig
 
 #: Keys of the sensors that change what is measured, while schemes are told the configuration's.
 #: Not yaw, gravity and rates: records come to kernels in the frame and at the steps that are told.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from owtsweep.config import Plain, as_mapping
 from owtsweep.config.typed import value_at
@@ -19,12 +19,9 @@ from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import SpectralSource, line_numbers
 from owtsweep.results.conditions import Condition, Grid, Value
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.config import STRUCTURE, MotionConfig
+from owtsweep.studies.hub.config import STRUCTURE, HubConfig, MotionConfig
 from owtsweep.studies.hub.seas import LAYERS, ONE_SEA, check_one_sea, list_plant, stretch_sea
 from owtsweep.studies.hub.sensors import Sensors
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 
 class World(ABC):

@@ -5,16 +5,12 @@ Its records are those of the studies `blade` and `hub`, taken through `owtsweep.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from owtsweep.studies.base.schemes import SchemeTable
 from owtsweep.studies.base.study import ContestStudy
+from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.registry import get_study
 from owtsweep.sweep.levers import Lever, halve
-
-if TYPE_CHECKING:
-    from owtsweep.studies.base.schemes import SchemeTable
-    from owtsweep.studies.mating.config import MatingConfig
-    from owtsweep.sweep.study import Engine
+from owtsweep.sweep.study import Engine
 
 __all__ = ["MatingStudy"]
 

@@ -8,6 +8,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.figures.drawings import Drawing, save_figure
@@ -15,14 +16,13 @@ from owtsweep.results.conditions import show_value
 from owtsweep.results.summary import summarise
 from owtsweep.studies.base.contest import WAIT, describe_draws
 from owtsweep.studies.base.tables import make_cube
+from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST, describe_hold
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from owtsweep.studies.mating.config import MatingConfig
 
 #: Measures of the panels of a scheme -> their titles. The truth has the first one alone.
 PANELS = {"told": "said to be chances", "missed": "missed, of true", "false": "false, of said"}

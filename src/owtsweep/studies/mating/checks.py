@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from owtsweep.config import as_mapping, get_key, require
 from owtsweep.studies.base.axes import check_axes
+from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import configure_blade, configure_hub
-
-if TYPE_CHECKING:
-    from owtsweep.studies.mating.config import MatingConfig
 
 #: Most samples of a record, as of the blade study.
 MOST_SAMPLES = 100_000

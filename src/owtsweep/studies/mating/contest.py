@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest, tell_single
+from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.measures import CRITERIA, list_measures
-
-if TYPE_CHECKING:
-    from owtsweep.studies.mating.config import MatingConfig
 
 CONDITIONS = (
     Condition("sigma", "standard deviation of a fix on the blade", "m", scale="log"),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from owtsweep.config import as_mapping
 from owtsweep.config.records import Records
+from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import FAILED, UNABLE
 from owtsweep.studies.base.blocks import Planned, PlanPart, plan_blocks
 from owtsweep.studies.base.contest import WAIT
@@ -14,6 +16,7 @@ from owtsweep.studies.base.costs import predict
 from owtsweep.studies.base.engine import ContestEngine
 from owtsweep.studies.base.rows import Judgement, make_rows
 from owtsweep.studies.base.study import DeclaredStudy
+from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.mating.contest import CONTEST
 from owtsweep.studies.mating.joining import (
     configure_blade,
@@ -24,13 +27,7 @@ from owtsweep.studies.mating.joining import (
 )
 from owtsweep.studies.mating.measures import Limits, compare
 from owtsweep.studies.registry import get_study
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.figures.drawings import Drawing
-    from owtsweep.studies.mating.config import MatingConfig
-    from owtsweep.sweep.study import Block
+from owtsweep.sweep.study import Block
 
 #: Most records of a block.
 MOST_RECORDS = 4

@@ -8,18 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.config import Config
 from owtsweep.errors import InputError
+from owtsweep.evaluation.estimate import EstimatedRecord
+from owtsweep.studies.mating.config import MatingConfig
 from owtsweep.studies.registry import compose, get_study
-
-if TYPE_CHECKING:
-    from owtsweep.config import Config
-    from owtsweep.evaluation.estimate import EstimatedRecord
-    from owtsweep.studies.mating.config import MatingConfig
 
 #: From north and east to the axes of the blade's frame: north, west, up.
 TO_BLADE = np.array([[1.0, 0.0], [0.0, -1.0], [0.0, 0.0]])

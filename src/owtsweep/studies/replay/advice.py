@@ -12,9 +12,9 @@ matters: by `LEAST_MARGIN` at least, with a 95 % interval above zero, or by `LAR
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.arrays import Array
 from owtsweep.results.verdicts import SEPARATOR
@@ -22,9 +22,6 @@ from owtsweep.statistics.contest import find_alike, rank
 from owtsweep.statistics.inference import mean_and_error, t_quantile
 from owtsweep.studies.hub.public import BASELINES
 from owtsweep.studies.replay.measures import BASELINE_ROWS
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 COLUMNS = (
     "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",

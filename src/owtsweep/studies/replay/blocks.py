@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError, as_text
@@ -19,12 +20,7 @@ from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.files import hash_file, label_files, may_read
 from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise, use_estimates
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measures import (
-    ESTIMATED,
-    NOISE,
-    measure_baselines,
-    name_second_run,
-)
+from owtsweep.studies.replay.measures import ESTIMATED, NOISE, measure_baselines, name_second_run
 from owtsweep.studies.replay.record import (
     LONG,
     ReplayRecord,
@@ -33,9 +29,6 @@ from owtsweep.studies.replay.record import (
     release_memory,
 )
 from owtsweep.sweep.study import FAILED, OK, Block
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 COLUMNS = (
     "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
@@ -116,8 +109,6 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, object]:
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of the plan that share a record, which is read once; yield each with its rows."""
-    import pandas as pd
-
     files = label_files(config.grid.files)
     for block in blocks:
         label, name = block.content["file"], block.content["scheme"]

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.errors import InputError
 from owtsweep.motion.modes import LEAST_SHARE, LEVEL
 from owtsweep.motion.recorded import tell_alone
 from owtsweep.results.answer import tell_cell
 from owtsweep.results.verdicts import SEPARATOR
-from owtsweep.studies.hub.public import (
-    INSTEAD,
-    JUDGED,
-    assume_tilt,
-    make_sensors,
-    tell_window,
-)
+from owtsweep.studies.hub.public import INSTEAD, JUDGED, assume_tilt, make_sensors, tell_window
 from owtsweep.studies.replay.advice import LEAST_MARGIN, advise
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES, summarise_motion
@@ -26,9 +21,6 @@ from owtsweep.studies.replay.identification.of_record import round_delay
 from owtsweep.studies.replay.measures import ESTIMATED, STATED, TAILS
 from owtsweep.studies.replay.place import expect_at_record
 from owtsweep.studies.replay.results import rank_schemes
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SOURCES = {
     "record": "this record's own errors",
@@ -115,8 +107,6 @@ def tell_row(row: Mapping[Any, Any]) -> str:
 
 
 def _tell(row: Mapping[Any, Any], counted: str = "") -> list[str]:
-    import pandas as pd
-
     given = {str(name): value for name, value in row.items() if value == value}  # without NaN
     chosen, same = given["recommended"], [given["best"], *given.get("same_as", "").split()]
     second = ("runner_up", "value_runner_up") if chosen in same else ("best", "value_best")

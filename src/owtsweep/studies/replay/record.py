@@ -14,13 +14,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.freed_memory import give_back_freed_memory
 from owtsweep.streams import stream
-from owtsweep.studies.hub.public import (
-    ForceNoise,
-    Sensors,
-    fix_count,
-    fix_noise,
-    simulate_bias,
-)
+from owtsweep.studies.hub.public import ForceNoise, Sensors, fix_count, fix_noise, simulate_bias
 from owtsweep.studies.replay.config import ReplayConfig
 
 #: Steps beyond which a record is long: its memory is watched, and slow work is announced.

@@ -8,6 +8,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
@@ -20,7 +22,6 @@ from owtsweep.studies.replay.measures import BASELINE_ROWS
 from owtsweep.studies.replay.record import ReplayRecord
 
 if TYPE_CHECKING:
-    import pandas as pd
     from rich.console import RenderableType
 
 KINDS = {

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.errors import InputError
 from owtsweep.statistics.inference import mean_and_error, t_quantile
@@ -30,14 +30,9 @@ from owtsweep.studies.replay.measures import (
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import FAILED, OK
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Make the tables of a replay from its rows; docs/replay.md describes the columns."""
-    import pandas as pd
-
     done = rows[rows["status"] == OK]
     schemes = rank_schemes(config)
     labels = list(label_files(config.grid.files))
@@ -66,8 +61,6 @@ def rank_schemes(config: ReplayConfig) -> dict[str, int]:
 
 
 def _list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    import pandas as pd
-
     failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
     reasons = dict(zip(failed["file"], failed["reason"], strict=True))
     listed = [(file, reasons[file]) for file in files if file in reasons]
@@ -77,8 +70,6 @@ def _list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
 def _average_errors(
     rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    import pandas as pd
-
     kept = rows[rows["window"].isin(WINDOWS)]
     keys = ["file", "scheme", "measure", "window"]
     lines = []

@@ -6,17 +6,14 @@ Estimators of input and state on a structure between two cuts, after Simpson et 
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import TYPE_CHECKING
 
 from owtsweep import estimation, evaluation, motion, sensing, structures, waves
+from owtsweep.config import Plain
+from owtsweep.config.typed import as_mapping
 from owtsweep.studies.base.study import DeclaredStudy
+from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.sweep.levers import Lever, halve, halve_logarithm
-from owtsweep.sweep.study import add_versions
-
-if TYPE_CHECKING:
-    from owtsweep.config import Plain
-    from owtsweep.studies.tower.config import TowerConfig
-    from owtsweep.sweep.study import Placed, PlaceQuestion
+from owtsweep.sweep.study import Placed, PlaceQuestion, add_versions
 
 __all__ = ["TowerStudy"]
 
@@ -39,8 +36,6 @@ class TowerStudy(DeclaredStudy):
 
         Raise `InputError` if there is no such structure.
         """
-        from owtsweep.config.typed import as_mapping
-
         if not isinstance(plain.get("structure"), str):
             return plain
         return {**plain, "structure": as_mapping(structures.find_structure(plain["structure"]))}

@@ -11,6 +11,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import require
 from owtsweep.streams import stream
+from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Setting
 from owtsweep.studies.tower.measuring import Place, add_errors, list_places, take_signals
@@ -48,8 +49,6 @@ def make_case(config: TowerConfig, replicate: int) -> Case:
 
     Raise `InputError` if the structure does not stand, or loads or sensors cannot be used.
     """
-    from owtsweep.structures.bernoulli import assemble_cut, strain_matrix, stress_matrix
-
     structure, record = config.structure, config.record
     step = 1.0 / record.rate
     cut = assemble_cut(structure, *config.heights)

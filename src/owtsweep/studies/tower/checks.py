@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.config import require
 from owtsweep.structures.bernoulli import PlaneBeam, assemble_cut
 from owtsweep.studies.base.axes import check_blocks
+from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.measuring import count_rotations, list_places
 from owtsweep.studies.tower.recorded import load_motions
 from owtsweep.studies.tower.schemes import SCHEMES
 from owtsweep.studies.tower.wind import NAMES, read_loads
-
-if TYPE_CHECKING:
-    from owtsweep.studies.tower.config import TowerConfig
 
 logger = logging.getLogger(__name__)
 

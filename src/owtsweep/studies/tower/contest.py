@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+
+import pandas as pd
 
 from owtsweep.gravity import GRAVITY
 from owtsweep.motion.recorded import tell_alone
 from owtsweep.results.conditions import Condition
 from owtsweep.studies.base.contest import Contest
 from owtsweep.studies.base.costs import Costs
+from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import INPUTS, Kind
 from owtsweep.studies.tower.measures import CRITERIA, QUIETEST, list_measures
 from owtsweep.studies.tower.sight import LEAN, SHIFT, find_missed, observe, set_up
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import pandas as pd
-
-    from owtsweep.studies.tower.config import TowerConfig
 
 #: The axes of the grid.
 CONDITIONS = (

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from owtsweep.arrays import Array
 from owtsweep.structures.bernoulli import PlaneBeam
 from owtsweep.structures.reduction import Reduced
 from owtsweep.studies.base import contract
 from owtsweep.studies.base.contract import Knowledge
-
-if TYPE_CHECKING:
-    from owtsweep.studies.tower.tuning import Tuning
+from owtsweep.studies.tower.tuning import Tuning
 
 __all__ = ["DIRECTIONS", "INPUTS", "Estimates", "Scheme", "Setting"]
 

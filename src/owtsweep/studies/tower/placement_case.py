@@ -22,12 +22,7 @@ from owtsweep.structures import Structure
 from owtsweep.structures.bernoulli import assemble_cut, stress_matrix
 from owtsweep.studies.tower.config import TowerConfig
 from owtsweep.studies.tower.contract import Channel, Kind, Setting
-from owtsweep.studies.tower.measuring import (
-    Place,
-    find_node,
-    list_places,
-    take_signals,
-)
+from owtsweep.studies.tower.measuring import Place, find_node, list_places, take_signals
 from owtsweep.studies.tower.placement import Problem, pose
 from owtsweep.studies.tower.sections import KINDS, Faults
 from owtsweep.studies.tower.setting import make_priors, make_setting, model_substructure

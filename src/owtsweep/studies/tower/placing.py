@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from owtsweep.config import changed
 from owtsweep.config.hints import suggest_name
@@ -15,9 +14,7 @@ from owtsweep.studies.tower.contest import describe_errors
 from owtsweep.studies.tower.placed import QUANTITIES, PlacedSensors
 from owtsweep.studies.tower.placement import choose_greedily, extend, predict
 from owtsweep.studies.tower.placement_case import divide_tubes, make_case
-
-if TYPE_CHECKING:
-    from owtsweep.sweep.study import PlaceQuestion
+from owtsweep.sweep.study import PlaceQuestion
 
 #: Most sensors that are chosen if the user does not say.
 COUNT = 8

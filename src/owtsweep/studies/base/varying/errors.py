@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.results.conditions import Condition, Value
-
-if TYPE_CHECKING:
-    import numpy as np
-    import pandas as pd
 
 #: One of many is named; more than this many equally good schemes are counted.
 MOST_NAMED = 3

@@ -9,9 +9,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.config import changed, require
@@ -27,12 +29,7 @@ from owtsweep.studies.base.schemes import list_names
 from owtsweep.studies.base.tables import find_latencies, list_competing, make_cube
 from owtsweep.studies.base.varying.errors import Errors
 from owtsweep.studies.base.varying.sentences import differ, find_ends, find_least
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from numpy.typing import NDArray
-
-    from owtsweep.sweep.study import Study
+from owtsweep.sweep.study import Study
 
 #: Records of a cell, unless the user says how many.
 RECORDS = 8
@@ -295,8 +292,6 @@ def _make_table(
     by_criterion: Mapping[str, _Values],
 ) -> pd.DataFrame:
     """Make the table vary.csv: a row per value, scheme, cell and criterion."""
-    import pandas as pd
-
     places = product(enumerate(values), enumerate(names), enumerate(cells), by_criterion.items())
     return pd.DataFrame(
         {

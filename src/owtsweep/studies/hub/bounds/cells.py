@@ -14,9 +14,9 @@ more by following less of the noise than it loses by following less of the motio
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.errors import require
 from owtsweep.motion.shaping import ShapingFilter
@@ -26,10 +26,6 @@ from owtsweep.studies.hub.bounds.known_spectrum import bound_of_known_spectrum
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.known_motion import find_known_motion, find_noise_density, find_spectrum
 from owtsweep.studies.hub.spectral_model import fit_or_recall
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 #: States of the filter. With these the bounds of the default study are within 1 % of those on a
 #: window (experiments/better.py).
@@ -99,8 +95,6 @@ def compute_bounds(config: HubConfig) -> pd.DataFrame:
     One row per cell and measure, with the columns natural_period (s), amplitude (m), measure,
     bound_a and bound_b (m^2 or (m/s)^2). Raises InputError as `find_bounds`.
     """
-    import pandas as pd
-
     assumed_nothing = kalman_bounds(config)
     rows = []
     for period, amplitude in product(
@@ -119,8 +113,6 @@ def add_efficiency(summary: pd.DataFrame, config: HubConfig) -> pd.DataFrame:
     They are the bounds divided by the mean; NaN outside the window `settled`, and for measures
     other than position and velocity.
     """
-    import pandas as pd
-
     keys = ["natural_period", "amplitude", "measure"]
     bounds = compute_bounds(config).set_index(keys)
     settled = summary["mean"].where(summary["window"] == WINDOW)

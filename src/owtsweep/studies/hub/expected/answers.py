@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
@@ -22,14 +22,11 @@ from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
 from owtsweep.results.verdicts import judge_exactly
 from owtsweep.statistics.contest import agree, contest, group_coinciding
-from owtsweep.studies.hub.conditions import JUDGED, get_grid
+from owtsweep.studies.hub.conditions import JUDGED, criteria, get_grid
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import ask, make_cube
+from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.world import CONDITIONS
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.studies.hub.config import HubConfig
 
 #: Two schemes are distinguishable if their MSE differs by more than this, relatively. It is the
 #: accuracy of the expected errors.
@@ -133,9 +130,6 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     Confidence intervals are NaN and the number of replicates, n, is 0. In grids of more than
     `MOST_CELLS` cells, "summary" and "ratios" have only the run's criterion and window.
     """
-    from owtsweep.studies.hub.conditions import criteria
-    from owtsweep.studies.hub.listed import list_baselines, scheme_names
-
     window, measure = config.measures.window, config.measures.criterion
     best = best_scheme(
         rows, scheme_names(config), criteria(config), get_grid(config), window,

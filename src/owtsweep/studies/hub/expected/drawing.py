@@ -8,11 +8,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
 from owtsweep.studies.hub import describe
 from owtsweep.studies.hub.conditions import criteria
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import MEANING, describe_origin
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.figures import listing
@@ -21,10 +23,8 @@ from owtsweep.studies.hub.schemes.skf import SCHEME
 from owtsweep.studies.hub.world import AMPLITUDE, NATURAL_PERIOD
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
-    from owtsweep.studies.hub.config import HubConfig
 
 #: Number of points along each axis of a smooth map (picture of the best schemes).
 FINE = 200

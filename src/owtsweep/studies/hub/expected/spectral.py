@@ -13,9 +13,10 @@ time between two fixes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
@@ -28,9 +29,6 @@ from owtsweep.studies.hub.contract import Known
 from owtsweep.studies.hub.known_motion import find_known_motion
 from owtsweep.studies.hub.schemes.skf import SCHEME, find_motion
 from owtsweep.studies.hub.spectral_model import LONGEST_TRANSIENT, make_axes
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: The measures whose errors are computed, and each one's parts along x and y.
 MEASURES = ("position", "velocity")
@@ -81,8 +79,6 @@ def find_expected_errors(
 
 def make_rows(config: HubConfig, periods: Sequence[float], amplitude: float) -> pd.DataFrame:
     """Make the rows of SKF at natural periods (s) and an amplitude (m), in the settled window."""
-    import pandas as pd
-
     rate = config.sensors.imu.rate
     samples = round(config.record.duration * rate) - round(config.measures.settling_time * rate)
     names = [name for measure in MEASURES for name in (*AXES[measure], measure)]

@@ -5,10 +5,10 @@ The efficiency is bound (b) of `bounds.cells` divided by the scheme's error.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pandas as pd
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
@@ -17,14 +17,9 @@ from owtsweep.figures import style
 from owtsweep.figures.plane import Plane
 from owtsweep.studies.hub.bounds.cells import WINDOW
 from owtsweep.studies.hub.conditions import get_grid
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 from owtsweep.studies.hub.world import CONDITIONS
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-
-    from owtsweep.studies.hub.config import HubConfig
 
 NAME = "efficiency"
 #: Panels per row, and the most cells of a panel that has numbers in its cells.

@@ -8,23 +8,21 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import cast
+
+import pandas as pd
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.io.tables import write_table
 from owtsweep.motion.envelope import SHARE, find_region
+from owtsweep.structures import Structure
 from owtsweep.studies.hub.conditions import require_spectrum
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.envelope import SIZES, compute_envelope, find_best, tell_best
 from owtsweep.studies.hub.figures import maps_by_tuning
 from owtsweep.sweep.gather import Results
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.structures import Structure
-    from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.runs import Run
+from owtsweep.sweep.runs import Run
 
 NAME = "envelope"
 

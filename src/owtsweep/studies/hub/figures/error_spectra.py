@@ -16,6 +16,7 @@ from matplotlib.ticker import NullFormatter
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
+from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.base.schemes import StoredScheme
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
@@ -123,8 +124,6 @@ MOST_SPECTRA = 8
 
 def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
     """Draw up to `MOST_SPECTRA` spectra of the motion, each scaled to a peak of 1; limits in Hz."""
-    from owtsweep.motion.spectra import spectrum
-
     periods = sorted(config.grid.natural_period)
     chosen = np.unique(np.linspace(0, len(periods) - 1, MOST_SPECTRA).round().astype(int))
     frequency = np.geomspace(config.band[0], config.band[1], 2000)

@@ -7,7 +7,10 @@ from functools import cache, partial
 from textwrap import fill
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
 from owtsweep.figures.drawings import Drawing, save_figure
+from owtsweep.results.conditions import Value
 from owtsweep.results.status import FAILED
 from owtsweep.studies.hub.conditions import (
     JUDGED,
@@ -16,6 +19,7 @@ from owtsweep.studies.hub.conditions import (
     list_maps,
     select,
 )
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.describe import (
     describe_one_record,
     describe_origin,
@@ -27,11 +31,8 @@ from owtsweep.studies.hub.describe import (
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
-    from owtsweep.results.conditions import Value
-    from owtsweep.studies.hub.config import HubConfig
 
 #: A function that draws a figure.
 Draw = Callable[[], "Figure"]

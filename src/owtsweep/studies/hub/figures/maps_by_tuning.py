@@ -5,9 +5,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
@@ -22,15 +22,11 @@ from owtsweep.figures.margin import HANDLERS, Shades
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.answer import tell_counts
+from owtsweep.results.conditions import Value
 from owtsweep.studies.hub.conditions import JUDGED, find_world, get_map_conditions, select
 from owtsweep.studies.hub.describe import describe_origin, find_alike, find_winners, tell_window
 from owtsweep.studies.hub.listed import list_baselines, scheme_names
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.results.conditions import Value
-    from owtsweep.sweep.gather import Results
+from owtsweep.sweep.gather import Results
 
 NAME = "best_scheme_maps"
 #: Widths and heights in inches: of a column of cells, of a row of cells, and beside the cells.

@@ -6,8 +6,6 @@ from the fixes and added to the estimates.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -43,10 +41,8 @@ from owtsweep.studies.hub.online.coordinates import (
     make_estimates,
     start_at_first_fix,
 )
+from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.sensors import Sensors
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.scheme_sections import FilterTuning
 
 
 def filter_settings(

@@ -7,7 +7,6 @@ Register 1 delays the samples of the IMU by the delay of the GNSS. Source: Algor
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +17,7 @@ from owtsweep.estimation.gains import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import Chain, chain
 from owtsweep.studies.hub.checks import check_window
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter, axis_filter, input_model
@@ -26,9 +26,6 @@ from owtsweep.studies.hub.scheme_sections import FilterTuning
 from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.sensors import Sensors
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 
 class DelayedChain:

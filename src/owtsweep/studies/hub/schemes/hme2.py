@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +17,7 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import Chain, chain
 from owtsweep.studies.hub.checks import check_mhe, check_window
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme, Stepwise
 from owtsweep.studies.hub.fix_rules import make_fix_rule
 from owtsweep.studies.hub.horizon import Horizon, horizon
@@ -27,9 +27,6 @@ from owtsweep.studies.hub.schemes.chained import ChainScheme
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 from owtsweep.studies.hub.sensors import Sensors
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 
 class MovingHorizonEstimator:

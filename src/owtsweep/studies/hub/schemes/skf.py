@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.conditions import require_spectrum
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.known_motion import KnownMotion, find_known_motion
@@ -25,7 +26,6 @@ from owtsweep.studies.hub.spectral_filter import CompiledAxisFilter, KalmanAxisF
 from owtsweep.studies.hub.spectral_model import make_axes
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.spectral_batch import SpectralKernel
 
 

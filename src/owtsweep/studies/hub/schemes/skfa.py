@@ -10,20 +10,17 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
 from owtsweep.motion.tracking import LEAST
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Known, Scheme
 from owtsweep.studies.hub.fix_rules import FixRule, make_fix_rule
 from owtsweep.studies.hub.online.spectral import SpectralEstimator
 from owtsweep.studies.hub.spectral_filter import AxisFilter, CompiledAxisFilter, KalmanAxisFilter
 from owtsweep.studies.hub.spectral_model import SpectralAxis
 from owtsweep.studies.hub.tracking_filter import TrackingFilter
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 logger = logging.getLogger(__name__)
 

@@ -7,11 +7,12 @@ the period of the motion.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import ZERO, Estimator, Known, Scheme
+from owtsweep.studies.hub.listed import resolve
 from owtsweep.studies.hub.switching.boundary import (
     Boundary,
     check_switch,
@@ -20,9 +21,6 @@ from owtsweep.studies.hub.switching.boundary import (
 )
 from owtsweep.studies.hub.switching.estimator import SwitchingEstimator
 from owtsweep.studies.hub.switching.supervisor import SeaWatch, Supervisor
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig
 
 
 class SupervisorySwitching(Scheme):
@@ -52,8 +50,6 @@ class SupervisorySwitching(Scheme):
 
 
 def _choose_schemes(config: HubConfig) -> tuple[Scheme, Scheme]:
-    from owtsweep.studies.hub.listed import resolve
-
     settings = config.switch
     below, above = resolve(settings.below), resolve(settings.above)
     return below.under(config), above.under(config)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan, log
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,11 +15,8 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError, require
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.listed import LISTED
-
-if TYPE_CHECKING:
-    from owtsweep.studies.hub.scheme_sections import Switch
-
+from owtsweep.studies.hub.listed import LISTED, resolve, under
+from owtsweep.studies.hub.scheme_sections import Switch
 
 #: Number of frequencies in the band at which a computed boundary is tabulated.
 FREQUENCIES = 40
@@ -84,7 +80,6 @@ def compute_boundary(config: HubConfig, below: str, above: str, crest: float) ->
     kernel.
     """
     from owtsweep.studies.hub.error_curves.of_schemes import curves_of
-    from owtsweep.studies.hub.listed import resolve, under
 
     measure = int(config.measures.criterion == "velocity")
     alone = changed(config, schemes=[below, above], baselines=[])

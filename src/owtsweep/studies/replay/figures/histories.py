@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from owtsweep.errors import InputError
 from owtsweep.figures import time_histories
@@ -16,10 +16,6 @@ from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.figures.traces import Session, Traces, collect_traces
 from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.measures import QUANTILE
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 #: The panel of distances from later fixes shows those up to this many standard deviations.
 REACH = 6.0

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
@@ -25,9 +27,6 @@ from owtsweep.studies.replay.place import (
 )
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from owtsweep.figures.smooth_map import Field
 
 PERIODS, AMPLITUDES = 48, 160

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
+from owtsweep.figures.margin import Shades, add_legend
 from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.studies.hub.public import BASELINES, tell_window
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.files import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.artist import Artist
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: If a column of the table has at most this many different values, they are the ticks of the axis.
 MOST_TICKS = 12
@@ -33,10 +33,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     `replay.table`; the largest displacement (m) and the fitted period (s) stand for missing ones.
     Raises InputError if no record has values on both axes.
     """
-    from matplotlib.patches import Patch
 
     from owtsweep.figures.best_scheme_map import HATCH
-    from owtsweep.figures.margin import Shades, add_legend
 
     table, (first, second) = _choose_coordinates(config, records)
     measured = advised[(advised["source"] != "map") & (advised["noise"] != "estimated")]
@@ -144,8 +142,6 @@ def _mark(
     *,
     hatched: bool,
 ) -> None:
-    from matplotlib.colors import to_rgba
-    from matplotlib.patches import Rectangle
 
     from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
@@ -16,10 +17,6 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import BEYOND, MOST_MODES, summarise_motion
 from owtsweep.studies.replay.files import name_file
 from owtsweep.studies.replay.place import read_fit
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: The running mean is over 1 / `SHARE` of the periodogram's lines inside the band, but at least
 #: over `SMOOTHED` lines. It is drawn if the band has more than 20 * `SMOOTHED` lines.
